@@ -1,0 +1,81 @@
+/* HHD, hemisphere and highlight direction: irradiance over a surface's hemisphere as a hemisphere light and one
+ * directional light,
+ *
+ *     I(n) = C_a (1 + n_v.n)/2 + C_d max(0, n.d)
+ *
+ * and IrradZ, the filterable form that lightmaps store: I_z = I(n_v), the ambient weight w and the direction d, so
+ * that C_a = w I_z and C_d = (1 - w) I_z / (n_v.d) (Roughton, Sloan, Silvennoinen and Shirley, SIGGRAPH 2024).
+ *
+ * Colour: the direction d and the weight w come from Rec. 709 luminance and are shared by the channels; I_z is a
+ * colour. Probes and lightmaps go through the same encoder, so that both split colour in the same way.
+ *
+ * All functions are pure, allocate nothing, and may be called from any thread. Normals are unit vectors; n_v is the
+ * surface (vertex) normal, n the shading normal. Irradiance is normalised (lambent/sh.h). No input, however broken,
+ * gives NaN, infinity or negative light. */
+#ifndef LAMBENT_HHD_H
+#define LAMBENT_HHD_H
+
+#include <lambent/sh.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Normalised moments of radiance already clipped to the hemisphere: scalar b_c = integral of L dw / pi, vector
+ * b = integral of L w dw / pi, so that b.n_v is the normalised irradiance at n_v. */
+typedef struct lmb_moments {
+    float scalar;
+    lmb_vec3 vector;
+} lmb_moments;
+
+/* One channel: C_a, C_d and unit d. */
+typedef struct lmb_hhd {
+    float ambient;
+    float directional;
+    lmb_vec3 direction;
+} lmb_hhd;
+
+/* The same with colour; d is shared. */
+typedef struct lmb_hhd_rgb {
+    lmb_rgb ambient;
+    lmb_rgb directional;
+    lmb_vec3 direction;
+} lmb_hhd_rgb;
+
+/* What a lightmap texel stores; every member may be filtered, d normalised afterwards. */
+typedef struct lmb_irradz {
+    lmb_rgb irradiance_z;
+    float ambient_weight; /* w in [0, 1] */
+    lmb_vec3 direction;   /* unit, world space, at least LMB_IRRADZ_MIN_COS above the horizon of n_v */
+} lmb_irradz;
+
+/* The lowest n_v.d that IrradZ stores: below it (1 - w) / (n_v.d) is too steep to store and filter. */
+#define LMB_IRRADZ_MIN_COS 0.05f
+
+/* Moments of clipped linear SH (lmb_sh3_multiply_cone): b_c = (2/sqrt(pi)) y0, b = 2/sqrt(3 pi) y1. */
+lmb_moments lmb_moments_from_sh2(const lmb_sh2 *clipped_radiance);
+
+/* The HHD light that has these moments, by the closed form, robust for every input: no light for b_c <= 0 or NaN;
+ * C_a, C_d >= 0; d unit, never below the horizon. Keeps I(n_v) = b.n_v wherever b.n_v is physical
+ * (0 <= b.n_v, |b| <= b_c). */
+lmb_hhd lmb_hhd_solve(lmb_moments moments, lmb_vec3 vertex_normal);
+
+/* Normalised irradiance at `normal`, >= 0. */
+float lmb_hhd_evaluate(const lmb_hhd *hhd, lmb_vec3 vertex_normal, lmb_vec3 normal);
+lmb_rgb lmb_hhd_rgb_evaluate(const lmb_hhd_rgb *hhd, lmb_vec3 vertex_normal, lmb_vec3 normal);
+
+/* The shared encoder: SH3 radiance (a probe's, or a lightmap texel's hemispherical fit) -> clip by the cone about
+ * `vertex_normal` (cone_cos = 0: the hemisphere) -> moments -> HHD of the luminance -> IrradZ. */
+lmb_irradz lmb_irradz_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos);
+
+/* IrradZ back to HHD. The direction may be filtered and unnormalised, the weight out of range: both are mended. */
+lmb_hhd_rgb lmb_irradz_decode(const lmb_irradz *irradz, lmb_vec3 vertex_normal);
+
+/* Light that the surface reflects onto its own bumps: albedo I_z (1 - n.n_v)/2, per channel. */
+lmb_rgb lmb_self_bounce(lmb_rgb albedo, lmb_rgb irradiance_z, lmb_vec3 vertex_normal, lmb_vec3 normal);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,32 @@
+/* probes.vdb, the exchange format: OpenVDB grids that Blender, Houdini and vdb_print open (docs/formats.md).
+ *
+ * Nine Vec3s grids, one per SH coefficient, half floats on disk, and one float grid of validity; all share one
+ * topology and a linear transform in metres. No C++ type or exception crosses this header. */
+#ifndef LAMBENT_VDB_H
+#define LAMBENT_VDB_H
+
+#include <lambent/grid.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Stored in the file's metadata; strings are UTF-8, NUL-terminated, never NULL on writing. */
+typedef struct lmb_vdb_metadata {
+    const char *settings;   /* JSON of the bake's settings */
+    const char *scene_hash; /* hexadecimal content hash of level and environment */
+} lmb_vdb_metadata;
+
+/* Writes beside, then renames. The file's UUID is a hash of its content: equal grids give equal bytes.
+ * @return LMB_ERROR_IO, _MEMORY, _ARGUMENT */
+lmb_result lmb_vdb_write(const char *path, const lmb_grid *grid, const lmb_vdb_metadata *metadata, lmb_error *error);
+
+/* Reads a file of ours back, edited or not. `*settings` and `*scene_hash` are malloc'ed strings; either pointer may be
+ * NULL. @return LMB_ERROR_IO, _FORMAT (not a .vdb, grids missing, topologies differ), _VERSION, _MEMORY */
+lmb_result lmb_vdb_read(const char *path, lmb_grid **grid, char **settings, char **scene_hash, lmb_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
