@@ -1,0 +1,47 @@
+/* Lightmap UVs: checking those that a mesh brings, and making charts where it has none.
+ *
+ * Charts are groups of neighbouring faces with similar normals, laid flat along the group's mean normal and packed
+ * into the unit square with a gutter between them. */
+#ifndef LAMBENT_CHART_H
+#define LAMBENT_CHART_H
+
+#include <lambent/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum lmb_uv_fault {
+    LMB_UV_GOOD,
+    LMB_UV_MISSING,      /* no TEXCOORD_1 */
+    LMB_UV_OUT_OF_RANGE, /* corners outside [0, 1] (beyond a small slack) or not finite */
+    LMB_UV_DEGENERATE,   /* triangles with area in the world but none in UV */
+    LMB_UV_OVERLAPPING   /* triangles cover each other */
+} lmb_uv_fault;
+
+/* Whether a mesh's own TEXCOORD_1 can carry a lightmap of `resolution` x `resolution` texels: overlap is tested by
+ * rasterising texel centres at that resolution, and more than 1 % of the covered texels covered twice is a fault.
+ * @return LMB_ERROR_MEMORY */
+lmb_result lmb_uv_check(const lmb_mesh *mesh, int32_t resolution, lmb_uv_fault *fault);
+
+/* A short phrase for messages. */
+const char *lmb_uv_fault_text(lmb_uv_fault fault);
+
+typedef struct lmb_charts {
+    lmb_vec2 *corner_uv;  /* [3 * triangle + corner] in [0, 1] */
+    uint32_t *chart;      /* [triangle] */
+    uint32_t chart_count;
+    int32_t resolution;   /* texels along each side of the square that the packing was made for */
+} lmb_charts;
+
+/* Makes charts for a mesh at `texels_per_m` (texels per unit of mesh space), `gutter_texels` between charts and at
+ * the border. The result depends on the mesh alone. @return LMB_ERROR_MEMORY, _ARGUMENT */
+lmb_result lmb_charts_make(const lmb_mesh *mesh, float texels_per_m, int32_t gutter_texels, lmb_charts *charts);
+
+void lmb_charts_free(lmb_charts *charts);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

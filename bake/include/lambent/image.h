@@ -1,0 +1,71 @@
+/* Images: environments and lightmaps in float, pictures out. Row 0 is the top; pixels are interleaved. */
+#ifndef LAMBENT_IMAGE_H
+#define LAMBENT_IMAGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <lambent/error.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Linear float RGB, 3 floats a pixel, malloc'ed. */
+typedef struct lmb_image {
+    int32_t width;
+    int32_t height;
+    float *rgb;
+} lmb_image;
+
+/* How a latitude-longitude image lies around the scene. */
+typedef enum lmb_latlong_axes {
+    LMB_LATLONG_GLTF,   /* row 0 is +Y, u = 0.5 is +X, u = 0.75 is +Z: as three.js has it; .hdr and plain .exr */
+    LMB_LATLONG_OPENEXR /* the axes of OpenEXR's `envmap` attribute: row 0 is +Y, u = 0.5 is +Z, u = 0.25 is +X */
+} lmb_latlong_axes;
+
+/* Reads a Radiance .hdr (stb_image) or an OpenEXR .exr (scanline or tiled, level 0, half/float/uint, R G B or Y
+ * channels, any compression that OpenEXRCore decodes; others are refused by name). Told apart by content, not by
+ * extension. NaN, infinite and negative pixels are set to 0 and counted in `*bad_pixels` (may be NULL).
+ * `*axes` (may be NULL) is set from the `envmap` attribute. A cube-map EXR is refused.
+ * @return LMB_ERROR_IO, _FORMAT, _UNSUPPORTED, _MEMORY */
+lmb_result lmb_image_read(const char *path, lmb_image *image, lmb_latlong_axes *axes, size_t *bad_pixels,
+                          lmb_error *error);
+
+/* Frees the pixels; the struct may then be reused. */
+void lmb_image_free(lmb_image *image);
+
+/* 8-bit sRGB PNG of 3 bytes a pixel. Writes beside, then renames. @return LMB_ERROR_IO, _MEMORY */
+lmb_result lmb_png_write(const char *path, int32_t width, int32_t height, const uint8_t *srgb, lmb_error *error);
+
+/* One named channel of an EXR: width x height floats, tightly packed. */
+typedef struct lmb_exr_channel {
+    const char *name;    /* channels are stored sorted by name, as the format asks */
+    const float *values;
+} lmb_exr_channel;
+
+/* A text or number attribute of an EXR's header. `text` NULL means a float attribute. */
+typedef struct lmb_exr_attribute {
+    const char *name;
+    const char *text;
+    float number;
+} lmb_exr_attribute;
+
+/* Half-float scanline EXR, ZIP compressed, written beside and renamed; equal input gives equal bytes. Values beyond
+ * fp16 are the caller's business (scale first): they are clamped to +-65504 here and counted in `*overflow_count`
+ * (may be NULL); NaN is LMB_ERROR_ARGUMENT. @return LMB_ERROR_IO, _MEMORY, _ARGUMENT */
+lmb_result lmb_exr_write(const char *path, int32_t width, int32_t height, const lmb_exr_channel *channels,
+                         size_t channel_count, const lmb_exr_attribute *attributes, size_t attribute_count,
+                         size_t *overflow_count, lmb_error *error);
+
+/* Reads named channels of an EXR of ours back: values[i] gets width x height malloc'ed floats of channel names[i].
+ * `scale` (may be NULL) gets the float attribute "lambent:scale", or 1. @return as lmb_image_read, and LMB_ERROR_FORMAT
+ * when a channel is missing */
+lmb_result lmb_exr_read_channels(const char *path, const char *const *names, size_t count, float **values,
+                                 int32_t *width, int32_t *height, float *scale, lmb_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,167 @@
+/* A level, as the baker needs it: triangles, what they reflect and emit, lights, environment.
+ *
+ * Loaded from glTF 2.0 (lambent/gltf.h). Everything is plain data: arrays that the scene owns, indices into them,
+ * never pointers between them. Meshes are in their own space and shared by instances. */
+#ifndef LAMBENT_SCENE_H
+#define LAMBENT_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <lambent/error.h>
+#include <lambent/image.h>
+#include <lambent/types.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct lmb_vec2 {
+    float x, y;
+} lmb_vec2;
+
+/* Row-major affine transform: p' = m[r][0] x + m[r][1] y + m[r][2] z + m[r][3]. */
+typedef struct lmb_affine {
+    double m[3][4];
+} lmb_affine;
+
+typedef enum lmb_wrap { LMB_WRAP_REPEAT, LMB_WRAP_CLAMP, LMB_WRAP_MIRROR } lmb_wrap;
+
+/* 8-bit RGBA pixels as the file has them; row 0 is the top, v = 0. 16-bit sources are rounded to 8. */
+typedef struct lmb_texture_image {
+    char *name;      /* URI or "image N", for messages */
+    int32_t width;
+    int32_t height;
+    uint8_t *rgba;
+} lmb_texture_image;
+
+/* A use of an image by a material. */
+typedef struct lmb_texture {
+    int32_t image;        /* index into scene.images, or -1: no texture, the factor alone */
+    int32_t uv_set;       /* 0 or 1 */
+    lmb_wrap wrap_u, wrap_v;
+    bool nearest;         /* nearest filtering; else bilinear */
+    float transform[2][3]; /* KHR_texture_transform as an affine map of (u, v); identity by default */
+} lmb_texture;
+
+typedef enum lmb_alpha_mode { LMB_ALPHA_OPAQUE, LMB_ALPHA_MASK, LMB_ALPHA_BLEND } lmb_alpha_mode;
+
+typedef struct lmb_material {
+    char *name;
+    float base_color[4];        /* linear factor, alpha last; each in [0, 1] */
+    lmb_texture base_color_texture; /* sRGB, alpha linear */
+    lmb_rgb emissive;           /* radiance factor: emissiveFactor x emissive strength */
+    lmb_texture emissive_texture; /* sRGB */
+    lmb_texture normal_texture; /* tangent space, +Y up; linear */
+    float normal_scale;
+    float transmission;         /* KHR_materials_transmission factor: lets light straight through, tinted */
+    lmb_alpha_mode alpha_mode;
+    float alpha_cutoff;
+    bool double_sided;          /* does not change transport: surfaces reflect on both sides */
+    bool unlit;                 /* neither emits nor bounces */
+} lmb_material;
+
+/* Triangles of one glTF mesh, all its primitives together, in mesh space. */
+typedef struct lmb_mesh {
+    char *name;
+    uint32_t vertex_count;
+    lmb_vec3 *position;        /* [vertex] finite */
+    lmb_vec3 *normal;          /* [vertex] unit; flat normals are made where the file has none */
+    float (*tangent)[4];       /* [vertex] xyz unit, w = +-1 handedness; NULL when no primitive has tangents: then
+                                  derived from UVs where needed */
+    lmb_vec2 *uv[2];           /* [vertex] TEXCOORD_0 and TEXCOORD_1; NULL when absent from every primitive */
+    float (*color)[4];         /* [vertex] linear COLOR_0, or NULL */
+    uint32_t triangle_count;
+    uint32_t (*triangle)[3];   /* [triangle] vertex numbers, wound counter-clockwise seen from the front */
+    uint32_t *material;        /* [triangle] index into scene.materials (a default material always exists) */
+    int32_t source_mesh;       /* index in the glTF file */
+    uint32_t *source_primitive; /* [triangle] primitive of the glTF mesh that it came from */
+} lmb_mesh;
+
+/* A mesh placed in the world: one for each glTF node that has one, or for each of its EXT_mesh_gpu_instancing places. */
+typedef struct lmb_instance {
+    char *name;              /* the node's name, or "node N" */
+    int32_t node;            /* index in the glTF file */
+    int32_t place;           /* number of the instancing place, 0 when not instanced */
+    uint32_t mesh;
+    lmb_affine to_world;
+    lmb_affine normal_to_world; /* inverse transpose of the linear part; translation 0 */
+    bool mirrored;           /* negative determinant: winding is the other way round */
+    bool dynamic;            /* extras {"lambent": {"static": false}}: neither baked nor an occluder */
+} lmb_instance;
+
+typedef enum lmb_light_type { LMB_LIGHT_POINT, LMB_LIGHT_SPOT, LMB_LIGHT_DIRECTIONAL } lmb_light_type;
+
+/* KHR_lights_punctual, in world space and in radiometric use of its photometric units: 1 lux on a white Lambertian
+ * surface gives radiance 1/pi; emissive radiance is in the same units. */
+typedef struct lmb_light {
+    char *name;
+    lmb_light_type type;
+    lmb_vec3 position;  /* point, spot */
+    lmb_vec3 direction; /* unit, the way the light travels (the node's -Z); spot, directional */
+    lmb_rgb intensity;  /* colour x intensity: candela (point, spot), lux (directional) */
+    float range;        /* metres; 0: unlimited */
+    float cos_inner;    /* spot: full intensity inside */
+    float cos_outer;    /* spot: none outside */
+} lmb_light;
+
+typedef struct lmb_environment {
+    bool present;
+    lmb_rgb constant;      /* used when image.rgb is NULL */
+    lmb_image image;       /* latitude-longitude radiance; each pixel counts as constant over its solid angle */
+    lmb_latlong_axes axes;
+    float rotation_rad;    /* turns the environment about +Y, counter-clockwise seen from above */
+    float strength;
+} lmb_environment;
+
+typedef struct lmb_scene {
+    char *path;
+    lmb_mesh *meshes;
+    uint32_t mesh_count;
+    lmb_instance *instances;
+    uint32_t instance_count;
+    lmb_material *materials;
+    uint32_t material_count;
+    lmb_texture_image *images;
+    uint32_t image_count;
+    lmb_light *lights;
+    uint32_t light_count;
+    lmb_environment environment;
+    lmb_vec3 bounds_min;    /* of all static triangles, world space; min > max when there are none */
+    lmb_vec3 bounds_max;
+    lmb_vec3 *seed_points;  /* nodes marked by extras {"lambent": {"seed": true}}, world space */
+    uint32_t seed_point_count;
+    lmb_vec3 *path_points;  /* nodes marked by extras {"lambent": {"path": n}}, in the order of n */
+    uint32_t path_point_count;
+    uint32_t dropped_triangle_count; /* degenerate, non-finite or out-of-range triangles that were left out */
+    uint64_t content_hash;  /* of the level's bytes with its buffers and images, the environment, and what was excluded */
+} lmb_scene;
+
+/* Frees everything; NULL is allowed. */
+void lmb_scene_destroy(lmb_scene *scene);
+
+/* Checks every index, every vertex and every unit vector. @return LMB_ERROR_FORMAT with the place in `error` */
+lmb_result lmb_scene_validate(const lmb_scene *scene, lmb_error *error);
+
+/* Sets the environment from a description:
+ *     a path to .hdr or .exr, or #rrggbb (sRGB constant colour), or "none";
+ * each may be followed by options, ",rotation=DEG" and ",strength=X". Continues scene->content_hash.
+ * @return LMB_ERROR_FORMAT, _IO, _UNSUPPORTED, _MEMORY */
+lmb_result lmb_scene_set_environment(lmb_scene *scene, const char *description, lmb_error *error);
+
+/* Whether anything in the scene gives light. */
+bool lmb_scene_has_light(const lmb_scene *scene);
+
+/* Bilinear (or nearest) lookup at (u, v) before the texture's own transform; RGBA in [0, 1], colour channels decoded
+ * from sRGB when `srgb`. White when the texture has no image. */
+void lmb_texture_sample(const lmb_scene *scene, const lmb_texture *texture, lmb_vec2 uv, bool srgb, float rgba[4]);
+
+/* sRGB byte to linear value, exact to float; the same on every machine. */
+float lmb_srgb_to_linear(uint8_t byte);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
