@@ -1,0 +1,123 @@
+#include <lambent/sh.h>
+
+#include "sh_internal.h"
+
+/* Radiance -> normalised irradiance, per coefficient (Ramamoorthi and Hanrahan 2001, divided by pi). */
+static const float irradiance_band_scale[LMB_SH3_COUNT] = {
+    1.0f, 2.0f / 3.0f, 2.0f / 3.0f, 2.0f / 3.0f, 0.25f, 0.25f, 0.25f, 0.25f, 0.25f,
+};
+
+lmb_sh3 lmb_sh3_basis(lmb_vec3 direction)
+{
+    const float x = direction.x, y = direction.y, z = direction.z;
+    return (lmb_sh3){{
+        (float)LMB_SH_N0,
+        -(float)LMB_SH_N1 * y,
+        (float)LMB_SH_N1 * z,
+        -(float)LMB_SH_N1 * x,
+        (float)LMB_SH_N2 * x * y,
+        -(float)LMB_SH_N2 * y * z,
+        (float)LMB_SH_N20 * (3.0f * z * z - 1.0f),
+        -(float)LMB_SH_N2 * x * z,
+        (float)LMB_SH_N22 * (x * x - y * y),
+    }};
+}
+
+static float sh3_dot(const lmb_sh3 *a, const lmb_sh3 *b)
+{
+    float sum = 0.0f;
+    for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+        sum += a->c[i] * b->c[i];
+    }
+    return sum;
+}
+
+/* The set whose dot product with radiance is the normalised irradiance on `normal`. */
+static lmb_sh3 irradiance_kernel(lmb_vec3 normal)
+{
+    lmb_sh3 kernel = lmb_sh3_basis(normal);
+    for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+        kernel.c[i] *= irradiance_band_scale[i];
+    }
+    return kernel;
+}
+
+float lmb_sh3_evaluate(const lmb_sh3 *radiance, lmb_vec3 direction)
+{
+    const lmb_sh3 basis = lmb_sh3_basis(direction);
+    return sh3_dot(radiance, &basis);
+}
+
+float lmb_sh3_irradiance(const lmb_sh3 *radiance, lmb_vec3 normal)
+{
+    const lmb_sh3 kernel = irradiance_kernel(normal);
+    return sh3_dot(radiance, &kernel);
+}
+
+/* The rare dot product that float cannot hold: 0 for broken coefficients, else the sum in double, clamped. */
+static float unrepresentable_irradiance(const lmb_sh3 *radiance, const lmb_sh3 *kernel)
+{
+    double sum = 0.0;
+    for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+        if (!isfinite(radiance->c[i])) {
+            return 0.0f;
+        }
+        sum += (double)radiance->c[i] * (double)kernel->c[i];
+    }
+    return sum > 0.0 ? (float)fmin(sum, (double)FLT_MAX) : 0.0f;
+}
+
+lmb_rgb lmb_sh3_rgb_irradiance(const lmb_sh3_rgb *radiance, lmb_vec3 normal)
+{
+    const lmb_sh3 kernel = irradiance_kernel(normal);
+    lmb_rgb irradiance;
+    for (int i = 0; i < 3; ++i) {
+        const float sum = sh3_dot(&radiance->channel[i], &kernel);
+        irradiance.c[i] =
+            isfinite(sum) ? lmb_light_clamped(sum) : unrepresentable_irradiance(&radiance->channel[i], &kernel);
+    }
+    return irradiance;
+}
+
+static void sh3_add_scaled(lmb_sh3 *sum, const lmb_sh3 *term, float scale)
+{
+    for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+        sum->c[i] += scale * term->c[i];
+    }
+}
+
+void lmb_sh3_add_light(lmb_sh3 *radiance, lmb_vec3 direction, float weight)
+{
+    const lmb_sh3 basis = lmb_sh3_basis(direction);
+    sh3_add_scaled(radiance, &basis, weight);
+}
+
+void lmb_sh3_rgb_add_light(lmb_sh3_rgb *radiance, lmb_vec3 direction, lmb_rgb weight)
+{
+    const lmb_sh3 basis = lmb_sh3_basis(direction);
+    for (int i = 0; i < 3; ++i) {
+        sh3_add_scaled(&radiance->channel[i], &basis, weight.c[i]);
+    }
+}
+
+lmb_sh3_rgb lmb_sh3_rgb_lerp(const lmb_sh3_rgb *a, const lmb_sh3_rgb *b, float t)
+{
+    lmb_sh3_rgb mix;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < LMB_SH3_COUNT; ++j) {
+            const float from = a->channel[i].c[j];
+            mix.channel[i].c[j] = from + (b->channel[i].c[j] - from) * t;
+        }
+    }
+    return mix;
+}
+
+lmb_sh3 lmb_sh3_rgb_luminance(const lmb_sh3_rgb *radiance)
+{
+    lmb_sh3 luminance;
+    for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+        luminance.c[i] =
+            lmb_luminance((lmb_rgb){{radiance->channel[0].c[i], radiance->channel[1].c[i], radiance->channel[2].c[i]}});
+    }
+    return luminance;
+}
