@@ -1,0 +1,113 @@
+/* Dilation: light for the probes that could not be baked. Passes are found first, by walking outwards from the valid
+ * probes; then each probe takes the mean of neighbours of earlier passes only, so that the order of probes does not
+ * matter. */
+#include <lambent/grid.h>
+
+#include "volume_internal.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+enum { NEIGHBOUR_COUNT = 26 };
+
+/* Probe at offset number `n` (x fastest, the probe itself left out), or -1; `*distance_squared` is 1, 2 or 3. */
+static int32_t neighbour_of(const lmb_grid *grid, int32_t probe, int n, int *distance_squared)
+{
+    const int place = n < NEIGHBOUR_COUNT / 2 ? n : n + 1;
+    const int offset[3] = {place % 3 - 1, place / 3 % 3 - 1, place / 9 - 1};
+    int64_t local[3];
+    *distance_squared = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        *distance_squared += offset[axis] * offset[axis];
+        local[axis] = (int64_t)grid->lattice[probe][axis] - grid->min[axis] + offset[axis];
+        if (local[axis] < 0 || local[axis] >= grid->size[axis]) {
+            return -1;
+        }
+    }
+    return grid->probe_at[local[0] + grid->size[0] * (local[1] + grid->size[1] * local[2])];
+}
+
+void lmb_grid_dilation_passes(const lmb_grid *grid, int32_t *pass, int32_t *order, int32_t *reached)
+{
+    int32_t count = 0;
+    for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
+        pass[probe] = grid->validity[probe] >= LMB_GRID_MIN_VALIDITY ? 0 : -1;
+        if (pass[probe] == 0) {
+            order[count++] = probe;
+        }
+    }
+    for (int32_t next = 0; next < count; ++next) {
+        for (int n = 0; n < NEIGHBOUR_COUNT; ++n) {
+            int distance_squared;
+            const int32_t neighbour = neighbour_of(grid, order[next], n, &distance_squared);
+            if (neighbour >= 0 && pass[neighbour] < 0) {
+                pass[neighbour] = pass[order[next]] + 1;
+                order[count++] = neighbour;
+            }
+        }
+    }
+    *reached = count;
+}
+
+/* Mean over neighbours of earlier passes, weighted by 1 / distance^2, summed in double in a fixed order. */
+static void fill_probe(lmb_grid *grid, const int32_t *pass, int32_t probe)
+{
+    double sum[3][LMB_SH3_COUNT] = {{0.0}};
+    double weights = 0.0;
+    for (int n = 0; n < NEIGHBOUR_COUNT; ++n) {
+        int distance_squared;
+        const int32_t neighbour = neighbour_of(grid, probe, n, &distance_squared);
+        if (neighbour < 0 || pass[neighbour] < 0 || pass[neighbour] >= pass[probe]) {
+            continue;
+        }
+        const double weight = 1.0 / distance_squared;
+        weights += weight;
+        for (int channel = 0; channel < 3; ++channel) {
+            for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+                sum[channel][i] += weight * (double)grid->radiance[neighbour].channel[channel].c[i];
+            }
+        }
+    }
+    assert(weights > 0.0); /* a probe is reached through a neighbour of the pass before */
+    for (int channel = 0; channel < 3; ++channel) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            grid->radiance[probe].channel[channel].c[i] = (float)(sum[channel][i] / weights);
+        }
+    }
+}
+
+static void clear_unreached(lmb_grid *grid, const int32_t *pass)
+{
+    for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
+        if (pass[probe] < 0) {
+            grid->radiance[probe] = (lmb_sh3_rgb){{{{0.0f}}}};
+        }
+    }
+}
+
+lmb_result lmb_grid_dilate(lmb_grid *grid)
+{
+    assert(grid);
+    if (grid->probe_count == 0) {
+        return LMB_OK;
+    }
+    int32_t *const pass = malloc((size_t)grid->probe_count * sizeof *pass);
+    int32_t *const order = malloc((size_t)grid->probe_count * sizeof *order);
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (!pass || !order) {
+        goto cleanup;
+    }
+    int32_t reached;
+    lmb_grid_dilation_passes(grid, pass, order, &reached);
+    for (int32_t i = 0; i < reached; ++i) {
+        if (pass[order[i]] > 0) {
+            fill_probe(grid, pass, order[i]);
+        }
+    }
+    clear_unreached(grid, pass);
+    result = LMB_OK;
+cleanup:
+    free(pass);
+    free(order);
+    return result;
+}
