@@ -1,0 +1,137 @@
+/* Vector arithmetic and repeatable trigonometry that the baker's own files share. */
+#ifndef LMB_BAKE_INTERNAL_H
+#define LMB_BAKE_INTERNAL_H
+
+#include <math.h>
+
+#include <lambent/scene.h>
+
+#define LMB_PI 3.14159265358979323846
+#define LMB_PI_F 3.14159265358979323846f
+
+static inline lmb_vec3 vec3(float x, float y, float z)
+{
+    const lmb_vec3 v = {x, y, z};
+    return v;
+}
+
+static inline lmb_vec3 vec3_add(lmb_vec3 a, lmb_vec3 b)
+{
+    return vec3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+
+static inline lmb_vec3 vec3_sub(lmb_vec3 a, lmb_vec3 b)
+{
+    return vec3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+static inline lmb_vec3 vec3_scale(lmb_vec3 a, float s)
+{
+    return vec3(a.x * s, a.y * s, a.z * s);
+}
+
+/* a + b s */
+static inline lmb_vec3 vec3_mad(lmb_vec3 a, lmb_vec3 b, float s)
+{
+    return vec3(a.x + b.x * s, a.y + b.y * s, a.z + b.z * s);
+}
+
+static inline float vec3_dot(lmb_vec3 a, lmb_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline lmb_vec3 vec3_cross(lmb_vec3 a, lmb_vec3 b)
+{
+    return vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+static inline float vec3_length(lmb_vec3 a)
+{
+    return sqrtf(vec3_dot(a, a));
+}
+
+/* Unit vector along `a`, or `fallback` when `a` has no direction. Safe for very small and very large vectors. */
+static inline lmb_vec3 vec3_normalize_or(lmb_vec3 a, lmb_vec3 fallback)
+{
+    const double x = a.x, y = a.y, z = a.z;
+    const double length = sqrt(x * x + y * y + z * z);
+    if (!(length > 0.0) || !isfinite(length)) {
+        return fallback;
+    }
+    return vec3((float)(x / length), (float)(y / length), (float)(z / length));
+}
+
+static inline lmb_vec3 affine_point(const lmb_affine *t, lmb_vec3 p)
+{
+    const double x = p.x, y = p.y, z = p.z;
+    return vec3((float)(t->m[0][0] * x + t->m[0][1] * y + t->m[0][2] * z + t->m[0][3]),
+                (float)(t->m[1][0] * x + t->m[1][1] * y + t->m[1][2] * z + t->m[1][3]),
+                (float)(t->m[2][0] * x + t->m[2][1] * y + t->m[2][2] * z + t->m[2][3]));
+}
+
+static inline lmb_vec3 affine_vector(const lmb_affine *t, lmb_vec3 v)
+{
+    const double x = v.x, y = v.y, z = v.z;
+    return vec3((float)(t->m[0][0] * x + t->m[0][1] * y + t->m[0][2] * z),
+                (float)(t->m[1][0] * x + t->m[1][1] * y + t->m[1][2] * z),
+                (float)(t->m[2][0] * x + t->m[2][1] * y + t->m[2][2] * z));
+}
+
+/* Two unit vectors that complete unit `n` to a right-handed frame, continuous but at n.z = 0 (after Duff et al. 2017,
+ * "Building an Orthonormal Basis, Revisited"). */
+static inline void vec3_frame(lmb_vec3 n, lmb_vec3 *tangent, lmb_vec3 *bitangent)
+{
+    const float sign = n.z >= 0.0f ? 1.0f : -1.0f;
+    const float a = -1.0f / (sign + n.z);
+    const float b = n.x * n.y * a;
+    *tangent = vec3(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    *bitangent = vec3(b, sign + n.y * n.y * a, -n.y);
+}
+
+static inline lmb_rgb rgb(float r, float g, float b)
+{
+    const lmb_rgb c = {{r, g, b}};
+    return c;
+}
+
+static inline lmb_rgb rgb_mul(lmb_rgb a, lmb_rgb b)
+{
+    return rgb(a.c[0] * b.c[0], a.c[1] * b.c[1], a.c[2] * b.c[2]);
+}
+
+static inline lmb_rgb rgb_scale(lmb_rgb a, float s)
+{
+    return rgb(a.c[0] * s, a.c[1] * s, a.c[2] * s);
+}
+
+static inline lmb_rgb rgb_add(lmb_rgb a, lmb_rgb b)
+{
+    return rgb(a.c[0] + b.c[0], a.c[1] + b.c[1], a.c[2] + b.c[2]);
+}
+
+static inline float rgb_max(lmb_rgb a)
+{
+    return fmaxf(a.c[0], fmaxf(a.c[1], a.c[2]));
+}
+
+/* Sine and cosine of `angle_rad` (|angle| below 1e6), the inverse tangent of y/x in (-pi, pi], and the inverse cosine
+ * of x clamped to [-1, 1]: within 4e-16 of the truth, and the same bits on every machine, which libm's are not. */
+void lmb_sincos(double angle_rad, double *sine, double *cosine);
+double lmb_atan2(double y, double x);
+double lmb_acos(double x);
+
+/* Uniform direction on the sphere and, about `axis`, with density (1/2 + cos)/(2 pi) on the hemisphere: half uniform,
+ * half cosine, so that neither irradiance nor the scalar moment has unbounded weights. Each returns its density by the
+ * function after it. */
+lmb_vec3 lmb_sphere_sample(const float point[2]);
+lmb_vec3 lmb_hemisphere_sample(lmb_vec3 axis, const float point[2]);
+static inline float lmb_hemisphere_density(float cosine)
+{
+    return cosine > 0.0f ? (0.5f + cosine) / (2.0f * LMB_PI_F) : 0.0f;
+}
+
+/* Cosine-weighted direction about `axis`; density cos/pi. */
+lmb_vec3 lmb_cosine_sample(lmb_vec3 axis, const float point[2]);
+
+#endif

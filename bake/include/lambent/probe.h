@@ -1,0 +1,44 @@
+/* Gathering SH3 radiance: at a probe over the sphere, at a surface point over its hemisphere. */
+#ifndef LAMBENT_PROBE_H
+#define LAMBENT_PROBE_H
+
+#include <lambent/pool.h>
+#include <lambent/sh.h>
+#include <lambent/transport.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Samples are split into this many independent replicates, whose spread is the error estimate. */
+enum { LMB_GATHER_REPLICATES = 8 };
+
+/* SH moments of what a point receives, integral of L Y over its sphere or hemisphere. Over the sphere they are the SH
+ * coefficients; over a hemisphere lmb_sh3_fit_hemisphere turns them into coefficients. */
+typedef struct lmb_gathered {
+    lmb_sh3_rgb moments;
+    float relative_error; /* standard error of the moments' vector over its length; 0 when all is dark */
+    uint64_t rays;
+} lmb_gathered;
+
+/* Takes `samples` samples (at least one for each replicate) at one point. Runs on the calling thread. */
+void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
+                    lmb_gathered *gathered);
+
+/* The same, its replicates spread over the pool's threads; equal results. @return LMB_ERROR_INTERRUPTED */
+lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
+                                   lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered);
+
+/* Normalised irradiance on each of `count` normals from what the point receives, by the same samples: the truth that
+ * everything stored is compared with. Only light over the point's hemisphere counts. Takes `samples` samples of
+ * replicate `replicate` (different ones are independent). Adds to `*rays`. */
+enum { LMB_GATHER_MAX_NORMALS = 16 };
+void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate,
+                           uint32_t samples, const lmb_vec3 *normals, int count, lmb_rgb *irradiance,
+                           uint64_t *rays);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,85 @@
+/* Rays against a level: Embree's BVH over the scene's static instances, and the surface found at a hit.
+ *
+ * Nothing here is random and nothing is written after creation: any number of threads may trace. */
+#ifndef LAMBENT_TRACE_H
+#define LAMBENT_TRACE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <lambent/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct lmb_tracer lmb_tracer;
+
+/* Builds the BVH. `isa` pins Embree's instruction set ("sse4.2", "avx2", "avx512"), NULL lets it choose; Embree's last
+ * bits differ between sets. `threads` <= 0: one for each processor. The scene must outlive the tracer.
+ * @return LMB_ERROR_MEMORY, _UNSUPPORTED (no such isa here) */
+lmb_result lmb_tracer_create(const lmb_scene *scene, const char *isa, int threads, lmb_tracer **tracer,
+                             lmb_error *error);
+void lmb_tracer_destroy(lmb_tracer *tracer);
+
+/* The scene that it was made for. */
+const lmb_scene *lmb_tracer_scene(const lmb_tracer *tracer);
+
+/* Bytes that Embree holds for geometry and BVH. */
+size_t lmb_tracer_bytes(const lmb_tracer *tracer);
+
+typedef struct lmb_hit {
+    uint32_t instance;  /* index into scene.instances */
+    uint32_t triangle;  /* of the instance's mesh */
+    float u, v;         /* barycentric weights of the triangle's second and third corner */
+    float distance;     /* along the ray, in units of its direction's length */
+} lmb_hit;
+
+/* The nearest triangle between the two distances along the ray, whatever it is made of. */
+bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float near_distance,
+                       float far_distance, lmb_hit *hit);
+
+/* Where a hit is and how it faces. */
+typedef struct lmb_place {
+    lmb_vec3 position;         /* world space, from the triangle's corners: accurate to a few ulps of its coordinates */
+    lmb_vec3 geometric_normal; /* unit, towards the side that the triangle's winding calls front */
+    lmb_vec3 shading_normal;   /* unit, interpolated vertex normal, turned to the geometric normal's side */
+} lmb_place;
+
+/* The place of barycentric (u, v) on a triangle of an instance. */
+lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
+
+/* World-space corners of a triangle. */
+void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, lmb_vec3 corner[3]);
+
+/* What the material does at a hit. */
+typedef struct lmb_surface {
+    lmb_rgb albedo;    /* diffuse, of the part of the light that is not let through */
+    lmb_rgb emission;  /* radiance, likewise */
+    float opacity;     /* share of the light that the surface takes part in: 1 for opaque */
+    lmb_rgb pass;      /* share of each channel that goes straight through */
+} lmb_surface;
+
+lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
+
+/* The shading normal bent by the material's normal map, on the same side of the surface as `place->shading_normal`. */
+lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v,
+                                 const lmb_place *place);
+
+/* Share of each channel that gets from `from` to `to` through MASK, BLEND and transmitting surfaces; 0 behind an
+ * opaque one. Counts the rays that it took into `*rays`. */
+lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays);
+
+/* The same along a direction without end. */
+lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction,
+                                            uint64_t *rays);
+
+/* A ray's origin just off a surface point, on the side of `normal` that `direction` points to: farther than rounding
+ * can have put the point behind its own surface, and no more. */
+lmb_vec3 lmb_trace_offset(lmb_vec3 position, lmb_vec3 geometric_normal, lmb_vec3 direction);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

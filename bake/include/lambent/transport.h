@@ -1,0 +1,53 @@
+/* Diffuse light transport: how much light arrives at a point, by direction.
+ *
+ * Everything that is baked asks the same question, so there is one estimator behind it: the gather. A point (a probe
+ * in space, or a texel that owns a hemisphere) collects contributions, pairs of a direction and a weight in radiance
+ * times solid angle, such that the expected sum of f(direction) weight over the contributions of one sample is the
+ * integral of f L over the point's sphere or hemisphere, for any f. Probes, lightmaps and checks differ only in f.
+ *
+ * The estimator is the `reference`: an unbiased path tracer with next-event estimation of emissive triangles,
+ * environment and punctual lights, multiple importance sampling (balance heuristic, Veach and Guibas 1995) and Russian
+ * roulette. Surfaces are Lambertian with their base colour, reflect on both sides, and let light straight through by
+ * their opacity. */
+#ifndef LAMBENT_TRANSPORT_H
+#define LAMBENT_TRANSPORT_H
+
+#include <lambent/emitters.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What is traced, and how far. The pointers must outlive every call. */
+typedef struct lmb_transport {
+    const lmb_tracer *tracer;
+    const lmb_emitters *emitters;
+    int bounces;    /* reflections off surfaces at most; negative: no limit */
+    uint64_t seed;
+} lmb_transport;
+
+/* Where light is gathered. */
+typedef struct lmb_gather_point {
+    lmb_vec3 position;         /* where rays start: already off the surface, for a texel */
+    bool hemisphere;           /* only light with direction . normal > 0, else the whole sphere */
+    lmb_vec3 normal;           /* unit; the hemisphere's axis */
+} lmb_gather_point;
+
+/* Receives one contribution: `weight` = radiance x solid angle that arrives from unit `direction`. */
+typedef void (*lmb_gather_sink)(void *context, lmb_vec3 direction, lmb_rgb weight);
+
+/* Takes samples first .. first + count - 1 of the point's sequence `stream` (independent streams give independent
+ * estimates) and hands their contributions to `sink`. Weights are for a single sample: divide by the number of samples
+ * taken. Contributions with NaN or infinite weight are dropped. Adds the rays traced to `*rays`. */
+void lmb_gather(const lmb_transport *transport, const lmb_gather_point *point, uint64_t stream, uint32_t first,
+                uint32_t count, lmb_gather_sink sink, void *context, uint64_t *rays);
+
+/* Radiance that arrives at `origin` from unit `direction`: what a camera sees. */
+lmb_rgb lmb_radiance(const lmb_transport *transport, lmb_vec3 origin, lmb_vec3 direction, uint64_t stream,
+                     uint32_t sample, uint64_t *rays);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,154 @@
+#include <lambent/probe.h>
+
+#include <assert.h>
+#include <string.h>
+
+#include <lambent/sequence.h>
+
+#include "bake_internal.h"
+
+/* Sums of thousands of samples are kept in double. */
+typedef struct lmb_moment_sum {
+    double c[3][LMB_SH3_COUNT];
+} lmb_moment_sum;
+
+static void moment_sink(void *context, lmb_vec3 direction, lmb_rgb weight)
+{
+    lmb_moment_sum *sum = context;
+    const lmb_sh3 basis = lmb_sh3_basis(direction);
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            sum->c[c][i] += (double)weight.c[c] * (double)basis.c[i];
+        }
+    }
+}
+
+static uint64_t replicate_stream(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate)
+{
+    uint64_t stream = lmb_stream_of_position(transport->seed, point->position);
+    if (point->hemisphere) {
+        stream = lmb_stream_of_position(stream, point->normal);
+    }
+    return lmb_mix(stream, replicate);
+}
+
+/* Mean moments of one replicate. */
+static void replicate_gather(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate,
+                             uint32_t samples, lmb_moment_sum *mean, uint64_t *rays)
+{
+    memset(mean, 0, sizeof *mean);
+    lmb_gather(transport, point, replicate_stream(transport, point, replicate), 0, samples, moment_sink, mean, rays);
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            mean->c[c][i] /= (double)samples;
+        }
+    }
+}
+
+static uint32_t replicate_samples(uint32_t samples)
+{
+    const uint32_t share = (samples + LMB_GATHER_REPLICATES - 1) / LMB_GATHER_REPLICATES;
+    return share > 0 ? share : 1;
+}
+
+/* Mean of the replicates, and the standard error of that mean from their spread. */
+static void replicates_combine(const lmb_moment_sum mean[LMB_GATHER_REPLICATES], lmb_gathered *gathered)
+{
+    const double count = LMB_GATHER_REPLICATES;
+    double length_squared = 0.0;
+    double variance = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            double sum = 0.0;
+            for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+                sum += mean[r].c[c][i];
+            }
+            const double average = sum / count;
+            for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+                const double off = mean[r].c[c][i] - average;
+                variance += off * off / (count * (count - 1.0));
+            }
+            length_squared += average * average;
+            gathered->moments.channel[c].c[i] = (float)average;
+        }
+    }
+    gathered->relative_error = length_squared > 0.0 ? (float)sqrt(variance / length_squared) : 0.0f;
+}
+
+typedef struct lmb_replicate_work {
+    const lmb_transport *transport;
+    const lmb_gather_point *point;
+    uint32_t samples;
+    lmb_moment_sum mean[LMB_GATHER_REPLICATES];
+    uint64_t rays[LMB_GATHER_REPLICATES];
+} lmb_replicate_work;
+
+static void replicate_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    lmb_replicate_work *work = context;
+    replicate_gather(work->transport, work->point, (uint32_t)task, work->samples, &work->mean[task],
+                     &work->rays[task]);
+}
+
+static void replicates_finish(const lmb_replicate_work *work, lmb_gathered *gathered)
+{
+    replicates_combine(work->mean, gathered);
+    gathered->rays = 0;
+    for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+        gathered->rays += work->rays[r];
+    }
+}
+
+void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
+                    lmb_gathered *gathered)
+{
+    lmb_replicate_work work = {.transport = transport, .point = point, .samples = replicate_samples(samples)};
+    for (size_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+        replicate_task(&work, r, 0);
+    }
+    replicates_finish(&work, gathered);
+}
+
+lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
+                                   lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered)
+{
+    lmb_replicate_work work = {.transport = transport, .point = point, .samples = replicate_samples(samples)};
+    const lmb_result result = lmb_pool_run(pool, LMB_GATHER_REPLICATES, replicate_task, &work, "probe", progress);
+    if (result == LMB_OK) {
+        replicates_finish(&work, gathered);
+    }
+    return result;
+}
+
+typedef struct lmb_irradiance_sum {
+    const lmb_vec3 *normals;
+    int count;
+    double sum[LMB_GATHER_MAX_NORMALS][3];
+} lmb_irradiance_sum;
+
+static void irradiance_sink(void *context, lmb_vec3 direction, lmb_rgb weight)
+{
+    lmb_irradiance_sum *sum = context;
+    for (int k = 0; k < sum->count; ++k) {
+        const double cosine = (double)vec3_dot(sum->normals[k], direction);
+        for (int c = 0; c < 3 && cosine > 0.0; ++c) {
+            sum->sum[k][c] += (double)weight.c[c] * cosine;
+        }
+    }
+}
+
+void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate,
+                           uint32_t samples, const lmb_vec3 *normals, int count, lmb_rgb *irradiance,
+                           uint64_t *rays)
+{
+    assert(count <= LMB_GATHER_MAX_NORMALS);
+    lmb_irradiance_sum sum = {.normals = normals, .count = count};
+    lmb_gather(transport, point, replicate_stream(transport, point, replicate), 0, samples, irradiance_sink, &sum,
+               rays);
+    for (int k = 0; k < count; ++k) {
+        for (int c = 0; c < 3; ++c) {
+            irradiance[k].c[c] = (float)(sum.sum[k][c] / (LMB_PI * (double)samples));
+        }
+    }
+}

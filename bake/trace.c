@@ -1,0 +1,304 @@
+#include <lambent/trace.h>
+
+#include <float.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <embree3/rtcore.h>
+
+#include "bake_internal.h"
+#include "trace_internal.h"
+
+/* Up to this many placed triangles every instance becomes geometry of its own in world space, which traces faster;
+ * beyond it, meshes that are used more than once become Embree instances. */
+#define FLATTEN_MAX_TRIANGLES 16000000u
+
+struct lmb_tracer {
+    const lmb_scene *scene;
+    RTCDevice device;
+    RTCScene world;
+    RTCScene *mesh_scene;    /* [mesh] for meshes that are instanced, else NULL */
+    lmb_vec3 **world_vertex; /* [instance] Embree's own vertex buffer when flattened, else NULL */
+    bool *is_see_through;    /* [material] lets some light straight through */
+    bool any_see_through;
+    long long bytes;
+};
+
+static bool count_bytes(void *context, ssize_t bytes, bool post)
+{
+    (void)post;
+    __atomic_fetch_add(&((lmb_tracer *)context)->bytes, (long long)bytes, __ATOMIC_RELAXED);
+    return true;
+}
+
+static bool material_is_see_through(const lmb_material *material)
+{
+    return material->alpha_mode != LMB_ALPHA_OPAQUE || material->transmission > 0.0f;
+}
+
+/* Triangles of a mesh, at `to_world` or in mesh space when that is NULL. Returns Embree's vertex buffer. */
+static lmb_vec3 *geometry_add(lmb_tracer *tracer, RTCScene scene, unsigned id, const lmb_mesh *mesh,
+                              const lmb_affine *to_world)
+{
+    RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (!geometry) {
+        return NULL;
+    }
+    /* Embree wants readable bytes past the last vertex; its own buffers have them. */
+    lmb_vec3 *vertex = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(lmb_vec3),
+                                               mesh->vertex_count);
+    uint32_t *index = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              3 * sizeof(uint32_t), mesh->triangle_count);
+    if (vertex && index) {
+        for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
+            vertex[i] = to_world ? affine_point(to_world, mesh->position[i]) : mesh->position[i];
+        }
+        memcpy(index, mesh->triangle, mesh->triangle_count * sizeof mesh->triangle[0]);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, id);
+    }
+    rtcReleaseGeometry(geometry);
+    return index ? vertex : NULL;
+}
+
+static RTCScene scene_new(lmb_tracer *tracer)
+{
+    RTCScene scene = rtcNewScene(tracer->device);
+    if (scene) {
+        /* Robust: no ray may slip between two triangles that share an edge. */
+        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    }
+    return scene;
+}
+
+static bool instance_add(lmb_tracer *tracer, unsigned id, const lmb_instance *instance)
+{
+    const lmb_mesh *mesh = &tracer->scene->meshes[instance->mesh];
+    RTCScene *shared = &tracer->mesh_scene[instance->mesh];
+    if (!*shared) {
+        *shared = scene_new(tracer);
+        if (!*shared || !geometry_add(tracer, *shared, 0, mesh, NULL)) {
+            return false;
+        }
+        rtcCommitScene(*shared);
+    }
+    RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    if (!geometry) {
+        return false;
+    }
+    float transform[12];
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 4; ++column) {
+            transform[4 * row + column] = (float)instance->to_world.m[row][column];
+        }
+    }
+    rtcSetGeometryInstancedScene(geometry, *shared);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, transform);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(tracer->world, geometry, id);
+    rtcReleaseGeometry(geometry);
+    return true;
+}
+
+static bool geometry_build(lmb_tracer *tracer)
+{
+    const lmb_scene *scene = tracer->scene;
+    uint64_t placed = 0;
+    uint32_t *uses = calloc(scene->mesh_count + 1u, sizeof *uses);
+    if (!uses) {
+        return false;
+    }
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        placed += scene->meshes[scene->instances[i].mesh].triangle_count;
+        ++uses[scene->instances[i].mesh];
+    }
+    bool good = true;
+    for (uint32_t i = 0; i < scene->instance_count && good; ++i) {
+        const lmb_instance *instance = &scene->instances[i];
+        const lmb_mesh *mesh = &scene->meshes[instance->mesh];
+        if (instance->dynamic || mesh->triangle_count == 0) {
+            continue;
+        }
+        if (placed <= FLATTEN_MAX_TRIANGLES || uses[instance->mesh] == 1) {
+            tracer->world_vertex[i] = geometry_add(tracer, tracer->world, i, mesh, &instance->to_world);
+            good = tracer->world_vertex[i] != NULL;
+        } else {
+            good = instance_add(tracer, i, instance);
+        }
+    }
+    free(uses);
+    if (good) {
+        rtcCommitScene(tracer->world);
+    }
+    return good && rtcGetDeviceError(tracer->device) == RTC_ERROR_NONE;
+}
+
+lmb_result lmb_tracer_create(const lmb_scene *scene, const char *isa, int threads, lmb_tracer **tracer,
+                             lmb_error *error)
+{
+    char config[128];
+    snprintf(config, sizeof config, "%s%s%sthreads=%d", isa ? "isa=" : "", isa ? isa : "", isa ? "," : "",
+             threads > 0 ? threads : 0);
+    lmb_tracer *created = calloc(1, sizeof *created);
+    if (!created) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    created->scene = scene;
+    created->mesh_scene = calloc(scene->mesh_count + 1u, sizeof(RTCScene));
+    created->world_vertex = calloc(scene->instance_count + 1u, sizeof *created->world_vertex);
+    created->is_see_through = calloc(scene->material_count + 1u, sizeof *created->is_see_through);
+    if (!created->mesh_scene || !created->world_vertex || !created->is_see_through) {
+        lmb_tracer_destroy(created);
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    for (uint32_t i = 0; i < scene->material_count; ++i) {
+        created->is_see_through[i] = material_is_see_through(&scene->materials[i]);
+        created->any_see_through |= created->is_see_through[i];
+    }
+    created->device = rtcNewDevice(config);
+    if (!created->device || rtcGetDeviceError(created->device) != RTC_ERROR_NONE) {
+        lmb_tracer_destroy(created);
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "Embree cannot start here%s%s", isa ? " with isa " : "",
+                             isa ? isa : "");
+    }
+    rtcSetDeviceMemoryMonitorFunction(created->device, count_bytes, created);
+    created->world = scene_new(created);
+    if (!created->world || !geometry_build(created)) {
+        lmb_tracer_destroy(created);
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory while building the BVH");
+    }
+    *tracer = created;
+    return LMB_OK;
+}
+
+void lmb_tracer_destroy(lmb_tracer *tracer)
+{
+    if (!tracer) {
+        return;
+    }
+    if (tracer->world) {
+        rtcReleaseScene(tracer->world);
+    }
+    for (uint32_t i = 0; tracer->mesh_scene && i < tracer->scene->mesh_count; ++i) {
+        if (tracer->mesh_scene[i]) {
+            rtcReleaseScene(tracer->mesh_scene[i]);
+        }
+    }
+    if (tracer->device) {
+        rtcReleaseDevice(tracer->device);
+    }
+    free(tracer->mesh_scene);
+    free(tracer->world_vertex);
+    free(tracer->is_see_through);
+    free(tracer);
+}
+
+const lmb_scene *lmb_tracer_scene(const lmb_tracer *tracer)
+{
+    return tracer->scene;
+}
+
+const lmb_vec3 *lmb_tracer_world_vertices(const lmb_tracer *tracer, uint32_t instance)
+{
+    return tracer->world_vertex[instance];
+}
+
+size_t lmb_tracer_bytes(const lmb_tracer *tracer)
+{
+    return tracer->bytes > 0 ? (size_t)tracer->bytes : 0;
+}
+
+bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float near_distance,
+                       float far_distance, lmb_hit *hit)
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRayHit ray = {
+        .ray = {.org_x = origin.x,
+                .org_y = origin.y,
+                .org_z = origin.z,
+                .tnear = near_distance,
+                .dir_x = direction.x,
+                .dir_y = direction.y,
+                .dir_z = direction.z,
+                .tfar = far_distance,
+                .mask = ~0u},
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
+    };
+    rtcIntersect1(tracer->world, &context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+        return false;
+    }
+    hit->instance = ray.hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? ray.hit.instID[0] : ray.hit.geomID;
+    hit->triangle = ray.hit.primID;
+    hit->u = ray.hit.u;
+    hit->v = ray.hit.v;
+    hit->distance = ray.ray.tfar;
+    return true;
+}
+
+static bool trace_blocked(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance)
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRay ray = {.org_x = origin.x,
+                         .org_y = origin.y,
+                         .org_z = origin.z,
+                         .dir_x = direction.x,
+                         .dir_y = direction.y,
+                         .dir_z = direction.z,
+                         .tfar = far_distance,
+                         .mask = ~0u};
+    rtcOccluded1(tracer->world, &context, &ray);
+    return ray.tfar < 0.0f;
+}
+
+/* Walks through see-through surfaces, layer by layer. The distance to the next start is nudged by the hit's own
+ * rounding only: coincident layers may count once, which is what coincident faces are. */
+static lmb_rgb trace_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
+                                   uint64_t *rays)
+{
+    const lmb_rgb none = {{0.0f, 0.0f, 0.0f}};
+    lmb_rgb share = {{1.0f, 1.0f, 1.0f}};
+    if (!tracer->any_see_through) {
+        ++*rays;
+        return trace_blocked(tracer, origin, direction, far_distance) ? none : share;
+    }
+    float start = 0.0f;
+    lmb_hit hit;
+    for (;;) {
+        ++*rays;
+        if (!lmb_trace_nearest(tracer, origin, direction, start, far_distance, &hit)) {
+            return share;
+        }
+        const lmb_mesh *mesh = &tracer->scene->meshes[tracer->scene->instances[hit.instance].mesh];
+        if (!tracer->is_see_through[mesh->material[hit.triangle]]) {
+            return none;
+        }
+        share = rgb_mul(share, lmb_trace_surface(tracer, hit.instance, hit.triangle, hit.u, hit.v).pass);
+        start = nextafterf(hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
+        if (!(rgb_max(share) > 0.0f) || start >= far_distance) {
+            return share;
+        }
+    }
+}
+
+lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays)
+{
+    /* Both ends lie just off their surfaces already; stop a hair short of the far one. */
+    return trace_transmittance(tracer, from, vec3_sub(to, from), 1.0f - 4.0f * FLT_EPSILON, rays);
+}
+
+lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction, uint64_t *rays)
+{
+    return trace_transmittance(tracer, from, direction, FLT_MAX, rays);
+}
+
+lmb_vec3 lmb_trace_offset(lmb_vec3 position, lmb_vec3 geometric_normal, lmb_vec3 direction)
+{
+    /* Interpolated corners are off by a few ulps of the largest coordinate; 32 ulps is safely beyond that. */
+    const float size = fmaxf(fabsf(position.x), fmaxf(fabsf(position.y), fabsf(position.z)));
+    const float step = fmaxf(size * 32.0f * FLT_EPSILON, 1e-12f);
+    return vec3_mad(position, geometric_normal, vec3_dot(geometric_normal, direction) >= 0.0f ? step : -step);
+}
