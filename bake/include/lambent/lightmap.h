@@ -1,0 +1,100 @@
+/* Lightmaps: where each instance's texels are, what light they hold, and the files.
+ *
+ * Every static instance with triangles owns a rectangle of texels in one of a few square images. Its UVs are the mesh's
+ * TEXCOORD_1 where that is good (lambent/chart.h), else charts made here. The layout depends on the scene and the
+ * settings alone, so it can always be made again; docs/formats.md describes the files. */
+#ifndef LAMBENT_LIGHTMAP_H
+#define LAMBENT_LIGHTMAP_H
+
+#include <lambent/chart.h>
+#include <lambent/hhd.h>
+#include <lambent/probe.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct lmb_lightmap_settings {
+    float texels_per_m;        /* > 0; lowered for instances that would not fit an image */
+    int32_t max_image_size;    /* texels along a side, a power of two */
+} lmb_lightmap_settings;
+
+/* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048. */
+lmb_lightmap_settings lmb_lightmap_settings_default(const lmb_scene *scene);
+
+/* One instance's place. A corner at (u, v) of the mesh's lightmap UVs lies at (u, v) * scale + offset of the image,
+ * both in [0, 1]; pixel (x, y) covers [x, x + 1) / width, rows downwards as v grows. */
+typedef struct lmb_lightmap_region {
+    int32_t image;             /* -1: this instance has no lightmap (dynamic, or no triangles) */
+    int32_t x, y, width, height; /* texels */
+    lmb_vec2 offset;
+    lmb_vec2 scale;
+} lmb_lightmap_region;
+
+/* One image of texels. */
+typedef struct lmb_lightmap_image {
+    int32_t width, height;
+    lmb_irradz *texel;         /* [x + width y]; zero light until baked or read */
+    uint8_t *state;            /* [x + width y] lmb_texel_state */
+} lmb_lightmap_image;
+
+typedef enum lmb_texel_state { LMB_TEXEL_EMPTY, LMB_TEXEL_GATHERED, LMB_TEXEL_DILATED } lmb_texel_state;
+
+typedef struct lmb_lightmap {
+    const lmb_scene *scene;
+    lmb_lightmap_settings settings;
+    lmb_lightmap_region *region; /* [instance] */
+    lmb_vec2 **corner_uv;        /* [mesh] charts made here: [3 * triangle + corner], or NULL: the mesh's TEXCOORD_1 */
+    lmb_uv_fault *fault;         /* [mesh] why charts were made, LMB_UV_GOOD when they were not */
+    lmb_lightmap_image *image;
+    int32_t image_count;
+    uint64_t covered_texel_count; /* texels that a triangle touches */
+} lmb_lightmap;
+
+/* Lays out the lightmap of a scene, without light. The scene must outlive it. @return LMB_ERROR_MEMORY, _ARGUMENT,
+ * _UNSUPPORTED (too many texels for any layout) */
+lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settings *settings, lmb_lightmap **lightmap,
+                               lmb_error *error);
+void lmb_lightmap_destroy(lmb_lightmap *lightmap);
+
+typedef struct lmb_lightmap_stats {
+    uint64_t texels;           /* gathered */
+    uint64_t pushed_out;       /* texels whose point started inside geometry and was moved */
+    uint64_t rays;
+    double relative_error;     /* root mean square of the gathered texels' relative errors */
+} lmb_lightmap_stats;
+
+/* Gathers `samples` samples at every covered texel over its hemisphere, fits SH3, encodes, and dilates into the padding.
+ * Texels of triangles that are partly covered are sampled at the covered point nearest their centre.
+ * @return LMB_ERROR_MEMORY, _INTERRUPTED */
+lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, uint32_t samples, lmb_pool *pool,
+                             const lmb_progress *progress, lmb_lightmap_stats *stats);
+
+/* The surface point whose light stands for a point of a triangle, pushed out of geometry that it starts inside of: the
+ * gather point of texels, and of checks against them. `radius` is the texel's size in metres. */
+lmb_gather_point lmb_surface_gather_point(const lmb_tracer *tracer, const lmb_place *place, float radius,
+                                          bool *pushed_out);
+
+/* Size of a texel of an instance, in metres (the mean over its triangles). */
+float lmb_lightmap_texel_size(const lmb_lightmap *lightmap, uint32_t instance);
+
+/* The stored texels at barycentric (u, v) of a triangle, bilinear; the direction is filtered, not renormalised
+ * (lmb_irradz_decode does). Zero light where the instance has none. */
+lmb_irradz lmb_lightmap_sample(const lmb_lightmap *lightmap, uint32_t instance, uint32_t triangle, float u, float v);
+
+/* Writes lightmap_N.exr for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the
+ * new UVs, through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.
+ * @return LMB_ERROR_IO, _MEMORY */
+struct lmb_gltf_options;
+lmb_result lmb_lightmap_write(const lmb_lightmap *lightmap, const char *directory,
+                              const struct lmb_gltf_options *options, uint64_t *bytes, lmb_error *error);
+
+/* Fills the images of a freshly created lightmap from the files in `directory`; lightmap.json must describe the same
+ * layout. @return LMB_ERROR_IO, _FORMAT (another layout), _MEMORY */
+lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
