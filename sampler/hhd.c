@@ -41,8 +41,12 @@ lmb_hhd lmb_hhd_solve(lmb_moments moments, lmb_vec3 vertex_normal)
     const lmb_vec3 b = {moments.vector.x / scale, moments.vector.y / scale, moments.vector.z / scale};
     /* SH ringing of light from below the horizon: no negative light. */
     const float i_z = lmb_larger(lmb_vec3_dot(b, n), 0.0f);
-    const lmb_vec3 b_perp = lmb_vec3_perpendicular(b, n);
-    const float p_squared = lmb_vec3_dot(b_perp, b_perp);
+    lmb_vec3 b_perp = lmb_vec3_perpendicular(b, n);
+    float p_squared = lmb_vec3_dot(b_perp, b_perp);
+    if (!(p_squared > FLT_EPSILON * FLT_EPSILON)) { /* the rounding of b: it could point anywhere, down too */
+        b_perp = (lmb_vec3){0.0f, 0.0f, 0.0f};
+        p_squared = 0.0f;
+    }
     const float p = sqrtf(p_squared);
     const float x = b_c - 2.0f * i_z;
 
