@@ -24,7 +24,7 @@ typedef enum lmb_latlong_axes {
     LMB_LATLONG_OPENEXR /* the axes of OpenEXR's `envmap` attribute: row 0 is +Y, u = 0.5 is +Z, u = 0.25 is +X */
 } lmb_latlong_axes;
 
-/* Reads a Radiance .hdr (stb_image) or an OpenEXR .exr (scanline or tiled, level 0, half/float/uint, R G B or Y
+/* Reads a Radiance .hdr or an OpenEXR .exr (scanline or tiled, level 0, half/float/uint, R G B or Y
  * channels, any compression that OpenEXRCore decodes; others are refused by name). Told apart by content, not by
  * extension. NaN, infinite and negative pixels are set to 0 and counted in `*bad_pixels` (may be NULL).
  * `*axes` (may be NULL) is set from the `envmap` attribute. A cube-map EXR is refused.

@@ -1,0 +1,671 @@
+/* Reading and writing pictures. Oracles: stb_image for .hdr, OpenEXR's exrheader for what we write, numbers that
+ * OpenImageIO and numpy gave for real environments, and files made byte by byte here. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <dirent.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <OpenEXR/openexr.h>
+#include <stb_image.h>
+
+#include <lambent/file.h>
+#include <lambent/image.h>
+
+#include "harness.h"
+
+#define OUT(name) LMB_TEST_OUTPUT_DIR "/image_" name
+#define DATA(name) LMB_DATA_DIR "/" name
+
+static bool is_there(const char *path)
+{
+    return access(path, R_OK) == 0;
+}
+
+static lmb_result bytes_read(const void *bytes, size_t size, lmb_image *image, lmb_error *error)
+{
+    FILE *const file = fopen(OUT("bytes"), "wb"); /* not lmb_file_write: thousands of fsync() take their time */
+    CHECK(file && fwrite(bytes, 1, size, file) == size, "cannot write the test's file");
+    if (file) {
+        fclose(file);
+    }
+    return lmb_image_read(OUT("bytes"), image, NULL, NULL, error);
+}
+
+#define HDR "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n"
+
+static void small_hdr_has_its_values(void)
+{
+    /* 1 x 2 flat: (128, 64, 0) 2^(129 - 136), then exponent 0 = black. */
+    static const char FLAT[] = HDR "-Y 2 +X 1\n\x80\x40\x00\x81\xff\xff\xff\x00";
+    /* 8 x 1 run length coded: red 10 x 8, green 1..8, blue 0, exponent 136: the mantissas themselves. */
+    static const char RUNS[] = HDR "-Y 1 +X 8\n\x02\x02\x00\x08\x88\x0a\x08\x01\x02\x03\x04\x05\x06\x07\x08\x88\x00"
+                                   "\x88\x88";
+    lmb_image image;
+    lmb_error error = {""};
+    CHECK(bytes_read(FLAT, sizeof FLAT - 1, &image, &error) == LMB_OK, "%s", error.message);
+    if (error.message[0] == '\0') {
+        CHECK(image.width == 1 && image.height == 2, "%d x %d", image.width, image.height);
+        static const float EXPECTED[6] = {1.0f, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f};
+        CHECK(memcmp(image.rgb, EXPECTED, sizeof EXPECTED) == 0, "flat values");
+        lmb_image_free(&image);
+    }
+    CHECK(bytes_read(RUNS, sizeof RUNS - 1, &image, &error) == LMB_OK, "%s", error.message);
+    if (error.message[0] == '\0') {
+        for (int x = 0; x < 8; ++x) {
+            CHECK(image.rgb[3 * x] == 10.0f && image.rgb[3 * x + 1] == (float)(x + 1) && image.rgb[3 * x + 2] == 0.0f,
+                  "column %d", x);
+        }
+        lmb_image_free(&image);
+    }
+}
+
+static void bad_hdr_is_refused(void)
+{
+#define LONG_PIXELS "\x02\x02\x00\x08\x88\x0a\x88\x0a\x88\x0a\x88\x0a"
+    static const struct {
+        const char *what;
+        const char *bytes;
+        size_t size;
+        lmb_result result;
+        const char *reason; /* part of the message */
+    } cases[] = {
+#define CASE(what, bytes, result, reason) {what, bytes, sizeof bytes - 1, result, reason}
+        CASE("empty", "", LMB_ERROR_FORMAT, "neither"),
+        CASE("png", "\x89PNG\r\n\x1a\n", LMB_ERROR_FORMAT, "neither"),
+        CASE("signature only", "#?RADIANCE", LMB_ERROR_FORMAT, "header"),
+        CASE("no size", HDR, LMB_ERROR_FORMAT, "header"),
+        CASE("bad size", HDR "-Y 2 +X\n", LMB_ERROR_FORMAT, "no picture size"),
+        CASE("zero width", HDR "-Y 2 +X 0\n", LMB_ERROR_FORMAT, "no picture size"),
+        CASE("negative height", HDR "-Y -2 +X 3\n", LMB_ERROR_FORMAT, "no picture size"),
+        CASE("more after the size", HDR "-Y 1 +X 1 2\n\x80\x40\x00\x81", LMB_ERROR_FORMAT, "no picture size"),
+        CASE("absurd size", HDR "-Y 99999999 +X 99999999\n", LMB_ERROR_UNSUPPORTED, "too many"),
+        CASE("absurd product", HDR "-Y 60000 +X 60000\n", LMB_ERROR_UNSUPPORTED, "too many"),
+        CASE("long number", HDR "-Y 1 +X 99999999999999999999\n", LMB_ERROR_FORMAT, "no picture size"),
+        CASE("gigabytes from nothing", HDR "-Y 16000 +X 16000\n", LMB_ERROR_FORMAT, "too short"),
+        CASE("upside down", HDR "+Y 1 +X 1\n\x80\x40\x00\x81", LMB_ERROR_UNSUPPORTED, "pixel order"),
+        CASE("columns first", HDR "+X 1 -Y 1\n\x80\x40\x00\x81", LMB_ERROR_UNSUPPORTED, "pixel order"),
+        CASE("XYZE", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n\x80\x40\x00\x81", LMB_ERROR_UNSUPPORTED,
+             "32-bit_rle_xyze"),
+        CASE("flat cut", HDR "-Y 2 +X 1\n\x80\x40\x00\x81\x80", LMB_ERROR_FORMAT, "too short"),
+        CASE("row of another width", HDR "-Y 1 +X 9\n" LONG_PIXELS, LMB_ERROR_FORMAT, "row 0"),
+        CASE("run past the row", HDR "-Y 1 +X 8\n\x02\x02\x00\x08\x89\x0a\x88\x0a\x88\x0a\x88\x0a", LMB_ERROR_FORMAT,
+             "row 0 has a bad run"),
+        CASE("run of nothing", HDR "-Y 1 +X 8\n\x02\x02\x00\x08\x00\x0a\x88\x0a\x88\x0a\x88\x0a", LMB_ERROR_FORMAT,
+             "row 0 has a bad run"),
+        CASE("literals past the end", HDR "-Y 1 +X 8\n\x02\x02\x00\x08\x88\x0a\x88\x0a\x88\x0a\x08\x0a",
+             LMB_ERROR_FORMAT, "ends in row 0"),
+        CASE("second row missing", HDR "-Y 2 +X 8\n" LONG_PIXELS, LMB_ERROR_FORMAT, "too short"),
+        CASE("old runs", HDR "-Y 1 +X 2\n\x80\x40\x00\x81\x01\x01\x01\x01", LMB_ERROR_UNSUPPORTED, "old run-length"),
+#undef CASE
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        lmb_image image = {7, 7, NULL};
+        lmb_error error = {""};
+        const lmb_result result = bytes_read(cases[i].bytes, cases[i].size, &image, &error);
+        CHECK(result == cases[i].result, "%s: result %d, %s", cases[i].what, (int)result, error.message);
+        CHECK(strstr(error.message, cases[i].reason) && strstr(error.message, "image_bytes"), "%s: %s", cases[i].what,
+              error.message);
+        CHECK(image.width == 7 && !image.rgb, "%s: output touched", cases[i].what);
+        if (result == LMB_OK) {
+            lmb_image_free(&image);
+        }
+    }
+    lmb_image image;
+    lmb_error error = {""};
+    CHECK(lmb_image_read(OUT("no such file"), &image, NULL, NULL, &error) == LMB_ERROR_IO, "%s", error.message);
+    CHECK(strstr(error.message, "no such file"), "%s", error.message);
+}
+
+static void hdr_agrees_with_stb(void)
+{
+    static const char *const names[] = {"tiny/simple-rle.hdr",
+                                        "tiny/venice_sunset_256.hdr",
+                                        "autumn_field_puresky_1k.hdr",
+                                        "evening_road_01_puresky_1k.hdr",
+                                        "lobby.hdr",
+                                        "night.hdr",
+                                        "spiaggia_di_mondello_1k.hdr",
+                                        "sunset.hdr"};
+    if (!is_there(DATA("envmaps/sunset.hdr"))) {
+        test_skip("no environment maps here");
+        return;
+    }
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        char path[1024];
+        snprintf(path, sizeof path, DATA("envmaps/%s"), names[i]);
+        lmb_image image;
+        lmb_error error = {""};
+        lmb_latlong_axes axes = LMB_LATLONG_OPENEXR;
+        size_t bad = 99;
+        if (lmb_image_read(path, &image, &axes, &bad, &error) != LMB_OK) {
+            CHECK(false, "%s", error.message);
+            continue;
+        }
+        int width = 0;
+        int height = 0;
+        int channels = 0;
+        float *const expected = stbi_loadf(path, &width, &height, &channels, 3);
+        CHECK(expected && width == image.width && height == image.height && bad == 0 && axes == LMB_LATLONG_GLTF,
+              "%s: %d x %d, %zu bad", names[i], image.width, image.height, bad);
+        if (expected && width == image.width && height == image.height) {
+            const size_t size = 3 * sizeof(float) * (size_t)width * (size_t)height;
+            CHECK(memcmp(expected, image.rgb, size) == 0, "%s: pixels differ from stb_image's", names[i]);
+        }
+        stbi_image_free(expected);
+        lmb_image_free(&image);
+    }
+}
+
+/* Mean radiance over the sphere, each row weighted by its solid angle. */
+static void mean_over_sphere(const lmb_image *image, double mean[3])
+{
+    const double pi = 3.14159265358979323846;
+    mean[0] = mean[1] = mean[2] = 0.0;
+    for (int y = 0; y < image->height; ++y) {
+        const double weight = 0.5 * (cos(pi * y / image->height) - cos(pi * (y + 1) / image->height)) / image->width;
+        for (int x = 0; x < image->width; ++x) {
+            for (int c = 0; c < 3; ++c) {
+                mean[c] += weight * (double)image->rgb[3 * ((size_t)y * (size_t)image->width + (size_t)x) + (size_t)c];
+            }
+        }
+    }
+}
+
+/* data/references/env_sh.json: `mean` of the file, by OpenImageIO and numpy. */
+static bool reference_mean(const char *json, const char *name, double mean[3])
+{
+    const char *at = strstr(json, name);
+    at = at ? strstr(at, "\"mean\"") : NULL;
+    at = at ? strchr(at, '[') : NULL;
+    return at && sscanf(at, "[ %lf , %lf , %lf", &mean[0], &mean[1], &mean[2]) == 3;
+}
+
+static void environments_have_the_published_mean(void)
+{
+    static const char *const names[] = {"openexr/OrientationLatLong.exr", "openexr/WavyLinesLatLong.exr", "lobby.hdr",
+                                        "night.hdr", "tiny/venice_sunset_256.hdr"};
+    unsigned char *json = NULL;
+    size_t size = 0;
+    if (lmb_file_read(DATA("references/env_sh.json"), &json, &size, NULL) != LMB_OK) {
+        test_skip("no reference numbers here");
+        return;
+    }
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        char path[1024];
+        snprintf(path, sizeof path, DATA("envmaps/%s"), names[i]);
+        const char *const base = strrchr(path, '/') + 1;
+        double expected[3];
+        double actual[3];
+        lmb_image image;
+        lmb_latlong_axes axes;
+        lmb_error error = {""};
+        if (!reference_mean((const char *)json, base, expected) ||
+            lmb_image_read(path, &image, &axes, NULL, &error) != LMB_OK) {
+            CHECK(false, "%s: no reference or picture: %s", base, error.message);
+            continue;
+        }
+        CHECK((axes == LMB_LATLONG_OPENEXR) == (strstr(base, "LatLong.exr") != NULL), "%s: axes", base);
+        mean_over_sphere(&image, actual);
+        for (int c = 0; c < 3; ++c) {
+            CHECK_NEAR(actual[c], expected[c], 2e-4 * fabs(expected[c]), "%s channel %d", base, c);
+        }
+        lmb_image_free(&image);
+    }
+    free(json);
+}
+
+/* Deterministic, without the library's own generator. */
+static float pattern(int channel, int x, int y)
+{
+    return ldexpf((float)((x * 37 + y * 101 + channel * 53) % 1021 - 510), (x + y + channel) % 9 - 6);
+}
+
+static void exr_round_trip_is_exact(void)
+{
+    enum { WIDTH = 37, HEIGHT = 41, COUNT = 3 };
+    static float planes[COUNT][WIDTH * HEIGHT];
+    for (int k = 0; k < COUNT; ++k) {
+        for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+            planes[k][i] = pattern(k, i % WIDTH, i / WIDTH); /* at most 10 bits: exact in fp16 */
+        }
+    }
+    const lmb_exr_channel channels[COUNT] = {{"iz.R", planes[0]}, {"w", planes[1]}, {"dir.X", planes[2]}};
+    const lmb_exr_attribute attributes[] = {{"lambent:scale", NULL, 0.25f}, {"lambent:encoding", "hhd", 0.0f}};
+    size_t overflows = 99;
+    lmb_error error = {""};
+    lmb_result result =
+        lmb_exr_write(OUT("round.exr"), WIDTH, HEIGHT, channels, COUNT, attributes, 2, &overflows, &error);
+    CHECK(result == LMB_OK && overflows == 0, "%s, %zu overflows", error.message, overflows);
+    static const char *const names[] = {"dir.X", "iz.R", "w"};
+    static const int plane_of[] = {2, 0, 1};
+    float *values[3] = {NULL, NULL, NULL};
+    int32_t width = 0;
+    int32_t height = 0;
+    float scale = 0.0f;
+    result = lmb_exr_read_channels(OUT("round.exr"), names, 3, values, &width, &height, &scale, &error);
+    CHECK(result == LMB_OK && width == WIDTH && height == HEIGHT && scale == 0.25f, "%s", error.message);
+    for (int i = 0; i < 3 && result == LMB_OK; ++i) {
+        CHECK(memcmp(values[i], planes[plane_of[i]], sizeof planes[0]) == 0, "channel %s", names[i]);
+        free(values[i]);
+    }
+    const char *const missing[] = {"w", "nothing"};
+    float *untouched[2] = {NULL, NULL};
+    result = lmb_exr_read_channels(OUT("round.exr"), missing, 2, untouched, &width, &height, NULL, &error);
+    CHECK(result == LMB_ERROR_FORMAT && strstr(error.message, "'nothing'") && !untouched[0], "%s", error.message);
+
+    unsigned char *first = NULL;
+    unsigned char *second = NULL;
+    size_t first_size = 0;
+    size_t second_size = 0;
+    CHECK(lmb_exr_write(OUT("round2.exr"), WIDTH, HEIGHT, channels, COUNT, attributes, 2, NULL, &error) == LMB_OK, "%s",
+          error.message);
+    lmb_file_read(OUT("round.exr"), &first, &first_size, &error);
+    lmb_file_read(OUT("round2.exr"), &second, &second_size, &error);
+    CHECK(first && second && first_size == second_size && memcmp(first, second, first_size) == 0, "bytes repeat");
+    free(first);
+    free(second);
+}
+
+static void exrheader_reads_what_we_write(void)
+{
+    const float pixels[6] = {1, 2, 3, 4, 5, 6};
+    const lmb_exr_channel channels[] = {{"R", pixels}, {"B", pixels}, {"G", pixels}};
+    const lmb_exr_attribute attributes[] = {{"lambent:scale", NULL, 4.0f}, {"lambent:encoding", "sh2", 0.0f}};
+    lmb_error error = {""};
+    CHECK(lmb_exr_write(OUT("header.exr"), 3, 2, channels, 3, attributes, 2, NULL, &error) == LMB_OK, "%s",
+          error.message);
+    if (system("command -v exrheader >/dev/null 2>&1") != 0) {
+        test_skip("exrheader is not installed");
+        return;
+    }
+    FILE *const pipe = popen("exrheader " OUT("header.exr") " 2>&1", "r");
+    char text[8192];
+    const size_t length = pipe ? fread(text, 1, sizeof text - 1, pipe) : 0;
+    text[length] = '\0';
+    CHECK(pipe && pclose(pipe) == 0, "exrheader fails: %s", text);
+    static const char *const lines[] = {
+        "B, 16-bit floating-point, sampling 1 1\n    G, 16-bit floating-point, sampling 1 1"
+        "\n    R, 16-bit floating-point, sampling 1 1",
+        "zip, multi-scanline blocks",
+        "dataWindow (type box2i): (0 0) - (2 1)",
+        "lambent:scale (type float): 4",
+        "lambent:encoding (type string): \"sh2\"",
+        "scanlineimage"};
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
+        CHECK(strstr(text, lines[i]), "'%s' is not in:\n%s", lines[i], text);
+    }
+}
+
+/* The nearest fp16 by search among all of them: ties to the even bit pattern. */
+static double half_value(unsigned bits)
+{
+    const unsigned exponent = bits >> 10 & 31;
+    const double mantissa = bits & 1023;
+    const double size = exponent == 0 ? ldexp(mantissa, -24) : ldexp(mantissa + 1024, (int)exponent - 25);
+    return bits & 0x8000 ? -size : size;
+}
+
+static double half_nearest(double value)
+{
+    unsigned low = 0;
+    unsigned high = 0x7bff;
+    const double size = fabs(value);
+    while (high - low > 1) {
+        const unsigned middle = (low + high) / 2;
+        if (half_value(middle) <= size) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    const double below = size - half_value(low);
+    const double above = half_value(high) - size;
+    const unsigned nearest = below < above || (below == above && low % 2 == 0) ? low : high;
+    return copysign(half_value(nearest), value);
+}
+
+static void exr_values_are_rounded_and_clamped(void)
+{
+    const float values[] = {0.1f,     -0.1f,   1e-8f,    3e-8f,  2.98023224e-8f, 6e-5f,    6.1035e-5f,
+                            65504.0f, 65505.f, -65519.f, 1e30f,  -1e30f,         INFINITY, -0.0f,
+                            2049.0f,  2051.0f, 1.0f / 3, 1e-45f, 999.9f,         6.10e-5f};
+    enum { COUNT = sizeof values / sizeof values[0] };
+    const lmb_exr_channel channel = {"Y", values};
+    size_t overflows = 0;
+    lmb_error error = {""};
+    CHECK(lmb_exr_write(OUT("half.exr"), COUNT, 1, &channel, 1, NULL, 0, &overflows, &error) == LMB_OK, "%s",
+          error.message);
+    CHECK(overflows == 5, "%zu overflows", overflows);
+    const char *const name = "Y";
+    float *read = NULL;
+    int32_t width = 0;
+    int32_t height = 0;
+    float scale = 0.0f;
+    if (lmb_exr_read_channels(OUT("half.exr"), &name, 1, &read, &width, &height, &scale, &error) != LMB_OK) {
+        CHECK(false, "%s", error.message);
+        return;
+    }
+    CHECK(scale == 1.0f, "no attribute: scale %g", (double)scale);
+    for (int i = 0; i < COUNT; ++i) {
+        const double clamped = fmax(-65504.0, fmin(65504.0, (double)values[i]));
+        CHECK((double)read[i] == half_nearest(clamped), "%.9g came back as %.9g", (double)values[i], (double)read[i]);
+    }
+    free(read);
+
+    lmb_image image;
+    size_t bad = 0;
+    CHECK(lmb_image_read(OUT("half.exr"), &image, NULL, &bad, &error) == LMB_OK, "%s", error.message);
+    CHECK(bad == 3, "%zu negative pixels", bad);
+    CHECK(image.rgb[3] == 0.0f && image.rgb[0] == image.rgb[2] && image.rgb[0] > 0.0f, "Y three times, negatives 0");
+    lmb_image_free(&image);
+
+    const float wrong[] = {1.0f, NAN};
+    const lmb_exr_channel bad_channel = {"w", wrong};
+    CHECK(lmb_exr_write(OUT("nan.exr"), 2, 1, &bad_channel, 1, NULL, 0, NULL, &error) == LMB_ERROR_ARGUMENT, "NaN");
+    CHECK(strstr(error.message, "'w'") && !is_there(OUT("nan.exr")), "%s", error.message);
+    CHECK(lmb_exr_write(OUT("no/such/folder.exr"), 1, 1, &channel, 1, NULL, 0, NULL, &error) == LMB_ERROR_IO, "folder");
+}
+
+/* Writes channels R (uint), G (half), B (float) in every layout that the library can write, with its own packing. */
+static bool library_write(const char *path, exr_compression_t compression, bool tiled, exr_envmap_t envmap,
+                          int sampling, const uint32_t *red, const uint16_t *green, const float *blue, int width,
+                          int height)
+{
+    exr_context_t context = NULL;
+    exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    const int tile = 16;
+    bool good = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &settings) == 0;
+    good = good && exr_add_part(context, NULL, tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, NULL) == 0;
+    good = good && exr_initialize_required_attr_simple(context, 0, width, height, compression) == 0;
+    good = good && exr_add_channel(context, 0, "R", EXR_PIXEL_UINT, EXR_PERCEPTUALLY_LINEAR, sampling, sampling) == 0;
+    good = good && exr_add_channel(context, 0, "G", EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LINEAR, 1, 1) == 0;
+    good = good && exr_add_channel(context, 0, "B", EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1) == 0;
+    if (envmap != EXR_ENVMAP_LAST_TYPE) {
+        good = good && exr_attr_set_envmap(context, 0, "envmap", envmap) == 0;
+    }
+    if (tiled) {
+        good = good && exr_set_tile_descriptor(context, 0, 16, 16, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN) == 0;
+    }
+    good = good && exr_write_header(context) == 0;
+    int32_t lines = tile;
+    if (!tiled) {
+        good = good && exr_get_scanlines_per_chunk(context, 0, &lines) == 0;
+    }
+    exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    bool first = true;
+    for (int y = 0; y < height && good; y += lines) {
+        for (int x = 0; x < width && good; x += tiled ? tile : width) {
+            exr_chunk_info_t chunk;
+            good = (tiled ? exr_write_tile_chunk_info(context, 0, x / tile, y / tile, 0, 0, &chunk)
+                          : exr_write_scanline_chunk_info(context, 0, y, &chunk)) == 0;
+            good = good && (first ? exr_encoding_initialize(context, 0, &chunk, &encoder)
+                                  : exr_encoding_update(context, 0, &chunk, &encoder)) == 0;
+            const size_t at = (size_t)y * (size_t)width + (size_t)x;
+            for (int c = 0; c < 3 && good; ++c) { /* in the file's order: B, G, R */
+                const void *const from[3] = {blue + at, green + at, red + at};
+                encoder.channels[c].encode_from_ptr = from[c];
+                encoder.channels[c].user_pixel_stride = c == 1 ? 2 : 4;
+                encoder.channels[c].user_line_stride = width * encoder.channels[c].user_pixel_stride;
+            }
+            good = good && (!first || exr_encoding_choose_default_routines(context, 0, &encoder) == 0);
+            good = good && exr_encoding_run(context, 0, &encoder) == 0;
+            first = false;
+        }
+    }
+    exr_encoding_destroy(context, &encoder);
+    return exr_finish(&context) == 0 && good;
+}
+
+enum { ODD_WIDTH = 46, ODD_HEIGHT = 70 };
+static uint32_t odd_red[ODD_WIDTH * ODD_HEIGHT];
+static uint16_t odd_green[ODD_WIDTH * ODD_HEIGHT];
+static float odd_blue[ODD_WIDTH * ODD_HEIGHT];
+
+static void odd_picture_make(void)
+{
+    for (uint32_t i = 0; i < ODD_WIDTH * ODD_HEIGHT; ++i) {
+        odd_red[i] = i * 5 % 4093;
+        odd_green[i] = (uint16_t)(0x3c00 + (i % 1024 < 512 ? i % 1024 : 1023 - i % 1024)); /* 1 .. 1.5 */
+        odd_blue[i] = 0.25f * (float)(i % 1000); /* survives PXR24's 24 bits */
+    }
+}
+
+static void every_layout_of_exr_is_read(void)
+{
+    static const char *const compressions[] = {"NONE", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A"};
+    odd_picture_make();
+    for (int k = 0; k < 8; ++k) {
+        for (int tiled = 0; tiled < 2; ++tiled) {
+            const char *const path = OUT("layout.exr");
+            if (!library_write(path, (exr_compression_t)k, tiled, EXR_ENVMAP_LAST_TYPE, 1, odd_red, odd_green, odd_blue,
+                               ODD_WIDTH, ODD_HEIGHT)) {
+                CHECK(false, "the library does not write %s", compressions[k]);
+                continue;
+            }
+            lmb_image image;
+            lmb_error error = {""};
+            if (lmb_image_read(path, &image, NULL, NULL, &error) != LMB_OK) {
+                CHECK(false, "%s, tiled %d: %s", compressions[k], tiled, error.message);
+                continue;
+            }
+            CHECK(image.width == ODD_WIDTH && image.height == ODD_HEIGHT, "%d x %d", image.width, image.height);
+            int wrong = 0;
+            const double green_error = k >= 6 ? 0.02 : 0.0; /* B44 is lossy for halfs */
+            for (int i = 0; i < ODD_WIDTH * ODD_HEIGHT; ++i) {
+                const float *const rgb = image.rgb + 3 * i;
+                wrong += rgb[0] != (float)odd_red[i] || rgb[2] != odd_blue[i] ||
+                         !(fabs((double)rgb[1] - half_value(odd_green[i])) <= green_error);
+            }
+            CHECK(wrong == 0, "%s, tiled %d: %d pixels are wrong", compressions[k], tiled, wrong);
+            lmb_image_free(&image);
+        }
+    }
+}
+
+static void unsupported_exr_is_named(void)
+{
+    odd_picture_make();
+    static const struct {
+        const char *what;
+        exr_envmap_t envmap;
+        int sampling;
+        const char *reason;
+    } cases[] = {{"cube", EXR_ENVMAP_CUBE, 1, "cube-map"},
+                 {"subsampled", EXR_ENVMAP_LAST_TYPE, 2, "'R' is subsampled"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        lmb_image image = {7, 7, NULL};
+        lmb_error error = {""};
+        (void)library_write(OUT("odd.exr"), EXR_COMPRESSION_ZIP, false, cases[i].envmap, cases[i].sampling, odd_red,
+                            odd_green, odd_blue, ODD_WIDTH, ODD_HEIGHT);
+        CHECK(lmb_image_read(OUT("odd.exr"), &image, NULL, NULL, &error) == LMB_ERROR_UNSUPPORTED, "%s: %s",
+              cases[i].what, error.message);
+        CHECK(strstr(error.message, cases[i].reason), "%s: %s", cases[i].what, error.message);
+        CHECK(image.width == 7, "output touched");
+    }
+    const float pixel = 1.0f;
+    const lmb_exr_channel other = {"Z", &pixel};
+    lmb_image image;
+    lmb_error error = {""};
+    CHECK(lmb_exr_write(OUT("odd.exr"), 1, 1, &other, 1, NULL, 0, NULL, &error) == LMB_OK, "%s", error.message);
+    CHECK(lmb_image_read(OUT("odd.exr"), &image, NULL, NULL, &error) == LMB_ERROR_UNSUPPORTED &&
+              strstr(error.message, "neither channels"),
+          "%s", error.message);
+}
+
+/* Every file of the folder: read, or refused for a reason that names the file. */
+static int folder_read(const char *folder, int *refused)
+{
+    DIR *const directory = opendir(folder);
+    int count = 0;
+    *refused = 0;
+    for (const struct dirent *entry = directory ? readdir(directory) : NULL; entry; entry = readdir(directory)) {
+        char path[1024];
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        const char *const dot = strrchr(entry->d_name, '.');
+        if (!dot || (strcmp(dot, ".exr") != 0 && strcmp(dot, ".hdr") != 0)) {
+            continue;
+        }
+        ++count;
+        lmb_image image;
+        lmb_error error = {""};
+        size_t bad = 0;
+        const lmb_result result = lmb_image_read(path, &image, NULL, &bad, &error);
+        if (result == LMB_OK) {
+            for (size_t i = 0; i < 3 * (size_t)image.width * (size_t)image.height; ++i) {
+                if (!(image.rgb[i] >= 0.0f && image.rgb[i] < INFINITY)) {
+                    CHECK(false, "%s: value %zu is %g", path, i, (double)image.rgb[i]);
+                    break;
+                }
+            }
+            lmb_image_free(&image);
+        } else {
+            ++*refused;
+            CHECK(strstr(error.message, entry->d_name) && result == LMB_ERROR_UNSUPPORTED, "%d: %s", (int)result,
+                  error.message);
+        }
+        printf("     %s: %s (%zu bad pixels)\n", entry->d_name, result == LMB_OK ? "read" : error.message, bad);
+    }
+    if (directory) {
+        closedir(directory);
+    }
+    return count;
+}
+
+static void real_files_are_read_or_refused_by_name(void)
+{
+    static const struct {
+        const char *folder;
+        int count, refused;
+    } cases[] = {{DATA("malformed/exr_odd"), 10, 1}, /* WideFloatRange: G alone */
+                 {DATA("envmaps"), 6, 0},
+                 {DATA("envmaps/tiny"), 2, 0},
+                 {DATA("envmaps/openexr"), 3, 1},       /* the cube */
+                 {DATA("envmaps/blender_dwab"), 1, 1}}; /* DWAB */
+    if (!is_there(DATA("envmaps/openexr/OrientationCube.exr"))) {
+        test_skip("no test data here");
+        return;
+    }
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        int refused = 0;
+        const int count = folder_read(cases[i].folder, &refused);
+        CHECK(count == cases[i].count && refused == cases[i].refused, "%s: %d files, %d refused", cases[i].folder,
+              count, refused);
+    }
+}
+
+/* 64-bit LCG (Knuth's MMIX); only the high bits are used. */
+static uint32_t random_next(uint64_t *state)
+{
+    *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (uint32_t)(*state >> 33);
+}
+
+/* Reads what may be anything: must return, and leave nothing behind. */
+static bool anything_read(const unsigned char *bytes, size_t size)
+{
+    lmb_image image;
+    lmb_error error = {""};
+    const lmb_result result = bytes_read(bytes, size, &image, &error);
+    if (result == LMB_OK) {
+        lmb_image_free(&image);
+    } else {
+        CHECK(error.message[0] != '\0', "result %d without a reason", (int)result);
+    }
+    return result == LMB_OK;
+}
+
+static void file_torture(const char *path, int cuts, int corruptions)
+{
+    unsigned char *bytes = NULL;
+    size_t size = 0;
+    if (lmb_file_read(path, &bytes, &size, NULL) != LMB_OK) {
+        CHECK(false, "%s: cannot be read", path);
+        return;
+    }
+    uint64_t state = 12345;
+    for (int i = 0; i < cuts; ++i) {
+        const size_t length = i < 64 ? (size_t)i * 8 % size : random_next(&state) % size;
+        unsigned char *const copy = malloc(length > 0 ? length : 1);
+        if (copy) {
+            memcpy(copy, bytes, length);
+            CHECK(!anything_read(copy, length), "%s: cut to %zu of %zu bytes and read", path, length, size);
+        }
+        free(copy);
+    }
+    for (int i = 0; i < corruptions; ++i) {
+        unsigned char saved[4];
+        size_t place[4];
+        for (int k = 0; k < 4; ++k) {
+            place[k] = random_next(&state) % (i % 2 == 0 && size > 400 ? 400 : size); /* half of them in the header */
+            saved[k] = bytes[place[k]];
+            bytes[place[k]] = (unsigned char)random_next(&state);
+        }
+        anything_read(bytes, size);
+        for (int k = 3; k >= 0; --k) {
+            bytes[place[k]] = saved[k];
+        }
+    }
+    free(bytes);
+}
+
+static void damaged_exr_does_no_harm(void)
+{
+    odd_picture_make();
+    for (int k = 0; k < 8; ++k) {
+        for (int tiled = 0; tiled < 2; ++tiled) {
+            (void)library_write(OUT("torture.exr"), (exr_compression_t)k, tiled, EXR_ENVMAP_LATLONG, 1, odd_red,
+                                odd_green, odd_blue, ODD_WIDTH, ODD_HEIGHT);
+            file_torture(OUT("torture.exr"), 80, 150);
+        }
+    }
+}
+
+static void damaged_hdr_does_no_harm(void)
+{
+    if (!is_there(DATA("envmaps/tiny/venice_sunset_256.hdr"))) {
+        test_skip("no environment maps here");
+        return;
+    }
+    file_torture(DATA("envmaps/tiny/venice_sunset_256.hdr"), 200, 200);
+    file_torture(DATA("envmaps/tiny/simple-rle.hdr"), 76, 500);
+}
+
+static void png_is_what_was_given(void)
+{
+    enum { WIDTH = 5, HEIGHT = 3 };
+    uint8_t pixels[3 * WIDTH * HEIGHT];
+    for (size_t i = 0; i < sizeof pixels; ++i) {
+        pixels[i] = (uint8_t)(i * 29);
+    }
+    lmb_error error = {""};
+    CHECK(lmb_png_write(OUT("out.png"), WIDTH, HEIGHT, pixels, &error) == LMB_OK, "%s", error.message);
+    int width = 0;
+    int height = 0;
+    int channels = 0;
+    stbi_uc *const read = stbi_load(OUT("out.png"), &width, &height, &channels, 0);
+    CHECK(read && width == WIDTH && height == HEIGHT && channels == 3, "%d x %d x %d", width, height, channels);
+    CHECK(read && memcmp(read, pixels, sizeof pixels) == 0, "pixels");
+    stbi_image_free(read);
+    CHECK(lmb_png_write(OUT("no/such/folder.png"), WIDTH, HEIGHT, pixels, &error) == LMB_ERROR_IO, "folder");
+    CHECK(strstr(error.message, "folder.png"), "%s", error.message);
+}
+
+static const test_case CASES[] = {
+    {"small hdr has its values", small_hdr_has_its_values},
+    {"bad hdr is refused", bad_hdr_is_refused},
+    {"hdr agrees with stb", hdr_agrees_with_stb},
+    {"environments have the published mean", environments_have_the_published_mean},
+    {"exr round trip is exact", exr_round_trip_is_exact},
+    {"exrheader reads what we write", exrheader_reads_what_we_write},
+    {"exr values are rounded and clamped", exr_values_are_rounded_and_clamped},
+    {"every layout of exr is read", every_layout_of_exr_is_read},
+    {"unsupported exr is named", unsupported_exr_is_named},
+    {"real files are read or refused by name", real_files_are_read_or_refused_by_name},
+    {"damaged exr does no harm", damaged_exr_does_no_harm},
+    {"damaged hdr does no harm", damaged_hdr_does_no_harm},
+    {"png is what was given", png_is_what_was_given},
+};
+
+TEST_MAIN(CASES)
