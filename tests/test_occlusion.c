@@ -2,8 +2,6 @@
 #include "harness.h"
 #include "sh_oracle.h"
 
-#include <float.h>
-
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_linalg.h>
 
@@ -252,6 +250,30 @@ static void test_fit_recovers_a_polynomial(void)
     }
 }
 
+/* The fit is ill-conditioned: a normal that is unit only roughly must not be taken at its word. */
+static void test_fit_mends_its_normal(void)
+{
+    static const float lengths[] = {1e-30f, 0.01f, 0.999f, 1.0001f, 2.0f, 1e30f};
+    uint64_t random = 15;
+    double c[9];
+    const lmb_sh3 input = oracle_random_sh3(&random, 1.0, c);
+    const lmb_vec3 normal = {0.48f, -0.6f, 0.64f};
+    const lmb_sh3 expected = lmb_sh3_fit_hemisphere(&input, normal);
+    for (size_t k = 0; k < sizeof lengths / sizeof lengths[0]; ++k) {
+        const float s = lengths[k];
+        const lmb_sh3 fit = lmb_sh3_fit_hemisphere(&input, (lmb_vec3){s * normal.x, s * normal.y, s * normal.z});
+        for (int i = 0; i < 9; ++i) {
+            CHECK_NEAR(fit.c[i], expected.c[i], 1e-4, "length %g, coefficient %d", (double)s, i);
+        }
+    }
+    for (int k = 0; k < ORACLE_NASTY_COUNT; ++k) {
+        const lmb_sh3 fit = lmb_sh3_fit_hemisphere(&input, (lmb_vec3){oracle_nasty[k], 0.0f, 0.0f});
+        for (int i = 0; i < 9; ++i) {
+            CHECK(isfinite(fit.c[i]), "normal %g 0 0, coefficient %d", (double)oracle_nasty[k], i);
+        }
+    }
+}
+
 static void test_condition_numbers(void)
 {
     static const struct {
@@ -280,6 +302,7 @@ static const test_case cases[] = {
     {"a light on each axis stays on its side", test_a_light_on_each_axis_stays_on_its_side},
     {"hemispherical fit is the dense solve", test_fit_is_the_dense_solve},
     {"hemispherical fit recovers a polynomial", test_fit_recovers_a_polynomial},
+    {"hemispherical fit mends its normal", test_fit_mends_its_normal},
     {"condition numbers of the Gram matrix", test_condition_numbers},
 };
 
