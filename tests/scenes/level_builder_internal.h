@@ -69,6 +69,9 @@ void *level_grow(lmb_level_builder *builder, void *items, size_t count, size_t *
 /* The mesh, or NULL when the builder has failed. */
 level_mesh *level_mesh_at(lmb_level_builder *builder, int mesh);
 
+/* As lmb_level_builder_add_box; aligned textures run on from box to box, as if laid out once in mesh space. */
+void level_add_box(lmb_level_builder *builder, int mesh, const lmb_level_box *box, bool align_textures);
+
 /* Packs the charts into a square by shelves, `gutter_m` apart and from the border, and sets their places.
  * @return the square's side in metres, or a negative number when memory has run out */
 float level_layout_pack(level_chart *charts, size_t count, float gutter_m);

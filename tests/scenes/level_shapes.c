@@ -125,9 +125,27 @@ static lmb_level_point quad_point(const void *context, double u, double v)
     return (lmb_level_point){quad->corner[v > 0][u > 0], quad->normal, quad->tangent};
 }
 
+/* Shifts the texture of the last four vertices so that it continues from quad to quad in mesh space. */
+static void align_texture(lmb_level_builder *builder, int mesh, const quad_context *quad, float height_m)
+{
+    level_mesh *target = level_mesh_at(builder, mesh);
+    if (!target) {
+        return;
+    }
+    level_vertex *vertices = &target->vertices[target->vertex_count - 4];
+    const float repeats_per_m = 1 / builder->materials[vertices->material].texture_size_m;
+    const lmb_vec3 origin = quad->corner[0][0];
+    const float right = dot(origin, quad->tangent) * repeats_per_m;
+    const float down = -(dot(origin, cross(quad->normal, quad->tangent)) + height_m) * repeats_per_m;
+    for (int i = 0; i < 4; ++i) {
+        vertices[i].uv[0] += right;
+        vertices[i].uv[1] += down;
+    }
+}
+
 /* A quad with exactly these corners, so that neighbours meet without a crack. */
-static void add_corners(lmb_level_builder *builder, int mesh, int material, lmb_vec3 origin, lmb_vec3 along_u,
-                        lmb_vec3 along_v, lmb_vec3 opposite)
+static quad_context add_corners(lmb_level_builder *builder, int mesh, int material, lmb_vec3 origin, lmb_vec3 along_u,
+                                lmb_vec3 along_v, lmb_vec3 opposite)
 {
     const lmb_vec3 edge_u = subtract(along_u, origin);
     const lmb_vec3 edge_v = subtract(along_v, origin);
@@ -140,6 +158,7 @@ static void add_corners(lmb_level_builder *builder, int mesh, int material, lmb_
                                    .surface = quad_point,
                                    .context = &quad};
     lmb_level_builder_add_patch(builder, mesh, material, &patch);
+    return quad;
 }
 
 void lmb_level_builder_add_quad(lmb_level_builder *builder, int mesh, int material, lmb_vec3 origin, lmb_vec3 edge_u,
@@ -194,7 +213,7 @@ static lmb_vec3 box_corner(const lmb_level_box *box, int bits)
                       bits & 4 ? box->max.z : box->min.z};
 }
 
-void lmb_level_builder_add_box(lmb_level_builder *builder, int mesh, const lmb_level_box *box)
+void level_add_box(lmb_level_builder *builder, int mesh, const lmb_level_box *box, bool align_textures)
 {
     /* Lower left, lower right, upper left, upper right of each face seen from outside, walls upright. */
     static const int faces[6][4] = {
@@ -205,10 +224,21 @@ void lmb_level_builder_add_box(lmb_level_builder *builder, int mesh, const lmb_l
             continue;
         }
         const int flip = box->inward ? 1 : 0; /* left and right change places */
-        add_corners(builder, mesh, box->material[face], box_corner(box, faces[face][flip]),
-                    box_corner(box, faces[face][1 - flip]), box_corner(box, faces[face][2 + flip]),
-                    box_corner(box, faces[face][3 - flip]));
+        const lmb_vec3 origin = box_corner(box, faces[face][flip]);
+        const lmb_vec3 along_v = box_corner(box, faces[face][2 + flip]);
+        const quad_context quad =
+            add_corners(builder, mesh, box->material[face], origin, box_corner(box, faces[face][1 - flip]), along_v,
+                        box_corner(box, faces[face][3 - flip]));
+        if (align_textures) {
+            const lmb_vec3 up = subtract(along_v, origin);
+            align_texture(builder, mesh, &quad, sqrtf(dot(up, up)));
+        }
     }
+}
+
+void lmb_level_builder_add_box(lmb_level_builder *builder, int mesh, const lmb_level_box *box)
+{
+    level_add_box(builder, mesh, box, false);
 }
 
 typedef struct sphere_face {
