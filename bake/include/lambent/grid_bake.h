@@ -1,0 +1,26 @@
+/* Filling a placed grid with light. */
+#ifndef LAMBENT_GRID_BAKE_H
+#define LAMBENT_GRID_BAKE_H
+
+#include <lambent/grid.h>
+#include <lambent/probe.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct lmb_grid_bake_stats {
+    uint64_t rays;
+    double relative_error; /* root mean square of the baked probes' relative errors */
+} lmb_grid_bake_stats;
+
+/* Gathers `samples` samples at every valid probe, then dilates into the others. @return LMB_ERROR_MEMORY,
+ * _INTERRUPTED */
+lmb_result lmb_grid_bake(lmb_grid *grid, const lmb_transport *transport, uint32_t samples, lmb_pool *pool,
+                         const lmb_progress *progress, lmb_grid_bake_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

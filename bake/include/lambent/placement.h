@@ -1,0 +1,50 @@
+/* Where probes go: a uniform, world-aligned lattice over the level, without the points that no dynamic object needs. */
+#ifndef LAMBENT_PLACEMENT_H
+#define LAMBENT_PLACEMENT_H
+
+#include <lambent/grid.h>
+#include <lambent/pool.h>
+#include <lambent/trace.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct lmb_placement_settings {
+    float spacing;              /* metres; 0: lmb_placement_default_spacing */
+    int32_t max_probes;         /* the spacing grows until there are no more than this */
+    const lmb_vec3 *seeds;      /* free space connected to these is baked; beside the scene's own seed points */
+    uint32_t seed_count;        /* no seeds at all: every free point within the bounds */
+} lmb_placement_settings;
+
+/* spacing 0, max_probes 262 144, no seeds. */
+lmb_placement_settings lmb_placement_settings_default(void);
+
+/* A round figure in metres for about 32 768 points in the level's bounds: units vary from level to level. */
+float lmb_placement_default_spacing(const lmb_scene *scene);
+
+typedef struct lmb_placement_stats {
+    int32_t probes_valid;     /* to be baked */
+    int32_t probes_dilated;   /* inside solids, or out of reach, beside valid ones */
+    int64_t cells;            /* cells with all eight probes */
+    int64_t cells_crossed;    /* of these, cells that a triangle passes through */
+    uint64_t rays;
+    bool seeds_in_solid;      /* at least one seed point lies inside something and was ignored */
+    bool everything_solid;    /* the level's winding calls all its space solid: the test of being inside was ignored */
+} lmb_placement_stats;
+
+/* Places probes. A point is solid when most of the rays that hit anything hit a back face AND signed crossings of
+ * surfaces over whole rays do not say that it lies within a room that faces inwards. Probes are made for every corner
+ * of every cell that has at least one free, reachable corner; those not free have validity 0 and are to be filled by
+ * lmb_grid_dilate. `*grid` has validity set and no light.
+ * @return LMB_ERROR_UNSUPPORTED (no triangles, so no bounds; or spacing too fine for the level's size), _MEMORY,
+ * _INTERRUPTED */
+lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
+                              const lmb_progress *progress, lmb_grid **grid, lmb_placement_stats *stats,
+                              lmb_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,196 @@
+/* Which lattice points lie in free space, and which of them can be reached. */
+#include "placement_internal.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+#include <lambent/sequence.h>
+
+#include "bake_internal.h"
+
+enum { RAYS_PER_POINT = 64, WINDING_RAYS = 32, WINDING_MAX_CROSSINGS = 256, POINTS_PER_TASK = 64 };
+
+/* Above this share of back faces among the hits a point is looked at twice. */
+#define SUSPICIOUS_BACK_SHARE 0.5f
+/* A room that faces inwards has a winding number of -1, free space 0, a solid +1, a solid within a room 0. */
+#define ROOM_WINDING (-0.25f)
+
+typedef struct lmb_classify_work {
+    lmb_lattice *lattice;
+    const lmb_tracer *tracer;
+    uint64_t *rays; /* [task] */
+} lmb_classify_work;
+
+static bool hit_is_back(const lmb_tracer *tracer, const lmb_hit *hit, lmb_vec3 direction)
+{
+    const lmb_place place = lmb_trace_place(tracer, hit->instance, hit->triangle, hit->u, hit->v);
+    return vec3_dot(place.geometric_normal, direction) > 0.0f;
+}
+
+/* Signed surface crossings along a ray to infinity: +1 for leaving by a back face, -1 for entering by a front. */
+static int ray_crossings(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, uint64_t *rays)
+{
+    int crossings = 0;
+    float start = 0.0f;
+    lmb_hit hit;
+    for (int i = 0; i < WINDING_MAX_CROSSINGS; ++i) {
+        ++*rays;
+        if (!lmb_trace_nearest(tracer, origin, direction, start, FLT_MAX, &hit)) {
+            break;
+        }
+        crossings += hit_is_back(tracer, &hit, direction) ? 1 : -1;
+        start = nextafterf(hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
+    }
+    return crossings;
+}
+
+/* The same directions at every point, turned by the point's own stream: no pattern, and no state. */
+static lmb_vec3 point_direction(lmb_vec3 position, uint32_t index)
+{
+    float numbers[2];
+    lmb_sequence_2d(lmb_stream_of_position(0, position), index, 0, numbers);
+    return lmb_sphere_sample(numbers);
+}
+
+static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *is_free, uint64_t *rays)
+{
+    int hits = 0;
+    int backs = 0;
+    for (uint32_t i = 0; i < RAYS_PER_POINT; ++i) {
+        const lmb_vec3 direction = point_direction(position, i);
+        lmb_hit hit;
+        ++*rays;
+        if (lmb_trace_nearest(tracer, position, direction, 0.0f, FLT_MAX, &hit)) {
+            ++hits;
+            backs += hit_is_back(tracer, &hit, direction);
+        }
+    }
+    *is_free = true;
+    if (hits > 0 && (float)backs > SUSPICIOUS_BACK_SHARE * (float)hits) {
+        int crossings = 0;
+        for (uint32_t i = 0; i < WINDING_RAYS; ++i) {
+            crossings += ray_crossings(tracer, position, point_direction(position, i), rays);
+        }
+        *is_free = (float)crossings < ROOM_WINDING * (float)WINDING_RAYS;
+    }
+    /* A free point is valid, however much of it double-sided scenery turns its back on. */
+    const float share = 1.0f - (float)backs / (float)RAYS_PER_POINT;
+    return *is_free ? fmaxf(share, LMB_GRID_MIN_VALIDITY) : fminf(share, 0.5f * LMB_GRID_MIN_VALIDITY);
+}
+
+static void classify_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    const lmb_classify_work *work = context;
+    lmb_lattice *lattice = work->lattice;
+    const size_t first = task * POINTS_PER_TASK;
+    const size_t last = first + POINTS_PER_TASK < lattice->count ? first + POINTS_PER_TASK : lattice->count;
+    uint64_t rays = 0;
+    for (size_t i = first; i < last; ++i) {
+        const int32_t x = (int32_t)(i % (size_t)lattice->size[0]);
+        const int32_t y = (int32_t)(i / (size_t)lattice->size[0] % (size_t)lattice->size[1]);
+        const int32_t z = (int32_t)(i / (size_t)lattice->size[0] / (size_t)lattice->size[1]);
+        bool is_free;
+        lattice->validity[i] = point_validity(work->tracer, lattice_position(lattice, x, y, z), &is_free, &rays);
+        lattice->free[i] = is_free;
+    }
+    work->rays[task] = rays;
+}
+
+lmb_result lmb_lattice_classify(lmb_lattice *lattice, const lmb_tracer *tracer, lmb_pool *pool,
+                                const lmb_progress *progress, uint64_t *rays)
+{
+    const size_t tasks = (lattice->count + POINTS_PER_TASK - 1) / POINTS_PER_TASK;
+    lmb_classify_work work = {lattice, tracer, calloc(tasks + 1, sizeof *work.rays)};
+    if (!work.rays) {
+        return LMB_ERROR_MEMORY;
+    }
+    const lmb_result result = lmb_pool_run(pool, tasks, classify_task, &work, "place", progress);
+    for (size_t i = 0; i < tasks; ++i) {
+        *rays += work.rays[i];
+    }
+    free(work.rays);
+    return result;
+}
+
+/* The free lattice point nearest to a seed among the corners of its cell, or SIZE_MAX. */
+static size_t seed_point(const lmb_lattice *lattice, lmb_vec3 seed)
+{
+    const float position[3] = {seed.x, seed.y, seed.z};
+    int32_t cell[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const double at = floor((double)position[axis] / (double)lattice->spacing) - (double)lattice->min[axis];
+        if (!(at >= 0.0 && at + 1.0 < (double)lattice->size[axis])) {
+            return SIZE_MAX;
+        }
+        cell[axis] = (int32_t)at;
+    }
+    size_t nearest = SIZE_MAX;
+    float nearest_distance = FLT_MAX;
+    for (int k = 0; k < 8; ++k) {
+        const int32_t x = cell[0] + (k & 1), y = cell[1] + (k >> 1 & 1), z = cell[2] + (k >> 2);
+        const size_t index = lattice_index(lattice, x, y, z);
+        const float distance = vec3_length(vec3_sub(lattice_position(lattice, x, y, z), seed));
+        if (lattice->free[index] && distance < nearest_distance) {
+            nearest = index;
+            nearest_distance = distance;
+        }
+    }
+    return nearest;
+}
+
+static bool points_connected(const lmb_lattice *lattice, const lmb_tracer *tracer, size_t a, size_t b,
+                             uint64_t *rays)
+{
+    const size_t row = (size_t)lattice->size[0];
+    const size_t slice = row * (size_t)lattice->size[1];
+    const lmb_vec3 from = lattice_position(lattice, (int32_t)(a % row), (int32_t)(a % slice / row), (int32_t)(a / slice));
+    const lmb_vec3 to = lattice_position(lattice, (int32_t)(b % row), (int32_t)(b % slice / row), (int32_t)(b / slice));
+    return rgb_max(lmb_trace_transmittance(tracer, from, to, rays)) > 0.0f;
+}
+
+lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, const lmb_vec3 *seeds,
+                             uint32_t seed_count, bool *seeds_in_solid, uint64_t *rays)
+{
+    uint8_t *reached = calloc(lattice->count, 1);
+    size_t *queue = malloc(lattice->count * sizeof *queue);
+    if (!reached || !queue) {
+        free(reached);
+        free(queue);
+        return LMB_ERROR_MEMORY;
+    }
+    size_t filled = 0;
+    for (uint32_t i = 0; i < seed_count; ++i) {
+        const size_t point = seed_point(lattice, seeds[i]);
+        *seeds_in_solid |= point == SIZE_MAX;
+        if (point != SIZE_MAX && !reached[point]) {
+            reached[point] = 1;
+            queue[filled++] = point;
+        }
+    }
+    const size_t row = (size_t)lattice->size[0];
+    const size_t slice = row * (size_t)lattice->size[1];
+    for (size_t done = 0; done < filled; ++done) {
+        const size_t at = queue[done];
+        const size_t coordinate[3] = {at % row, at % slice / row, at / slice};
+        const size_t stride[3] = {1, row, slice};
+        for (int side = 0; side < 6; ++side) {
+            const int axis = side / 2;
+            const bool up = side % 2 == 1;
+            if (up ? coordinate[axis] + 1 >= (size_t)lattice->size[axis] : coordinate[axis] == 0) {
+                continue;
+            }
+            const size_t next = up ? at + stride[axis] : at - stride[axis];
+            if (lattice->free[next] && !reached[next] && points_connected(lattice, tracer, at, next, rays)) {
+                reached[next] = 1;
+                queue[filled++] = next;
+            }
+        }
+    }
+    for (size_t i = 0; i < lattice->count; ++i) {
+        lattice->free[i] = reached[i];
+    }
+    free(reached);
+    free(queue);
+    return LMB_OK;
+}
