@@ -105,6 +105,32 @@ static void test_known_lights_are_recovered(void)
     }
 }
 
+/* C_d -> 0, C_a -> 0 and n_v.d -> 0: the answer goes to the limit and stays physical on the way. */
+static void test_limits(void)
+{
+    uint64_t random = 41;
+    for (int k = 0; k < 3000; ++k) {
+        const double small = pow(10.0, -15.0 * k / 3000.0);
+        lmb_vec3 n_v;
+        const ovec n = oracle_random_normal(&random, &n_v);
+        const ovec d = direction_at(n, 1.2 * oracle_random(&random), 2 * ORACLE_PI * oracle_random(&random));
+        const ovec low = direction_at(n, ORACLE_PI / 2.0 - small, 2 * ORACLE_PI * oracle_random(&random));
+        const struct {
+            double ambient, directional;
+            ovec d;
+        } limits[] = {{1.0, small, d}, {small, 1.0, d}, {0.3, 1.0, low}, {small, 1.0, low}};
+        for (int i = 0; i < 4; ++i) {
+            const double ambient = limits[i].ambient, directional = limits[i].directional;
+            const lmb_hhd hhd = lmb_hhd_solve(moments_of(ambient, directional, n, limits[i].d), n_v);
+            check_physical(hhd, n_v, "limit", 10 * k + i);
+            CHECK_NEAR(hhd.ambient, ambient, 2e-6, "limit %d, small %g", i, small);
+            CHECK_NEAR(hhd.directional, directional, 2e-6, "limit %d, small %g", i, small);
+            const double i_z = ambient + directional * ovec_dot(limits[i].d, n);
+            CHECK_NEAR(lmb_hhd_evaluate(&hhd, n_v, n_v), i_z, 1e-6, "limit %d, small %g", i, small);
+        }
+    }
+}
+
 /* C_a a thousand times C_d, in float: the sum-of-squares discriminant never fails and the direction holds. */
 static void test_faint_highlight_in_float(void)
 {
@@ -548,6 +574,7 @@ static void test_self_bounce(void)
 static const test_case cases[] = {
     {"moments are the integrals", test_moments_are_the_integrals},
     {"known lights are recovered", test_known_lights_are_recovered},
+    {"limits of C_a, C_d and n_v.d", test_limits},
     {"faint highlight in float", test_faint_highlight_in_float},
     {"random non-negative radiance", test_random_non_negative_radiance},
     {"each rule of the solve", test_each_rule_of_the_solve},

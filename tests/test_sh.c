@@ -165,6 +165,35 @@ static void test_undershoot_of_a_delta_light(void)
     CHECK_NEAR(least3, -0.0396, 5e-5, "SH3");
 }
 
+/* Bounds over l0 for any non-negative radiance: such sets are sums of delta lights and the bounds are convex, so delta
+ * lights reach them and never pass them. */
+static void test_bounds_of_non_negative_radiance(void)
+{
+    const double sqrt3 = sqrt(3.0), sqrt5 = sqrt(5.0), sqrt15 = sqrt(15.0);
+    double most_sectoral[9] = {0}, least_zonal = 0.0, most_zonal = 0.0;
+    uint64_t random = 7;
+    for (int k = 0; k < 100000; ++k) {
+        lmb_vec3 direction;
+        (void)oracle_random_normal(&random, &direction);
+        lmb_sh3 light = {{0}};
+        lmb_sh3_add_light(&light, direction, 1.0f);
+        double over[9];
+        for (int i = 0; i < 9; ++i) {
+            over[i] = (double)light.c[i] / (double)light.c[0];
+            most_sectoral[i] = fmax(most_sectoral[i], fabs(over[i]));
+        }
+        CHECK_NEAR(sqrt(over[1] * over[1] + over[2] * over[2] + over[3] * over[3]), sqrt3, 1e-6, "light %d", k);
+        least_zonal = fmin(least_zonal, over[6]);
+        most_zonal = fmax(most_zonal, over[6]);
+    }
+    CHECK_NEAR(least_zonal, -sqrt5 / 2.0, 1e-3, "l20");
+    CHECK_NEAR(most_zonal, sqrt5, 1e-3, "l20");
+    static const int sectoral[] = {4, 5, 7, 8};
+    for (int k = 0; k < 4; ++k) {
+        CHECK_NEAR(most_sectoral[sectoral[k]], sqrt15 / 2.0, 1e-3, "coefficient %d", sectoral[k]);
+    }
+}
+
 static void test_colour_lerp_and_luminance(void)
 {
     uint64_t random = 5;
@@ -267,6 +296,7 @@ static const test_case cases[] = {
     {"irradiance is the cosine integral", test_irradiance_is_the_cosine_integral},
     {"constant radiance 1 gives irradiance 1", test_constant_radiance_one_gives_irradiance_one},
     {"undershoot of a delta light", test_undershoot_of_a_delta_light},
+    {"bounds of non-negative radiance", test_bounds_of_non_negative_radiance},
     {"colour: lerp and luminance", test_colour_lerp_and_luminance},
     {"coloured irradiance is never broken", test_coloured_irradiance_is_never_broken},
     {"huge light saturates instead of vanishing", test_huge_light_saturates_instead_of_vanishing},
