@@ -68,15 +68,17 @@ typedef struct lmb_mesh {
     uint32_t vertex_count;
     lmb_vec3 *position;        /* [vertex] finite */
     lmb_vec3 *normal;          /* [vertex] unit; flat normals are made where the file has none */
-    float (*tangent)[4];       /* [vertex] xyz unit, w = +-1 handedness; NULL when no primitive has tangents: then
-                                  derived from UVs where needed */
+    float (*tangent)[4];       /* [vertex] xyz unit, w = +-1 handedness; all zero where the file has none, and NULL
+                                  when no primitive has any: then derived from UVs where needed */
     lmb_vec2 *uv[2];           /* [vertex] TEXCOORD_0 and TEXCOORD_1; NULL when absent from every primitive */
     float (*color)[4];         /* [vertex] linear COLOR_0, or NULL */
     uint32_t triangle_count;
     uint32_t (*triangle)[3];   /* [triangle] vertex numbers, wound counter-clockwise seen from the front */
     uint32_t *material;        /* [triangle] index into scene.materials (a default material always exists) */
     int32_t source_mesh;       /* index in the glTF file */
+    int32_t source_node;       /* the node whose skin or morph weights pose this copy of the glTF mesh, or -1 */
     uint32_t *source_primitive; /* [triangle] primitive of the glTF mesh that it came from */
+    uint32_t *source_triangle; /* [triangle] its number in that primitive, counting those that were dropped */
 } lmb_mesh;
 
 /* A mesh placed in the world: one for each glTF node that has one, or for each of its EXT_mesh_gpu_instancing places. */

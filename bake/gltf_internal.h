@@ -1,0 +1,152 @@
+/* The inside of lambent/gltf.h: a glTF file whose JSON was checked, with its buffers and its accessors resolved.
+ *
+ *     file -> gltf_file.c (container, URIs, buffers) -> gltf_check.c (types, indices, ranges)
+ *          -> gltf.cc (tinygltf: nodes, materials, lights) -> gltf_mesh.c (triangles) -> scene
+ *          -> gltf_uv.c (the same JSON with new accessors) -> .glb
+ *
+ * tinygltf sees nothing but JSON that passed the checks: it takes wrong types for absent ones, and indexes buffers
+ * without looking. */
+#ifndef LAMBENT_GLTF_INTERNAL_H
+#define LAMBENT_GLTF_INTERNAL_H
+
+#include <cjson/cJSON.h>
+
+#include <lambent/gltf.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum {
+    LMB_GLTF_PLACE_SIZE = 256,
+    LMB_GLTF_BYTE = 5120,
+    LMB_GLTF_UNSIGNED_BYTE = 5121,
+    LMB_GLTF_SHORT = 5122,
+    LMB_GLTF_UNSIGNED_SHORT = 5123,
+    LMB_GLTF_UNSIGNED_INT = 5125,
+    LMB_GLTF_FLOAT = 5126
+};
+
+typedef struct lmb_gltf_bytes {
+    const unsigned char *data;
+    size_t size;
+    unsigned char *owned; /* what to free, or NULL */
+} lmb_gltf_bytes;
+
+/* An accessor whose every element was checked to lie in its buffer. */
+typedef struct lmb_gltf_accessor {
+    const unsigned char *data; /* NULL: zeros */
+    size_t stride;
+    uint32_t count;
+    uint32_t components;
+    uint32_t element_size; /* bytes, with the padding of small matrices */
+    int component_type;
+    bool normalized;
+    uint32_t sparse_count;
+    int sparse_index_type;
+    const unsigned char *sparse_indices;
+    const unsigned char *sparse_values; /* tightly packed */
+} lmb_gltf_accessor;
+
+typedef struct lmb_gltf_file {
+    char *path;
+    bool allow_outside_uris;
+    unsigned char *data;
+    size_t size;
+    const unsigned char *bin; /* the GLB's binary chunk, or NULL */
+    size_t bin_size;
+    cJSON *root;
+    lmb_gltf_bytes *buffers;
+    uint32_t buffer_count;
+    const cJSON **views; /* [bufferView] */
+    uint32_t view_count;
+    lmb_gltf_accessor *accessors;
+    uint32_t accessor_count;
+    uint64_t hash; /* of all bytes read so far */
+} lmb_gltf_file;
+
+/* Reads and checks everything but what the accessors' elements say. */
+lmb_result lmb_gltf_file_open(const char *path, const lmb_gltf_options *options, lmb_gltf_file **file,
+                              lmb_error *error);
+void lmb_gltf_file_close(lmb_gltf_file *file);
+
+/* The still encoded bytes of an image. Adds external ones to file->hash; `name` (malloc'ed, may be NULL) gets its URI
+ * or "image N". */
+lmb_result lmb_gltf_image_read(lmb_gltf_file *file, const cJSON *image, uint32_t number, lmb_gltf_bytes *bytes,
+                               char **name, lmb_error *error);
+
+/* The bytes that a `uri` stands for; `place` names it in messages. */
+lmb_result lmb_gltf_uri_read(lmb_gltf_file *file, const char *uri, const char *place, lmb_gltf_bytes *bytes,
+                             lmb_error *error);
+
+/* gltf_check.c: versions, required extensions, then the type and range of every property that is read. */
+lmb_result lmb_gltf_check_json(const lmb_gltf_file *file, lmb_error *error);
+/* The rest that the JSON alone can tell: the node hierarchy, primitives, skins. Needs the accessors. */
+lmb_result lmb_gltf_check_references(const lmb_gltf_file *file, lmb_error *error);
+
+/* Says where in the file something is; what does not fit is cut. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void lmb_gltf_place(char place[LMB_GLTF_PLACE_SIZE], const char *format, ...);
+
+/* A non-negative integer property that was checked, or `missing`. */
+uint32_t lmb_gltf_uint(const cJSON *object, const char *name, uint32_t missing);
+
+/* Element `index` of the plain part (without sparse substitution) as floats, normalised when the accessor says so. */
+void lmb_gltf_decode(const lmb_gltf_accessor *accessor, const unsigned char *element, float *values);
+/* All elements, sparse ones substituted; `values` holds count x components. */
+void lmb_gltf_decode_all(const lmb_gltf_accessor *accessor, float *values);
+/* All elements' raw bytes, tightly packed, sparse ones substituted; `bytes` holds count x element_size. */
+void lmb_gltf_copy_all(const lmb_gltf_accessor *accessor, unsigned char *bytes);
+/* Number `index` of a run of unsigned integers. */
+uint32_t lmb_gltf_read_index(const unsigned char *data, int component_type, size_t index);
+
+/* One primitive's accessors; -1 where absent. */
+typedef struct lmb_gltf_target {
+    int32_t position;
+    int32_t normal;
+} lmb_gltf_target;
+
+typedef struct lmb_gltf_primitive {
+    int32_t mode;
+    int32_t indices;
+    int32_t position;
+    int32_t normal;
+    int32_t tangent;
+    int32_t color;
+    int32_t uv[2];
+    int32_t joints[2];
+    int32_t weights[2];
+    uint32_t material;
+    uint32_t number; /* in its glTF mesh */
+    const lmb_gltf_target *targets;
+    size_t target_count;
+} lmb_gltf_primitive;
+
+/* How a mesh stands at rest. */
+typedef struct lmb_gltf_pose {
+    const double *weights; /* [target], NULL: none */
+    size_t weight_count;
+    const lmb_affine *joints; /* [joint] from mesh space to world, NULL: not skinned */
+    size_t joint_count;
+} lmb_gltf_pose;
+
+/* The corners (vertex numbers) of all triangles of a primitive, in order; none for points and lines. Every number is
+ * checked against the vertex count. `*corners` is malloc'ed. */
+lmb_result lmb_gltf_triangles(const lmb_gltf_file *file, int32_t mode, int32_t indices, uint32_t vertex_count,
+                              const char *place, uint32_t (**corners)[3], uint32_t *count, lmb_error *error);
+
+/* Joins primitives into one mesh. `mesh` must be zero; on failure it holds what lmb_mesh_free frees. */
+lmb_result lmb_gltf_mesh_build(const lmb_gltf_file *file, uint32_t number, const lmb_gltf_primitive *primitives,
+                               size_t primitive_count, const lmb_gltf_pose *pose, lmb_mesh *mesh, uint32_t *dropped,
+                               lmb_error *error);
+
+/* scene.c */
+void lmb_mesh_free(lmb_mesh *mesh);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
