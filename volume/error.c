@@ -7,11 +7,14 @@
 /* Cuts a UTF-8 sequence that the end of the buffer has split. */
 static void drop_split_character(char *message)
 {
-    size_t start = strlen(message);
+    const size_t length = strlen(message);
+    size_t start = length;
     while (start > 0 && ((unsigned char)message[start - 1] & 0xc0u) == 0x80u) {
         --start;
     }
-    if (start > 0 && ((unsigned char)message[start - 1] & 0xc0u) == 0xc0u) {
+    const unsigned char lead = start > 0 ? (unsigned char)message[start - 1] : 0;
+    const size_t wanted = lead >= 0xf0u ? 4 : lead >= 0xe0u ? 3 : lead >= 0xc0u ? 2 : 1;
+    if (start > 0 && length - (start - 1) < wanted) {
         message[start - 1] = '\0';
     }
 }

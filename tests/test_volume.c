@@ -1,0 +1,569 @@
+/* The run-time file: what is packed comes out of the sampler, and no bytes whatsoever make it misbehave.
+ *
+ * The oracle interpolates the lmb_grid itself, in double; it shares nothing with the file. */
+#define _POSIX_C_SOURCE 200809L
+
+#include "grid_fixture.h"
+#include "harness.h"
+
+#include <lambent/file.h>
+#include <lambent/pack.h>
+#include <lambent/volume.h>
+#include <lambent/volume_format.h>
+
+#include <float.h>
+#include <stddef.h>
+#include <unistd.h>
+
+/* A packed and opened grid. */
+typedef struct packed {
+    unsigned char *data;
+    size_t size;
+    lmb_pack_stats stats;
+    lmb_volume *volume;
+} packed;
+
+static packed pack_and_open(const lmb_grid *grid)
+{
+    packed p = {NULL, 0, {0}, NULL};
+    const lmb_result result = lmb_pack(grid, &p.data, &p.size, &p.stats);
+    CHECK(result == LMB_OK, "pack: %d", result);
+    const lmb_result opened = result == LMB_OK ? lmb_volume_open_memory(p.data, p.size, &p.volume) : result;
+    CHECK(opened == LMB_OK, "open: %d", opened);
+    if (!p.volume) {
+        abort();
+    }
+    return p;
+}
+
+static void close_packed(packed *p)
+{
+    lmb_volume_close(p->volume);
+    free(p->data);
+}
+
+/* --------------------------------------------------------------------------------------------- the oracle */
+
+/* `lit[probe]`: does light reach the probe, by flooding over 26 neighbours until nothing changes? */
+static bool *flood_light(const lmb_grid *grid)
+{
+    bool *const lit = calloc((size_t)grid->probe_count + 1, 1);
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
+            bool reached = grid->validity[probe] >= 0.5f;
+            for (int32_t n = 0; n < 27 && !reached; ++n) {
+                const int32_t *const at = grid->lattice[probe];
+                const int32_t other =
+                    lmb_grid_probe_at(grid, at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1);
+                reached = other >= 0 && lit[other];
+            }
+            changed |= reached && !lit[probe];
+            lit[probe] |= reached;
+        }
+    }
+    return lit;
+}
+
+/* Trilinear light at lattice coordinates relative to the box, clamped to it, the missing corners' weight given to the
+ * others. @return the weight of the corners that hold light, 0 to 1 */
+static double oracle_sample(const lmb_grid *grid, const bool *lit, const double at[3], double light[27])
+{
+    double weights = 0.0;
+    for (int i = 0; i < 27; ++i) {
+        light[i] = 0.0;
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+        double weight = 1.0;
+        int32_t place[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const double last = grid->size[axis] - 1;
+            const double inside = at[axis] < 0.0 ? 0.0 : at[axis] > last ? last : at[axis];
+            const bool upper = corner >> axis & 1;
+            const double below = floor(inside);
+            place[axis] = grid->min[axis] + (int32_t)below + upper;
+            weight *= upper ? inside - below : 1.0 - (inside - below);
+        }
+        const int32_t probe = lmb_grid_probe_at(grid, place[0], place[1], place[2]);
+        if (weight > 0.0 && probe >= 0 && lit[probe]) {
+            weights += weight;
+            for (int i = 0; i < 27; ++i) {
+                light[i] += weight * (double)grid->radiance[probe].channel[i / 9].c[i % 9];
+            }
+        }
+    }
+    for (int i = 0; i < 27 && weights > 0.0; ++i) {
+        light[i] /= weights;
+    }
+    return weights;
+}
+
+/* Rounded for certain: gcc 12.2 at -O2 drops the rounding to float when it vectorises what follows. */
+static float round_to_float(double value)
+{
+    const volatile float rounded = (float)value;
+    return rounded;
+}
+
+/* How far off, in cells, a float position may be before it counts as outside (docs/formats.md, sampling). */
+static double position_slack(const lmb_grid *grid)
+{
+    double farthest = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        farthest = fmax(farthest, fmax(fabs((double)grid->min[axis]), fabs(grid->min[axis] + grid->size[axis] - 1.0)));
+    }
+    return fmin(farthest * 0x1p-22, 0x1p-6);
+}
+
+static void check_point(const lmb_grid *grid, const bool *lit, const packed *p, const double at[3], double tolerance)
+{
+    const double slack = position_slack(grid);
+    float position[3];
+    double rounded[3]; /* where that float position really is */
+    double outside = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        position[axis] = round_to_float((grid->min[axis] + at[axis]) * (double)grid->spacing);
+        rounded[axis] = (double)position[axis] / (double)grid->spacing - grid->min[axis];
+        outside = fmax(outside, fmax(-rounded[axis], rounded[axis] - (grid->size[axis] - 1)));
+    }
+    double expected[27];
+    const double weight = oracle_sample(grid, lit, rounded, expected);
+    lmb_sh3_rgb light;
+    memset(&light, 0xff, sizeof light);
+    const bool inside = lmb_volume_sample(p->volume, (lmb_vec3){position[0], position[1], position[2]}, &light);
+    if (outside <= 0.0 && weight > 1.0 - 1e-12) {
+        CHECK(inside, "(%g, %g, %g) is inside", at[0], at[1], at[2]);
+    } else if (outside > 1.01 * slack || weight < 1.0 - 3.0 * slack - 1e-6) {
+        CHECK(!inside, "(%g, %g, %g) is outside", at[0], at[1], at[2]);
+    }
+    if (at[0] == round(at[0]) && at[1] == round(at[1]) && at[2] == round(at[2]) && outside <= slack) {
+        const int32_t probe = lmb_grid_probe_at(grid, grid->min[0] + (int32_t)at[0], grid->min[1] + (int32_t)at[1],
+                                                grid->min[2] + (int32_t)at[2]);
+        CHECK(inside == (probe >= 0 && lit[probe]), "lattice point (%g, %g, %g), however its position rounds", at[0],
+              at[1], at[2]);
+    }
+    if (weight > 0.0 && weight < 1e-3) {
+        return; /* almost nothing but missing corners: the quotient is ill-conditioned */
+    }
+    for (int i = 0; i < 27; ++i) {
+        const double tolerated = weight > 0.0 ? tolerance / (weight < 1.0 ? 0.01 + weight : 1.0) : 1e30;
+        CHECK_NEAR(light.channel[i / 9].c[i % 9], expected[i], tolerated, "(%g, %g, %g), coefficient %d", at[0], at[1],
+                   at[2], i);
+    }
+}
+
+/* ---------------------------------------------------------------------------------------------- sampling */
+
+static void check_volume(const int32_t min[3], const int32_t size[3], float spacing, double density, double magnitude,
+                         uint64_t seed)
+{
+    lmb_grid *const grid = fixture_grid(spacing, min, size, density, 0.6, magnitude, seed);
+    CHECK(lmb_grid_dilate(grid) == LMB_OK, "dilate");
+    bool *const lit = flood_light(grid);
+    packed p = pack_and_open(grid);
+    /* Halfs hold 11 bits; interpolation adds float rounding and the rounding of t. */
+    const double tolerance = magnitude * (0x1p-11 + 1e-5) + 0x1p-25 * (double)p.stats.scale;
+
+    const lmb_volume_info info = lmb_volume_get_info(p.volume);
+    uint64_t lit_count = 0;
+    for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
+        lit_count += lit[probe];
+    }
+    CHECK(info.probe_count == lit_count, "%llu probes stored, %llu lit", (unsigned long long)info.probe_count,
+          (unsigned long long)lit_count);
+    CHECK(info.spacing == spacing && info.file_bytes == p.size && p.stats.bytes == p.size, "info");
+    CHECK(memcmp(info.min, min, sizeof info.min) == 0 && memcmp(info.size, size, sizeof info.size) == 0, "box");
+
+    for (int32_t z = 0; z < size[2]; ++z) {
+        for (int32_t y = 0; y < size[1]; ++y) {
+            for (int32_t x = 0; x < size[0]; ++x) {
+                check_point(grid, lit, &p, (double[3]){x, y, z}, tolerance);
+            }
+        }
+    }
+    uint64_t state = seed + 99;
+    for (int i = 0; i < 3000; ++i) {
+        double at[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            /* Up to half a cell outside the box; a quarter of the coordinates in the planes between points. */
+            at[axis] = fixture_random(&state) * size[axis] - 0.5;
+            at[axis] = fixture_random(&state) < 0.25 ? round(at[axis]) : at[axis];
+        }
+        check_point(grid, lit, &p, at, tolerance);
+    }
+    close_packed(&p);
+    free(lit);
+    lmb_grid_destroy(grid);
+}
+
+static void test_sample(void)
+{
+    static const struct {
+        int32_t min[3];
+        int32_t size[3];
+        float spacing;
+        double density;
+        double magnitude;
+    } cases[] = {
+        {{0, 0, 0}, {2, 2, 2}, 1.0f, 1.0, 1.0},        {{-4, 7, 2}, {9, 9, 9}, 0.5f, 1.0, 3.0},
+        {{-5, -6, -7}, {13, 6, 10}, 0.3f, 1.0, 100.0}, {{3, 3, 3}, {12, 11, 7}, 1.7f, 0.9, 5.0},
+        {{3, 3, 3}, {12, 11, 7}, 1.7f, 0.3, 5.0},      {{0, 0, 0}, {30, 3, 17}, 0.25f, 0.02, 5.0},
+        {{-2, -2, -2}, {6, 6, 1}, 1.0f, 1.0, 5.0},     {{0, 0, 0}, {1, 1, 1}, 2.0f, 1.0, 5.0},
+        {{0, 0, 0}, {1, 9, 1}, 2.0f, 1.0, 5.0},        {{0, 0, 0}, {6, 6, 6}, 1.0f, 1.0, 1e7},
+        {{0, 0, 0}, {6, 6, 6}, 1.0f, 1.0, 1e-9},       {{20000, -30000, 7}, {6, 7, 8}, 0.5f, 0.8, 2.0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const int before = test_failures;
+        check_volume(cases[i].min, cases[i].size, cases[i].spacing, cases[i].density, cases[i].magnitude, i + 1);
+        CHECK(test_failures == before, "case %zu", i);
+    }
+}
+
+static bool is_finite_light(const lmb_sh3_rgb *light)
+{
+    for (int i = 0; i < 27; ++i) {
+        if (!isfinite(light->channel[i / 9].c[i % 9])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool is_dark(const lmb_sh3_rgb *light)
+{
+    static const lmb_sh3_rgb dark;
+    return memcmp(light, &dark, sizeof dark) == 0;
+}
+
+static void test_far_and_broken_positions(void)
+{
+    const int32_t min[3] = {-4, 0, 4}, size[3] = {6, 6, 6};
+    lmb_grid *const grid = fixture_grid(0.5f, min, size, 1.0, 1.0, 5.0, 3);
+    packed p = pack_and_open(grid);
+    static const float odd[] = {0.0f, -0.0f, 1.0f, 1e30f, -FLT_MAX, FLT_MAX, FLT_MIN, 1e-45f, INFINITY, -INFINITY, NAN};
+    enum { COUNT = sizeof odd / sizeof odd[0] };
+    for (int i = 0; i < COUNT * COUNT * COUNT; ++i) {
+        const lmb_vec3 position = {odd[i % COUNT], odd[i / COUNT % COUNT], odd[i / COUNT / COUNT]};
+        lmb_sh3_rgb light;
+        const bool inside = lmb_volume_sample(p.volume, position, &light);
+        const bool is_nan = isnan(position.x) || isnan(position.y) || isnan(position.z);
+        CHECK(is_finite_light(&light), "(%g, %g, %g)", (double)position.x, (double)position.y, (double)position.z);
+        CHECK(is_dark(&light) == is_nan, "(%g, %g, %g): dark is not for NaN", (double)position.x, (double)position.y,
+              (double)position.z);
+        CHECK(!inside ||
+                  (fabsf(position.x) <= 2.0f && fabsf(position.y) <= 2.5f && position.z >= 2.0f && position.z <= 4.5f),
+              "(%g, %g, %g) is not inside", (double)position.x, (double)position.y, (double)position.z);
+    }
+    close_packed(&p);
+    lmb_grid_destroy(grid);
+}
+
+/* What is beyond even the largest scale keeps its direction: the whole probe is scaled. */
+static void test_overflow(void)
+{
+    const int32_t min[3] = {0, 0, 0}, size[3] = {2, 2, 2};
+    lmb_grid *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 3);
+    for (int i = 0; i < 27; ++i) {
+        grid->radiance[0].channel[i / 9].c[i % 9] = (float)(i - 13) * 2e37f;
+    }
+    packed p = pack_and_open(grid);
+    CHECK(p.stats.overflow_count == 26, "%llu overflows", (unsigned long long)p.stats.overflow_count);
+    CHECK(p.stats.scale == 0x1p96f, "scale %g", (double)p.stats.scale);
+    lmb_sh3_rgb light;
+    CHECK(lmb_volume_sample(p.volume, (lmb_vec3){0, 0, 0}, &light), "inside");
+    const double largest = (double)light.channel[2].c[8];
+    CHECK(largest > 0.0 && is_finite_light(&light), "largest %g", largest);
+    for (int i = 0; i < 27; ++i) {
+        CHECK_NEAR((double)light.channel[i / 9].c[i % 9] / largest, (i - 13) / 13.0, 1e-3, "coefficient %d", i);
+    }
+    close_packed(&p);
+
+    /* Sunlight beside candles: a scale, no overflow. */
+    for (int32_t probe = 0; probe < 8; ++probe) {
+        grid->radiance[probe] = (lmb_sh3_rgb){{{{probe % 2 ? 3e6f : 1.0f}}}};
+    }
+    p = pack_and_open(grid);
+    CHECK(p.stats.overflow_count == 0 && p.stats.scale == 128.0f, "scale %g", (double)p.stats.scale);
+    CHECK(lmb_volume_get_info(p.volume).scale == p.stats.scale, "scale in the file");
+    CHECK(lmb_volume_sample(p.volume, (lmb_vec3){0, 0, 0}, &light), "inside");
+    CHECK_NEAR(light.channel[0].c[0], 1.0, 1e-3, "the candle");
+    CHECK(lmb_volume_sample(p.volume, (lmb_vec3){1, 1, 1}, &light), "inside");
+    CHECK_NEAR(light.channel[0].c[0], 3e6, 3e3, "the sun");
+    close_packed(&p);
+    lmb_grid_destroy(grid);
+}
+
+static void test_pack_refuses(void)
+{
+    const int32_t min[3] = {0, 0, 0}, size[3] = {3, 3, 3};
+    unsigned char *data = NULL;
+    size_t bytes = 0;
+    lmb_grid *grid = fixture_grid(1.0f, min, size, 0.0, 1.0, 1.0, 1);
+    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "no probes");
+    lmb_grid_destroy(grid);
+    grid = fixture_grid(1.0f, min, size, 1.0, 0.0, 1.0, 1);
+    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "no probe with light");
+    lmb_grid_destroy(grid);
+    grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
+    grid->radiance[26].channel[2].c[8] = NAN;
+    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "NaN");
+    grid->radiance[26].channel[2].c[8] = INFINITY;
+    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "infinity");
+    lmb_grid_destroy(grid);
+    CHECK(!data && bytes == 0, "outputs untouched");
+}
+
+/* --------------------------------------------------------------------------------------- broken contents */
+
+/* A copy whose end is the end of its allocation, so that AddressSanitizer sees every read beyond. */
+static lmb_result open_copy(const unsigned char *data, size_t size, unsigned char **copy, lmb_volume **volume)
+{
+    *copy = malloc(size ? size : 1);
+    if (!*copy) {
+        abort();
+    }
+    memcpy(*copy, data, size);
+    *volume = NULL;
+    return lmb_volume_open_memory(*copy, size, volume);
+}
+
+static packed pack_small(void)
+{
+    const int32_t min[3] = {-3, 0, 3}, size[3] = {6, 3, 2};
+    lmb_grid *const grid = fixture_grid(0.5f, min, size, 0.9, 0.7, 5.0, 17);
+    packed p = pack_and_open(grid);
+    lmb_grid_destroy(grid);
+    return p;
+}
+
+static void test_truncation(void)
+{
+    packed p = pack_small();
+    for (size_t size = 0; size < p.size; ++size) {
+        unsigned char *copy;
+        lmb_volume *volume;
+        const lmb_result result = open_copy(p.data, size, &copy, &volume);
+        CHECK(result == LMB_ERROR_TRUNCATED && !volume, "%zu of %zu bytes: %d", size, p.size, result);
+        free(copy);
+    }
+    unsigned char *const longer = calloc(1, p.size + 16);
+    memcpy(longer, p.data, p.size);
+    lmb_volume *volume = NULL;
+    CHECK(lmb_volume_open_memory(longer, p.size + 16, &volume) == LMB_ERROR_FORMAT && !volume, "bytes at the end");
+    free(longer);
+    close_packed(&p);
+}
+
+/* Every byte, changed in one way; those of the header in nine. */
+static void test_corruption(void)
+{
+    packed p = pack_small();
+    static const unsigned char changes[] = {0xff, 0x01, 0x02, 0x04, 0x08, 0x10, 0x20, 0x40, 0x80};
+    for (size_t i = 0; i < p.size; ++i) {
+        const size_t count = i < LMB_VOLUME_HEADER_BYTES ? sizeof changes : 1;
+        for (size_t c = 0; c < count; ++c) {
+            p.data[i] ^= changes[c];
+            lmb_volume *volume = NULL;
+            const lmb_result result = lmb_volume_open_memory(p.data, p.size, &volume);
+            CHECK(result != LMB_OK && !volume, "byte %zu xor %u is accepted", i, changes[c]);
+            p.data[i] ^= changes[c];
+        }
+    }
+    close_packed(&p);
+}
+
+static void repair_checksum(unsigned char *data, size_t size)
+{
+    const uint64_t checksum =
+        lmb_hash(LMB_HASH_SEED, data + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
+    memcpy(data + offsetof(lmb_volume_header, checksum), &checksum, sizeof checksum);
+}
+
+/* Samples all over and around the box that the file claims. @return everything was finite */
+static bool samples_are_finite(const lmb_volume *volume)
+{
+    const lmb_volume_info info = lmb_volume_get_info(volume);
+    bool finite = true;
+    uint64_t state = 5;
+    for (int i = 0; i < 40; ++i) {
+        const double t[3] = {1.2 * fixture_random(&state) - 0.1, 1.2 * fixture_random(&state) - 0.1,
+                             1.2 * fixture_random(&state) - 0.1};
+        const lmb_vec3 low = info.bounds_min, high = info.bounds_max;
+        const lmb_vec3 position = {(float)((double)low.x + t[0] * ((double)high.x - (double)low.x)),
+                                   (float)((double)low.y + t[1] * ((double)high.y - (double)low.y)),
+                                   (float)((double)low.z + t[2] * ((double)high.z - (double)low.z))};
+        lmb_sh3_rgb light;
+        lmb_volume_sample(volume, position, &light);
+        finite = finite && is_finite_light(&light);
+    }
+    return finite;
+}
+
+/* A forged file, its checksum right: refused, or sampled without a bad read and without NaN. */
+static void test_forgery(void)
+{
+    packed p = pack_small();
+    unsigned char *const exact = malloc(p.size);
+    memcpy(exact, p.data, p.size);
+    static const unsigned char changes[] = {0x01, 0x80, 0xff, 0x7c, 0x10};
+    int accepted = 0, refused = 0;
+    for (size_t i = 0; i < p.size; i += i < LMB_VOLUME_HEADER_BYTES + 64 ? 1 : 37) {
+        for (size_t c = 0; c < sizeof changes; ++c) {
+            const unsigned char kept = exact[i];
+            exact[i] = (unsigned char)(kept ^ changes[c]);
+            repair_checksum(exact, p.size);
+            lmb_volume *volume = NULL;
+            const lmb_result result = lmb_volume_open_memory(exact, p.size, &volume);
+            CHECK((result == LMB_OK) == (volume != NULL), "byte %zu xor %u", i, changes[c]);
+            if (volume) {
+                CHECK(samples_are_finite(volume), "byte %zu xor %u gives NaN or infinity", i, changes[c]);
+                ++accepted;
+            } else {
+                ++refused;
+            }
+            lmb_volume_close(volume);
+            exact[i] = kept;
+        }
+    }
+    CHECK(accepted > 0 && refused > 0, "%d accepted, %d refused: forgeries never reach the checks", accepted, refused);
+    free(exact);
+    close_packed(&p);
+}
+
+/* Fields of the header set to chosen values, the checksum right. */
+static void test_forged_fields(void)
+{
+    static const struct {
+        const char *name;
+        size_t offset;
+        uint32_t value;
+        lmb_result expected;
+    } cases[] = {
+        {"version 0", offsetof(lmb_volume_header, version), 0, LMB_ERROR_FORMAT},
+        {"version 2", offsetof(lmb_volume_header, version), 2, LMB_ERROR_VERSION},
+        {"the last version", offsetof(lmb_volume_header, version), UINT32_MAX, LMB_ERROR_VERSION},
+        {"header size", offsetof(lmb_volume_header, header_bytes), 64, LMB_ERROR_FORMAT},
+        {"spacing 0", offsetof(lmb_volume_header, spacing), 0, LMB_ERROR_FORMAT},
+        {"spacing -1", offsetof(lmb_volume_header, spacing), 0xbf800000, LMB_ERROR_FORMAT},
+        {"spacing NaN", offsetof(lmb_volume_header, spacing), 0x7fc00000, LMB_ERROR_FORMAT},
+        {"spacing infinite", offsetof(lmb_volume_header, spacing), 0x7f800000, LMB_ERROR_FORMAT},
+        {"spacing FLT_MAX", offsetof(lmb_volume_header, spacing), 0x7f7fffff, LMB_ERROR_FORMAT},
+        {"spacing denormal", offsetof(lmb_volume_header, spacing), 1, LMB_OK},
+        {"scale 0", offsetof(lmb_volume_header, scale), 0, LMB_ERROR_FORMAT},
+        {"scale -1", offsetof(lmb_volume_header, scale), 0xbf800000, LMB_ERROR_FORMAT},
+        {"scale NaN", offsetof(lmb_volume_header, scale), 0x7fc00000, LMB_ERROR_FORMAT},
+        {"scale infinite", offsetof(lmb_volume_header, scale), 0x7f800000, LMB_ERROR_FORMAT},
+        {"scale 1.5", offsetof(lmb_volume_header, scale), 0x3fc00000, LMB_ERROR_FORMAT},
+        {"scale 2^97", offsetof(lmb_volume_header, scale), 0x70000000, LMB_ERROR_FORMAT},
+        {"scale 2^96", offsetof(lmb_volume_header, scale), 0x6f800000, LMB_OK},
+        {"scale 2^-97", offsetof(lmb_volume_header, scale), 0x0f000000, LMB_ERROR_FORMAT},
+        {"scale 2^-96", offsetof(lmb_volume_header, scale), 0x0f800000, LMB_OK},
+        {"min", offsetof(lmb_volume_header, min), INT32_MAX, LMB_ERROR_FORMAT},
+        {"size 0", offsetof(lmb_volume_header, size), 0, LMB_ERROR_FORMAT},
+        {"size -1", offsetof(lmb_volume_header, size), UINT32_MAX, LMB_ERROR_FORMAT},
+        {"size huge", offsetof(lmb_volume_header, size), INT32_MAX - 100, LMB_ERROR_FORMAT},
+        {"size smaller than its probes", offsetof(lmb_volume_header, size), 5, LMB_ERROR_FORMAT},
+        {"probes", offsetof(lmb_volume_header, probe_count), 1, LMB_ERROR_FORMAT},
+        {"bricks 0", offsetof(lmb_volume_header, brick_count), 0, LMB_ERROR_FORMAT},
+        {"bricks 3", offsetof(lmb_volume_header, brick_count), 3, LMB_ERROR_FORMAT},
+        {"bricks huge", offsetof(lmb_volume_header, brick_count), UINT32_MAX, LMB_ERROR_FORMAT},
+        {"brick size", offsetof(lmb_volume_header, brick_bytes), 6720, LMB_ERROR_FORMAT},
+        {"directory", offsetof(lmb_volume_header, directory_offset), 132, LMB_ERROR_FORMAT},
+        {"directory at 4 GiB", offsetof(lmb_volume_header, directory_offset) + 4, 1, LMB_ERROR_FORMAT},
+        {"bricks' place", offsetof(lmb_volume_header, bricks_offset), 256, LMB_ERROR_FORMAT},
+        {"bricks' place far away", offsetof(lmb_volume_header, bricks_offset) + 4, UINT32_MAX, LMB_ERROR_FORMAT},
+        {"reserved", offsetof(lmb_volume_header, reserved) + 28, 1, LMB_ERROR_FORMAT},
+        {"entry none", LMB_VOLUME_HEADER_BYTES, LMB_VOLUME_NO_BRICK, LMB_ERROR_FORMAT},
+        {"entry 2", LMB_VOLUME_HEADER_BYTES + 4, 2, LMB_ERROR_FORMAT},
+        {"entry twice", LMB_VOLUME_HEADER_BYTES + 4, 0, LMB_ERROR_FORMAT},
+        {"padding", LMB_VOLUME_HEADER_BYTES + 60, 1, LMB_ERROR_FORMAT},
+        {"infinite half", 192 + 24, 0x7c00, LMB_ERROR_FORMAT},
+        {"NaN half", 192 + 24, 0xfe000000, LMB_ERROR_FORMAT},
+        {"no complete cells", 192, 0, LMB_ERROR_FORMAT},
+        {"probes outside the box", 192 + 12, UINT32_MAX, LMB_ERROR_FORMAT},
+        {"half behind the last probe", 192 + 24 + 6748, 0x10000, LMB_ERROR_FORMAT},
+    };
+    const int32_t min[3] = {1, 1, 1}, size[3] = {6, 2, 2};
+    lmb_grid *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 5.0, 17);
+    packed p = pack_and_open(grid);
+    lmb_grid_destroy(grid);
+    CHECK(lmb_volume_get_info(p.volume).brick_count == 2, "two bricks");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        unsigned char *copy = malloc(p.size);
+        memcpy(copy, p.data, p.size);
+        memcpy(copy + cases[i].offset, &cases[i].value, sizeof cases[i].value);
+        repair_checksum(copy, p.size);
+        lmb_volume *volume = NULL;
+        const lmb_result result = lmb_volume_open_memory(copy, p.size, &volume);
+        CHECK(result == cases[i].expected, "%s: %d", cases[i].name, result);
+        if (volume) {
+            CHECK(samples_are_finite(volume), "%s gives NaN or infinity", cases[i].name);
+        }
+        lmb_volume_close(volume);
+        free(copy);
+    }
+    close_packed(&p);
+}
+
+static void test_wrong_kind(void)
+{
+    static const _Alignas(16) char texts[][256] = {
+        "glTF", "PK\x03\x04", " BDV", "\x89PNG\r\n\x1a\n", "\x89LMB\n\n\x1a\n", "{}"};
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
+        lmb_volume *volume = NULL;
+        CHECK(lmb_volume_open_memory(texts[i], sizeof texts[i], &volume) == LMB_ERROR_FORMAT && !volume, "'%s'",
+              texts[i]);
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------- files */
+
+static void test_files(void)
+{
+    const char *const path = LMB_TEST_OUTPUT_DIR "/volume with \xc3\xa9.lmb";
+    packed p = pack_small();
+    CHECK(lmb_file_write(path, p.data, p.size, NULL) == LMB_OK, "write");
+    lmb_volume *mapped = NULL;
+    CHECK(lmb_volume_open_file(path, &mapped) == LMB_OK, "open");
+    unlink(path); /* the mapping lives on */
+    if (mapped) {
+        uint64_t state = 8;
+        for (int i = 0; i < 1000; ++i) {
+            const lmb_vec3 position = {(float)(4.0 * fixture_random(&state) - 2.0), (float)fixture_random(&state),
+                                       (float)(1.0 + fixture_random(&state))};
+            lmb_sh3_rgb a, b;
+            const bool inside_a = lmb_volume_sample(mapped, position, &a);
+            const bool inside_b = lmb_volume_sample(p.volume, position, &b);
+            CHECK(inside_a == inside_b && memcmp(&a, &b, sizeof a) == 0, "sample %d", i);
+        }
+    }
+    lmb_volume_close(mapped);
+    close_packed(&p);
+    lmb_volume_close(NULL);
+
+    lmb_volume *volume = NULL;
+    CHECK(lmb_volume_open_file(path, &volume) == LMB_ERROR_IO, "missing");
+    CHECK(lmb_volume_open_file(LMB_TEST_OUTPUT_DIR, &volume) == LMB_ERROR_IO, "a folder");
+    CHECK(lmb_volume_open_file("/dev/zero", &volume) == LMB_ERROR_IO, "a device");
+    CHECK(lmb_volume_open_file("", &volume) == LMB_ERROR_IO, "no name");
+    CHECK(lmb_file_write(path, "", 0, NULL) == LMB_OK, "write nothing");
+    CHECK(lmb_volume_open_file(path, &volume) == LMB_ERROR_TRUNCATED, "an empty file");
+    CHECK(lmb_file_write(path, "not a volume", 12, NULL) == LMB_OK, "write text");
+    CHECK(lmb_volume_open_file(path, &volume) == LMB_ERROR_FORMAT, "a text");
+    CHECK(!volume, "output untouched");
+    unlink(path);
+}
+
+static const test_case cases[] = {
+    {"samples are the grid's trilinear light", test_sample},
+    {"far and broken positions", test_far_and_broken_positions},
+    {"light beyond fp16", test_overflow},
+    {"grids that cannot be packed", test_pack_refuses},
+    {"every truncation is refused", test_truncation},
+    {"corrupted bytes are refused", test_corruption},
+    {"forged bytes do no harm", test_forgery},
+    {"forged fields", test_forged_fields},
+    {"other kinds of file", test_wrong_kind},
+    {"mapped files", test_files},
+};
+TEST_MAIN(cases)
