@@ -78,6 +78,13 @@ static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *i
     return *is_free ? fmaxf(share, LMB_GRID_MIN_VALIDITY) : fminf(share, 0.5f * LMB_GRID_MIN_VALIDITY);
 }
 
+bool lmb_placement_is_free(const lmb_tracer *tracer, lmb_vec3 position, uint64_t *rays)
+{
+    bool is_free;
+    point_validity(tracer, position, &is_free, rays);
+    return is_free;
+}
+
 static void classify_task(void *context, size_t task, int worker)
 {
     (void)worker;

@@ -43,6 +43,9 @@ lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_sett
                               const lmb_progress *progress, lmb_grid **grid, lmb_placement_stats *stats,
                               lmb_error *error);
 
+/* Whether a point is in free space rather than in a solid, by the test that placement uses. Adds to `*rays`. */
+bool lmb_placement_is_free(const lmb_tracer *tracer, lmb_vec3 position, uint64_t *rays);
+
 #ifdef __cplusplus
 }
 #endif
