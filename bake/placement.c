@@ -112,14 +112,13 @@ static bool lattice_any_free(const lmb_lattice *lattice)
 }
 
 /* Classifies the lattice at one spacing. */
-static lmb_result lattice_make(lmb_lattice *lattice, const lmb_tracer *tracer, float spacing,
-                               const lmb_vec3 *seeds, uint32_t seed_count, lmb_pool *pool,
-                               const lmb_progress *progress, lmb_placement_stats *stats, lmb_error *error)
+static lmb_result lattice_make(lmb_lattice *lattice, const lmb_tracer *tracer, float spacing, const lmb_vec3 *seeds,
+                               uint32_t seed_count, lmb_pool *pool, const lmb_progress *progress,
+                               lmb_placement_stats *stats, lmb_error *error)
 {
     if (!lattice_fit(lattice, lmb_tracer_scene(tracer), spacing)) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED,
-                             "%s: spacing of %g m is too fine for the level's size", lmb_tracer_scene(tracer)->path,
-                             (double)spacing);
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: spacing of %g m is too fine for the level's size",
+                             lmb_tracer_scene(tracer)->path, (double)spacing);
     }
     lattice->validity = calloc(lattice->count, sizeof *lattice->validity);
     lattice->free = calloc(lattice->count, sizeof *lattice->free);
@@ -198,8 +197,8 @@ static lmb_result grid_from_lattice(const lmb_lattice *lattice, const uint8_t *w
     }
     for (int32_t i = 0; i < created->probe_count; ++i) {
         const int32_t *p = created->lattice[i];
-        const size_t from = lattice_index(lattice, p[0] - lattice->min[0], p[1] - lattice->min[1],
-                                          p[2] - lattice->min[2]);
+        const size_t from =
+            lattice_index(lattice, p[0] - lattice->min[0], p[1] - lattice->min[1], p[2] - lattice->min[2]);
         const bool baked = lattice->free[from] && lattice->validity[from] >= LMB_GRID_MIN_VALIDITY;
         created->validity[i] = baked ? lattice->validity[from] : 0.0f;
         stats->probes_valid += baked;

@@ -146,18 +146,18 @@ static size_t seed_point(const lmb_lattice *lattice, lmb_vec3 seed)
     return nearest;
 }
 
-static bool points_connected(const lmb_lattice *lattice, const lmb_tracer *tracer, size_t a, size_t b,
-                             uint64_t *rays)
+static bool points_connected(const lmb_lattice *lattice, const lmb_tracer *tracer, size_t a, size_t b, uint64_t *rays)
 {
     const size_t row = (size_t)lattice->size[0];
     const size_t slice = row * (size_t)lattice->size[1];
-    const lmb_vec3 from = lattice_position(lattice, (int32_t)(a % row), (int32_t)(a % slice / row), (int32_t)(a / slice));
+    const lmb_vec3 from =
+        lattice_position(lattice, (int32_t)(a % row), (int32_t)(a % slice / row), (int32_t)(a / slice));
     const lmb_vec3 to = lattice_position(lattice, (int32_t)(b % row), (int32_t)(b % slice / row), (int32_t)(b / slice));
     return rgb_max(lmb_trace_transmittance(tracer, from, to, rays)) > 0.0f;
 }
 
-lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, const lmb_vec3 *seeds,
-                             uint32_t seed_count, bool *seeds_in_solid, uint64_t *rays)
+lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, const lmb_vec3 *seeds, uint32_t seed_count,
+                             bool *seeds_in_solid, uint64_t *rays)
 {
     uint8_t *reached = calloc(lattice->count, 1);
     size_t *queue = malloc(lattice->count * sizeof *queue);

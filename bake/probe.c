@@ -87,8 +87,7 @@ static void replicate_task(void *context, size_t task, int worker)
 {
     (void)worker;
     lmb_replicate_work *work = context;
-    replicate_gather(work->transport, work->point, (uint32_t)task, work->samples, &work->mean[task],
-                     &work->rays[task]);
+    replicate_gather(work->transport, work->point, (uint32_t)task, work->samples, &work->mean[task], &work->rays[task]);
 }
 
 static void replicates_finish(const lmb_replicate_work *work, lmb_gathered *gathered)
@@ -139,8 +138,7 @@ static void irradiance_sink(void *context, lmb_vec3 direction, lmb_rgb weight)
 }
 
 void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate,
-                           uint32_t samples, const lmb_vec3 *normals, int count, lmb_rgb *irradiance,
-                           uint64_t *rays)
+                           uint32_t samples, const lmb_vec3 *normals, int count, lmb_rgb *irradiance, uint64_t *rays)
 {
     assert(count <= LMB_GATHER_MAX_NORMALS);
     lmb_irradiance_sum sum = {.normals = normals, .count = count};

@@ -185,7 +185,7 @@ typedef struct lmb_leg {
 
 /* What a leg ends on. */
 typedef struct lmb_landing {
-    bool hit;    /* false: the environment */
+    bool hit;        /* false: the environment */
     lmb_receiver at; /* where the path goes on, when hit */
     lmb_rgb albedo;
     lmb_rgb emitted; /* radiance of the surface or the environment, weighted against next-event estimation */
@@ -200,7 +200,8 @@ static float environment_mis(const lmb_transport *transport, const lmb_leg *leg)
                    lmb_emitters_environment_density(transport->emitters, leg->direction));
 }
 
-static float emission_mis(const lmb_transport *transport, const lmb_leg *leg, const lmb_hit *hit, const lmb_place *place)
+static float emission_mis(const lmb_transport *transport, const lmb_leg *leg, const lmb_hit *hit,
+                          const lmb_place *place)
 {
     if (!leg->from) {
         return 1.0f;
@@ -242,9 +243,9 @@ static lmb_landing leg_follow(const lmb_path *path, lmb_leg *leg)
             place.shading_normal = vec3_scale(place.shading_normal, -1.0f);
         }
         return (lmb_landing){.hit = true,
-                         .at = {place.position, place.geometric_normal, place.shading_normal, RECEIVE_DIFFUSE},
-                         .albedo = surface.albedo,
-                         .emitted = rgb_scale(surface.emission, mis)};
+                             .at = {place.position, place.geometric_normal, place.shading_normal, RECEIVE_DIFFUSE},
+                             .albedo = surface.albedo,
+                             .emitted = rgb_scale(surface.emission, mis)};
     }
 }
 
@@ -306,7 +307,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_point *point, u
                 uint32_t count, lmb_gather_sink sink, void *context, uint64_t *rays)
 {
     const lmb_receiver receiver = {point->position, point->normal, point->normal,
-                               point->hemisphere ? RECEIVE_HEMISPHERE : RECEIVE_SPHERE};
+                                   point->hemisphere ? RECEIVE_HEMISPHERE : RECEIVE_SPHERE};
     for (uint32_t i = 0; i < count; ++i) {
         lmb_path path = {transport, stream, first + i, 0, rays};
         lmb_direct_light direct;

@@ -6,19 +6,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-arguments arguments_begin(int count, char **values, const char *command, const char *usage)
+lmb_arguments arguments_begin(int count, char **values, const char *command, const char *usage)
 {
-    return (arguments){.count = count, .values = values, .command = command, .usage = usage};
+    return (lmb_arguments){.count = count, .values = values, .command = command, .usage = usage};
 }
 
-void arguments_error(arguments *arguments, const char *what, const char *argument)
+void arguments_error(lmb_arguments *arguments, const char *what, const char *argument)
 {
     fprintf(stderr, "lambent %s: %s %s (see: lambent %s --help)\n", arguments->command, what, argument,
             arguments->command);
     arguments->failed = true;
 }
 
-const char *arguments_next(arguments *arguments)
+const char *arguments_next(lmb_arguments *arguments)
 {
     if (arguments->failed || arguments->at >= arguments->count) {
         return NULL;
@@ -41,12 +41,12 @@ const char *arguments_next(arguments *arguments)
     return value;
 }
 
-int arguments_status(const arguments *arguments)
+int arguments_status(const lmb_arguments *arguments)
 {
     return arguments->failed ? EXIT_USAGE : EXIT_DONE;
 }
 
-const char *arguments_text(arguments *arguments, const char *option)
+const char *arguments_text(lmb_arguments *arguments, const char *option)
 {
     if (arguments->at >= arguments->count) {
         arguments_error(arguments, "a value must follow", option);
@@ -55,7 +55,7 @@ const char *arguments_text(arguments *arguments, const char *option)
     return arguments->values[arguments->at++];
 }
 
-double arguments_number(arguments *arguments, const char *option, double minimum, double maximum)
+double arguments_number(lmb_arguments *arguments, const char *option, double minimum, double maximum)
 {
     const char *text = arguments_text(arguments, option);
     if (arguments->failed) {
@@ -72,7 +72,7 @@ double arguments_number(arguments *arguments, const char *option, double minimum
     return value;
 }
 
-int64_t arguments_integer(arguments *arguments, const char *option, int64_t minimum, int64_t maximum)
+int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t minimum, int64_t maximum)
 {
     const char *text = arguments_text(arguments, option);
     if (arguments->failed) {
@@ -82,8 +82,8 @@ int64_t arguments_integer(arguments *arguments, const char *option, int64_t mini
     errno = 0;
     const long long value = strtoll(text, &end, 10);
     if (end == text || *end != '\0' || errno != 0 || value < minimum || value > maximum) {
-        fprintf(stderr, "lambent %s: %s takes a whole number from %lld to %lld, not '%s'\n", arguments->command,
-                option, (long long)minimum, (long long)maximum, text);
+        fprintf(stderr, "lambent %s: %s takes a whole number from %lld to %lld, not '%s'\n", arguments->command, option,
+                (long long)minimum, (long long)maximum, text);
         arguments->failed = true;
         return 0;
     }
@@ -105,7 +105,7 @@ bool vector_parse(const char *text, lmb_vec3 *vector)
     return true;
 }
 
-lmb_vec3 arguments_vector(arguments *arguments, const char *option)
+lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option)
 {
     const char *text = arguments_text(arguments, option);
     lmb_vec3 vector = {0.0f, 0.0f, 0.0f};

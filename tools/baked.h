@@ -9,18 +9,18 @@
 
 #include "level.h"
 
-typedef struct baked {
-    cJSON *json;               /* DIR/bake.json */
-    level level;               /* loaded with the settings that it was baked with */
-    lmb_volume *volume;        /* DIR/probes.lmb */
-    lmb_lightmap *lightmap;    /* NULL when the bake has none */
-} baked;
+typedef struct lmb_baked {
+    cJSON *json;            /* DIR/bake.json */
+    lmb_level level;        /* loaded with the settings that it was baked with */
+    lmb_volume *volume;     /* DIR/probes.lmb */
+    lmb_lightmap *lightmap; /* NULL when the bake has none */
+} lmb_baked;
 
 /* Opens DIR's bake.json, probes.lmb and lightmaps, and LEVEL with the bake's own settings (environment, excluded nodes,
  * bounces). `level_path` may be NULL: then the path in bake.json. A level whose content hash differs from the one baked
  * is refused. `threads` 0: all. @return LMB_ERROR_FORMAT (not a bake, or another level), and what opening the parts
  * returns */
-lmb_result baked_open(const char *level_path, const char *directory, int threads, baked *opened, lmb_error *error);
-void baked_close(baked *closed);
+lmb_result baked_open(const char *level_path, const char *directory, int threads, lmb_baked *opened, lmb_error *error);
+void baked_close(lmb_baked *closed);
 
 #endif

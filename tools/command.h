@@ -19,7 +19,7 @@ int exit_of_result(lmb_result result);
 int command_fail(lmb_result result, const lmb_error *error);
 
 /* Options are "--name value", "--name=value" or "--flag", in any order among the positional arguments. */
-typedef struct arguments {
+typedef struct lmb_arguments {
     int count;
     char **values;
     int at;               /* next to read */
@@ -27,40 +27,40 @@ typedef struct arguments {
     const char *usage;    /* the command's --help text */
     bool failed;          /* a usage error was printed */
     bool help;            /* --help was asked for and printed */
-} arguments;
+} lmb_arguments;
 
-arguments arguments_begin(int count, char **values, const char *command, const char *usage);
+lmb_arguments arguments_begin(int count, char **values, const char *command, const char *usage);
 
 /* Next argument: its option name with "--" (then fetch its value with the functions below), or a positional. NULL at
  * the end, after a usage error and after --help; then return arguments_status. */
-const char *arguments_next(arguments *arguments);
-int arguments_status(const arguments *arguments);
+const char *arguments_next(lmb_arguments *arguments);
+int arguments_status(const lmb_arguments *arguments);
 
 /* Prints "lambent COMMAND: what argument" and marks failure. */
-void arguments_error(arguments *arguments, const char *what, const char *argument);
+void arguments_error(lmb_arguments *arguments, const char *what, const char *argument);
 
 /* The value of the option just returned by arguments_next. On a missing or malformed value: usage error, and the
  * fallback 0. Numbers must be finite and within [minimum, maximum]. */
-const char *arguments_text(arguments *arguments, const char *option);
-double arguments_number(arguments *arguments, const char *option, double minimum, double maximum);
-int64_t arguments_integer(arguments *arguments, const char *option, int64_t minimum, int64_t maximum);
-lmb_vec3 arguments_vector(arguments *arguments, const char *option); /* X,Y,Z */
+const char *arguments_text(lmb_arguments *arguments, const char *option);
+double arguments_number(lmb_arguments *arguments, const char *option, double minimum, double maximum);
+int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t minimum, int64_t maximum);
+lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option); /* X,Y,Z */
 
 /* Parses "X,Y,Z". */
 bool vector_parse(const char *text, lmb_vec3 *vector);
 
 /* Progress as a bar with time left on a terminal (or JSON lines when `json`), and Ctrl-C: after SIGINT or SIGTERM the
  * running work stops with LMB_ERROR_INTERRUPTED. */
-typedef struct console {
+typedef struct lmb_console {
     bool quiet;
     bool json;
     double phase_start;
     double printed;
     const char *phase;
-} console;
-lmb_progress console_progress(console *console, bool quiet, bool json);
+} lmb_console;
+lmb_progress console_progress(lmb_console *console, bool quiet, bool json);
 /* Ends the bar's line, so that other output starts clean. */
-void console_finish(console *console);
+void console_finish(lmb_console *console);
 
 /* Wall-clock seconds of a monotonic clock. */
 double seconds_now(void);

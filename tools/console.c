@@ -23,7 +23,7 @@ double seconds_now(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static void bar_print(const console *console, double done, double elapsed)
+static void bar_print(const lmb_console *console, double done, double elapsed)
 {
     enum { WIDTH = 30 };
     char bar[WIDTH + 1];
@@ -42,7 +42,7 @@ static void bar_print(const console *console, double done, double elapsed)
 
 static bool console_report(void *context, const char *phase, double done)
 {
-    console *console = context;
+    lmb_console *console = context;
     const double now = seconds_now();
     if (!console->phase || strcmp(console->phase, phase) != 0) {
         console->phase = phase;
@@ -67,9 +67,9 @@ static bool console_report(void *context, const char *phase, double done)
     return !interrupted;
 }
 
-lmb_progress console_progress(console *console, bool quiet, bool json)
+lmb_progress console_progress(lmb_console *console, bool quiet, bool json)
 {
-    *console = (struct console){.quiet = quiet || (!json && !isatty(STDERR_FILENO)), .json = json};
+    *console = (lmb_console){.quiet = quiet || (!json && !isatty(STDERR_FILENO)), .json = json};
     struct sigaction action;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_interrupt;
@@ -79,7 +79,7 @@ lmb_progress console_progress(console *console, bool quiet, bool json)
     return (lmb_progress){console_report, console};
 }
 
-void console_finish(console *console)
+void console_finish(lmb_console *console)
 {
     if (console->phase && !console->quiet && !console->json) {
         fputc('\n', stderr);

@@ -5,14 +5,44 @@
 
 #include "command.h"
 
-level_options level_options_default(void)
+lmb_level_options level_options_default(void)
 {
-    return (level_options){.bounces = -1};
+    return (lmb_level_options){.bounces = -1};
 }
 
-static lmb_result environment_open(level *opened, lmb_error *error)
+bool level_argument(lmb_level_arguments *level, lmb_arguments *arguments, const char *option)
 {
-    const level_options *options = &opened->options;
+    lmb_level_options *options = &level->options;
+    if (strcmp(option, "--env") == 0) {
+        options->environment = arguments_text(arguments, option);
+    } else if (strcmp(option, "--exclude") == 0) {
+        if (options->gltf.exclude_count == LEVEL_MAX_EXCLUDE) {
+            arguments_error(arguments, "too many", option);
+            return true;
+        }
+        level->exclude[options->gltf.exclude_count++] = arguments_text(arguments, option);
+        options->gltf.exclude = level->exclude;
+    } else if (strcmp(option, "--allow-outside-uris") == 0) {
+        options->gltf.allow_outside_uris = true;
+    } else if (strcmp(option, "--threads") == 0) {
+        options->threads = (int)arguments_integer(arguments, option, 1, 1024);
+    } else if (strcmp(option, "--isa") == 0) {
+        options->isa = arguments_text(arguments, option);
+    } else if (strcmp(option, "--bounces") == 0) {
+        options->bounces = (int)arguments_integer(arguments, option, 0, 1000000);
+    } else if (strcmp(option, "--seed") == 0) {
+        options->seed = (uint64_t)arguments_integer(arguments, option, 0, INT64_MAX);
+    } else if (strcmp(option, "--quiet") == 0) {
+        options->quiet = true;
+    } else {
+        return false;
+    }
+    return true;
+}
+
+static lmb_result environment_open(lmb_level *opened, lmb_error *error)
+{
+    const lmb_level_options *options = &opened->options;
     if (options->environment) {
         return lmb_scene_set_environment(opened->scene, options->environment, error);
     }
@@ -20,14 +50,15 @@ static lmb_result environment_open(level *opened, lmb_error *error)
         return LMB_OK;
     }
     if (!options->quiet) {
-        fprintf(stderr, "lambent: warning: %s has no light of any kind; baking under a constant sky of 1 "
-                        "(give one with --env)\n",
+        fprintf(stderr,
+                "lambent: warning: %s has no light of any kind; baking under a constant sky of 1 "
+                "(give one with --env)\n",
                 options->path);
     }
     return lmb_scene_set_environment(opened->scene, "#ffffff", error);
 }
 
-lmb_result level_open(const level_options *options, level *opened, lmb_error *error)
+lmb_result level_open(const lmb_level_options *options, lmb_level *opened, lmb_error *error)
 {
     memset(opened, 0, sizeof *opened);
     opened->options = *options;
@@ -50,14 +81,12 @@ lmb_result level_open(const level_options *options, level *opened, lmb_error *er
         level_close(opened);
         return result;
     }
-    opened->transport = (lmb_transport){.tracer = opened->tracer,
-                                        .emitters = opened->emitters,
-                                        .bounces = options->bounces,
-                                        .seed = options->seed};
+    opened->transport = (lmb_transport){
+        .tracer = opened->tracer, .emitters = opened->emitters, .bounces = options->bounces, .seed = options->seed};
     return LMB_OK;
 }
 
-void level_close(level *closed)
+void level_close(lmb_level *closed)
 {
     lmb_pool_destroy(closed->pool);
     lmb_emitters_destroy(closed->emitters);

@@ -9,33 +9,55 @@
 #include <lambent/transport.h>
 
 /* What the command line says about the level and how to trace it. */
-typedef struct level_options {
+typedef struct lmb_level_options {
     const char *path;
-    const char *environment;      /* NULL: none given */
+    const char *environment; /* NULL: none given */
     lmb_gltf_options gltf;
-    const char *isa;              /* NULL: Embree's choice */
-    int threads;                  /* 0: all processors */
-    int bounces;                  /* negative: no limit */
+    const char *isa; /* NULL: Embree's choice */
+    int threads;     /* 0: all processors */
+    int bounces;     /* negative: no limit */
     uint64_t seed;
     bool quiet;
-} level_options;
+} lmb_level_options;
 
-level_options level_options_default(void);
+lmb_level_options level_options_default(void);
 
-typedef struct level {
-    level_options options;
+/* Level options as they come from the command line: the options, and room for the patterns they point to. */
+enum { LEVEL_MAX_EXCLUDE = 64 };
+typedef struct lmb_level_arguments {
+    lmb_level_options options;
+    const char *exclude[LEVEL_MAX_EXCLUDE];
+} lmb_level_arguments;
+
+/* Takes `option` and its value when it is one of --env, --exclude, --allow-outside-uris, --threads, --isa, --bounces,
+ * --seed, --quiet. LEVEL_USAGE describes them. */
+struct lmb_arguments;
+bool level_argument(lmb_level_arguments *level, struct lmb_arguments *arguments, const char *option);
+#define LEVEL_USAGE                                                                                                    \
+    "  --env FILE|#rrggbb[,rotation=DEG][,strength=X]\n"                                                               \
+    "                        environment: an equirectangular .hdr or .exr, or a constant colour\n"                     \
+    "  --exclude PATTERN     leave out nodes by name, with their children (* and ?; repeatable)\n"                     \
+    "  --bounces N           reflections at most (default: no limit)\n"                                                \
+    "  --seed N              of the random numbers (default 0)\n"                                                      \
+    "  --threads N           (default: one for each processor)\n"                                                      \
+    "  --isa NAME            pin Embree's instruction set: sse2, sse4.2, avx, avx2, avx512\n"                          \
+    "  --allow-outside-uris  let the level refer to files outside its folder\n"                                        \
+    "  --quiet               no progress and no warnings\n"
+
+typedef struct lmb_level {
+    lmb_level_options options;
     lmb_scene *scene;
     lmb_tracer *tracer;
     lmb_emitters *emitters;
     lmb_pool *pool;
-    lmb_transport transport;      /* ready to gather with */
+    lmb_transport transport; /* ready to gather with */
     double seconds_load;
     double seconds_bvh;
-} level;
+} lmb_level;
 
 /* Loads, sets the environment, builds. A level without any light gets a constant sky of 1, and a warning that says so
  * unless quiet. On failure `opened` needs no closing. */
-lmb_result level_open(const level_options *options, level *opened, lmb_error *error);
-void level_close(level *closed);
+lmb_result level_open(const lmb_level_options *options, lmb_level *opened, lmb_error *error);
+void level_close(lmb_level *closed);
 
 #endif

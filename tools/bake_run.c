@@ -1,0 +1,364 @@
+#define _POSIX_C_SOURCE 200809L
+#include "bake_run.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <lambent/file.h>
+#include <lambent/pack.h>
+#include <lambent/vdb.h>
+
+#include "command.h"
+
+enum { PATH_SIZE = 4096, DRY_RUN_PROBES = 64 };
+
+/* Everything a bake holds in memory. */
+typedef struct lmb_bake {
+    const lmb_bake_settings *settings;
+    lmb_level *level;
+    const lmb_progress *progress;
+    lmb_grid *grid;
+    lmb_lightmap *lightmap;
+    lmb_bake_record record;
+} lmb_bake;
+
+static lmb_result path_make(const char *directory, const char *name, char path[PATH_SIZE], lmb_error *error)
+{
+    const int length = snprintf(path, PATH_SIZE, "%s/%s", directory, name);
+    if (length < 0 || length >= PATH_SIZE) {
+        return lmb_error_set(error, LMB_ERROR_IO, "%.100s...: path is too long", directory);
+    }
+    return LMB_OK;
+}
+
+/* mkdir -p */
+static lmb_result directory_make(const char *directory, lmb_error *error)
+{
+    char path[PATH_SIZE];
+    const lmb_result result = path_make(directory, "", path, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    for (char *at = path + 1; *at; ++at) {
+        if (*at == '/') {
+            *at = '\0';
+            if (mkdir(path, 0777) != 0 && errno != EEXIST) {
+                return lmb_error_set(error, LMB_ERROR_IO, "%s: %s", path, strerror(errno));
+            }
+            *at = '/';
+        }
+    }
+    return LMB_OK;
+}
+
+static lmb_result step_place(lmb_bake *bake, lmb_error *error)
+{
+    const double start = seconds_now();
+    lmb_result result = lmb_placement_make(bake->level->tracer, &bake->settings->placement, bake->level->pool,
+                                           bake->progress, &bake->grid, &bake->record.placement, error);
+    bake->record.seconds_place = seconds_now() - start;
+    if (result != LMB_OK || bake->settings->level.options.quiet) {
+        return result;
+    }
+    if (bake->record.placement.everything_solid) {
+        fprintf(stderr,
+                "lambent: warning: %s: all faces look away from all free space; baking everywhere in its "
+                "bounds\n",
+                bake->level->scene->path);
+    }
+    if (bake->record.placement.seeds_in_solid) {
+        fprintf(stderr, "lambent: warning: a seed point lies inside something, or outside the level: ignored\n");
+    }
+    return LMB_OK;
+}
+
+static lmb_result step_layout(lmb_bake *bake, lmb_error *error)
+{
+    if (!bake->settings->lightmaps) {
+        return LMB_OK;
+    }
+    lmb_lightmap_settings settings = lmb_lightmap_settings_default(bake->level->scene);
+    if (bake->settings->texels_per_m > 0.0f) {
+        settings.texels_per_m = bake->settings->texels_per_m;
+    }
+    const double start = seconds_now();
+    const lmb_result result = lmb_lightmap_create(bake->level->scene, &settings, &bake->lightmap, error);
+    bake->record.seconds_place += seconds_now() - start;
+    return result;
+}
+
+static lmb_result step_probes(lmb_bake *bake, lmb_error *error)
+{
+    const double start = seconds_now();
+    const lmb_result result = lmb_grid_bake(bake->grid, &bake->level->transport, bake->settings->samples,
+                                            bake->level->pool, bake->progress, &bake->record.probes);
+    bake->record.seconds_probes = seconds_now() - start;
+    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "probes: %s", lmb_result_text(result));
+}
+
+static lmb_result step_lightmaps(lmb_bake *bake, lmb_error *error)
+{
+    if (!bake->lightmap) {
+        return LMB_OK;
+    }
+    const double start = seconds_now();
+    const lmb_result result = lmb_lightmap_bake(bake->lightmap, &bake->level->transport, bake->settings->samples,
+                                                bake->level->pool, bake->progress, &bake->record.lightmap);
+    bake->record.seconds_lightmaps = seconds_now() - start;
+    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "lightmaps: %s", lmb_result_text(result));
+}
+
+static lmb_result write_lmb(lmb_bake *bake, lmb_error *error)
+{
+    char path[PATH_SIZE];
+    unsigned char *data = NULL;
+    size_t size;
+    lmb_pack_stats stats;
+    lmb_result result = path_make(bake->settings->directory, "probes.lmb", path, error);
+    if (result == LMB_OK) {
+        result = lmb_pack(bake->grid, &data, &size, &stats);
+        if (result != LMB_OK) {
+            lmb_error_set(error, result, "%s: %s", path, lmb_result_text(result));
+        }
+    }
+    if (result == LMB_OK) {
+        bake->record.bytes_lmb = stats.bytes;
+        bake->record.fp16_overflow_count = stats.overflow_count;
+        result = lmb_file_write(path, data, size, error);
+    }
+    free(data);
+    return result;
+}
+
+static lmb_result write_vdb(lmb_bake *bake, const cJSON *settings, lmb_error *error)
+{
+    char path[PATH_SIZE];
+    char hash[17];
+    hash_text(bake->level->scene->content_hash, hash);
+    char *text = cJSON_PrintUnformatted(settings);
+    lmb_result result = text ? path_make(bake->settings->directory, "probes.vdb", path, error) : LMB_ERROR_MEMORY;
+    if (result == LMB_OK) {
+        const lmb_vdb_metadata metadata = {text, hash};
+        result = lmb_vdb_write(path, bake->grid, &metadata, error);
+    }
+    struct stat status;
+    if (result == LMB_OK && stat(path, &status) == 0) {
+        bake->record.bytes_vdb = (uint64_t)status.st_size;
+    }
+    cJSON_free(text);
+    return result;
+}
+
+static lmb_result write_lightmaps(lmb_bake *bake, lmb_error *error)
+{
+    if (!bake->lightmap) {
+        return LMB_OK;
+    }
+    char path[PATH_SIZE];
+    lmb_result result = path_make(bake->settings->directory, "lightmap", path, error);
+    if (result == LMB_OK) {
+        result = directory_make(path, error);
+    }
+    if (result == LMB_OK) {
+        result = lmb_lightmap_write(bake->lightmap, path, &bake->settings->level.options.gltf,
+                                    &bake->record.bytes_lightmaps, error);
+    }
+    return result;
+}
+
+static uint64_t record_rays(const lmb_bake_record *record)
+{
+    return record->placement.rays + record->probes.rays + record->lightmap.rays;
+}
+
+/* Root mean square over probes and texels together. */
+static double record_relative_error(const lmb_bake_record *record)
+{
+    const double probes = (double)record->placement.probes_valid;
+    const double texels = (double)record->lightmap.texels;
+    const double sum = probes * record->probes.relative_error * record->probes.relative_error +
+                       texels * record->lightmap.relative_error * record->lightmap.relative_error;
+    return probes + texels > 0.0 ? sqrt(sum / (probes + texels)) : 0.0;
+}
+
+static void json_add_seconds(cJSON *json, const lmb_bake *bake)
+{
+    const lmb_bake_record *record = &bake->record;
+    cJSON *seconds = cJSON_AddObjectToObject(json, "seconds");
+    cJSON_AddNumberToObject(seconds, "load", bake->level->seconds_load);
+    cJSON_AddNumberToObject(seconds, "bvh", bake->level->seconds_bvh);
+    cJSON_AddNumberToObject(seconds, "surface", 0.0);
+    cJSON_AddNumberToObject(seconds, "place", record->seconds_place);
+    cJSON_AddNumberToObject(seconds, "probes", record->seconds_probes);
+    cJSON_AddNumberToObject(seconds, "lightmaps", record->seconds_lightmaps);
+    cJSON_AddNumberToObject(seconds, "write", record->seconds_write);
+    cJSON_AddNumberToObject(seconds, "total",
+                            bake->level->seconds_load + bake->level->seconds_bvh + record->seconds_place +
+                                record->seconds_probes + record->seconds_lightmaps + record->seconds_write);
+    const double tracing = record->seconds_place + record->seconds_probes + record->seconds_lightmaps;
+    cJSON_AddNumberToObject(json, "mrays_per_s", tracing > 0.0 ? 1e-6 * (double)record_rays(record) / tracing : 0.0);
+}
+
+static cJSON *record_json(const lmb_bake *bake, cJSON *settings)
+{
+    const lmb_bake_record *record = &bake->record;
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddNumberToObject(json, "probes", bake->grid->probe_count);
+    cJSON *level = cJSON_CreateObject();
+    cJSON_AddNumberToObject(level, "spacing", (double)bake->grid->spacing);
+    cJSON_AddNumberToObject(level, "probes", bake->grid->probe_count);
+    cJSON_AddItemToArray(cJSON_AddArrayToObject(json, "levels"), level);
+    cJSON_AddNumberToObject(json, "probes_valid", record->placement.probes_valid);
+    cJSON_AddNumberToObject(json, "cells", (double)record->placement.cells);
+    cJSON_AddNumberToObject(json, "cells_crossed", (double)record->placement.cells_crossed);
+    cJSON_AddNumberToObject(json, "texels", (double)record->lightmap.texels);
+    cJSON_AddNumberToObject(json, "texels_pushed_out", (double)record->lightmap.pushed_out);
+    cJSON_AddNumberToObject(json, "triangles_dropped", bake->level->scene->dropped_triangle_count);
+    cJSON_AddNumberToObject(json, "rays", (double)record_rays(record));
+    json_add_seconds(json, bake);
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    cJSON_AddNumberToObject(json, "peak_rss_mb", (double)usage.ru_maxrss / 1024.0);
+    cJSON_AddNumberToObject(json, "threads", lmb_pool_threads(bake->level->pool));
+    cJSON_AddStringToObject(json, "estimator", "reference");
+    cJSON_AddNumberToObject(json, "seed", (double)bake->settings->level.options.seed);
+    cJSON *bytes = cJSON_AddObjectToObject(json, "bytes");
+    cJSON_AddNumberToObject(bytes, "vdb", (double)record->bytes_vdb);
+    cJSON_AddNumberToObject(bytes, "lmb", (double)record->bytes_lmb);
+    cJSON_AddNumberToObject(bytes, "lightmaps", (double)record->bytes_lightmaps);
+    cJSON_AddNumberToObject(json, "fp16_overflows", (double)record->fp16_overflow_count);
+    cJSON_AddNumberToObject(json, "estimated_rel_error", record_relative_error(record));
+    cJSON_AddItemToObject(json, "settings", settings);
+    return json;
+}
+
+/* Each file replaces its old version whole; bake.json goes first and comes back last, so that a folder with one is a
+ * whole bake. */
+static lmb_result step_write(lmb_bake *bake, lmb_error *error)
+{
+    const double start = seconds_now();
+    char path[PATH_SIZE];
+    lmb_result result = directory_make(bake->settings->directory, error);
+    if (result == LMB_OK) {
+        result = path_make(bake->settings->directory, "bake.json", path, error);
+    }
+    if (result != LMB_OK) {
+        return result;
+    }
+    unlink(path);
+    cJSON *settings = bake_settings_json(bake->settings, bake->level, bake->grid->spacing,
+                                         bake->lightmap ? &bake->lightmap->settings : NULL);
+    result = write_vdb(bake, settings, error);
+    if (result == LMB_OK) {
+        result = write_lmb(bake, error);
+    }
+    if (result == LMB_OK) {
+        result = write_lightmaps(bake, error);
+    }
+    bake->record.seconds_write = seconds_now() - start;
+    cJSON *json = record_json(bake, settings);
+    char *text = cJSON_Print(json);
+    if (result == LMB_OK) {
+        result = text ? lmb_file_write(path, text, strlen(text), error)
+                      : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    cJSON_free(text);
+    cJSON_Delete(json);
+    return result;
+}
+
+typedef struct lmb_trial_work {
+    const lmb_bake *bake;
+    uint64_t rays[DRY_RUN_PROBES];
+} lmb_trial_work;
+
+static void trial_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    lmb_trial_work *work = context;
+    const lmb_grid *grid = work->bake->grid;
+    int32_t probe = (int32_t)((int64_t)grid->probe_count * (int64_t)task / DRY_RUN_PROBES);
+    while (probe + 1 < grid->probe_count && grid->validity[probe] < LMB_GRID_MIN_VALIDITY) {
+        ++probe;
+    }
+    const lmb_gather_point point = {.position = lmb_grid_position(grid, probe)};
+    lmb_gathered gathered;
+    lmb_gather_sh3(&work->bake->level->transport, &point, work->bake->settings->samples, &gathered);
+    work->rays[task] = gathered.rays;
+}
+
+/* Prints what the bake would make, and how long it would take: probes spread over the level are traced as a trial. */
+static lmb_result step_dry_run(lmb_bake *bake, lmb_error *error)
+{
+    lmb_trial_work work = {.bake = bake};
+    const double start = seconds_now();
+    const lmb_result result =
+        lmb_pool_run(bake->level->pool, DRY_RUN_PROBES, trial_task, &work, "trial", bake->progress);
+    if (result != LMB_OK) {
+        return lmb_error_set(error, result, "dry run: %s", lmb_result_text(result));
+    }
+    const double each = (seconds_now() - start) / DRY_RUN_PROBES;
+    const double texels = bake->lightmap ? (double)bake->lightmap->covered_texel_count : 0.0;
+    const double seconds = each * ((double)bake->record.placement.probes_valid + texels);
+    printf("probes  %d at %g m (%d traced, %d dilated)\n", bake->grid->probe_count, (double)bake->grid->spacing,
+           bake->record.placement.probes_valid, bake->record.placement.probes_dilated);
+    if (bake->lightmap) {
+        printf("texels  %.0f at %g a metre, in %d images\n", texels, (double)bake->lightmap->settings.texels_per_m,
+               bake->lightmap->image_count);
+    }
+    printf("expect  about %.3g s on %d threads, %u samples each\n", seconds, lmb_pool_threads(bake->level->pool),
+           bake->settings->samples);
+    return LMB_OK;
+}
+
+static void summary_print(const lmb_bake *bake)
+{
+    const lmb_bake_record *record = &bake->record;
+    const double tracing = record->seconds_place + record->seconds_probes + record->seconds_lightmaps;
+    printf("probes    %d at %g m, %.1f s\n", bake->grid->probe_count, (double)bake->grid->spacing,
+           record->seconds_probes);
+    if (bake->lightmap) {
+        printf("lightmap  %llu texels in %d images, %.1f s\n", (unsigned long long)record->lightmap.texels,
+               bake->lightmap->image_count, record->seconds_lightmaps);
+    }
+    printf("rays      %.3g million, %.2f million a second\n", 1e-6 * (double)record_rays(record),
+           tracing > 0.0 ? 1e-6 * (double)record_rays(record) / tracing : 0.0);
+    printf("error     %.2f %% estimated (root mean square of standard errors)\n",
+           100.0 * record_relative_error(record));
+    printf("written   %s (probes.vdb %.1f kB, probes.lmb %.1f kB, lightmaps %.1f kB)\n", bake->settings->directory,
+           1e-3 * (double)record->bytes_vdb, 1e-3 * (double)record->bytes_lmb, 1e-3 * (double)record->bytes_lightmaps);
+}
+
+lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const lmb_progress *progress, lmb_error *error)
+{
+    lmb_bake bake = {.settings = settings, .level = level, .progress = progress};
+    lmb_result result = step_place(&bake, error);
+    if (result == LMB_OK) {
+        result = step_layout(&bake, error);
+    }
+    if (result == LMB_OK && settings->dry_run) {
+        result = step_dry_run(&bake, error);
+    } else {
+        if (result == LMB_OK) {
+            result = step_probes(&bake, error);
+        }
+        if (result == LMB_OK) {
+            result = step_lightmaps(&bake, error);
+        }
+        if (result == LMB_OK) {
+            result = step_write(&bake, error);
+        }
+        if (result == LMB_OK && !settings->level.options.quiet && !settings->json_progress) {
+            summary_print(&bake);
+        }
+    }
+    lmb_lightmap_destroy(bake.lightmap);
+    lmb_grid_destroy(bake.grid);
+    return result;
+}

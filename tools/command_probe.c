@@ -1,0 +1,161 @@
+#include <stdio.h>
+#include <string.h>
+
+#include <lambent/probe.h>
+
+#include "command.h"
+#include "level.h"
+#include "query.h"
+
+static const char usage[] =
+    "usage: lambent probe LEVEL --at X,Y,Z [options]\n"
+    "\n"
+    "Traces one probe on the spot, without a volume: SH3 radiance, and with a normal the irradiance there by the\n"
+    "default lighting model beside the traced truth.\n"
+    "\n" QUERY_USAGE "  --samples N           paths from the point (default 4096)\n"
+    "  --json                one JSON object a line\n" LEVEL_USAGE;
+
+typedef struct lmb_probe_answer {
+    lmb_gathered gathered;
+    lmb_rgb irradiance;
+    lmb_rgb traced;
+    double seconds;
+} lmb_probe_answer;
+
+typedef struct lmb_truth_work {
+    const lmb_transport *transport;
+    const lmb_query *query;
+    uint32_t samples;
+    lmb_rgb irradiance[LMB_GATHER_REPLICATES];
+    uint64_t rays[LMB_GATHER_REPLICATES];
+} lmb_truth_work;
+
+static void truth_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    lmb_truth_work *work = context;
+    const lmb_gather_point point = {work->query->position, true, work->query->vertex_normal};
+    lmb_gather_irradiance(work->transport, &point, (uint32_t)task, work->samples, &work->query->normal, 1,
+                          &work->irradiance[task], &work->rays[task]);
+}
+
+static lmb_result probe_trace(const lmb_level *level, const lmb_query *query, uint32_t samples,
+                              const lmb_progress *progress, lmb_probe_answer *answer)
+{
+    const double start = seconds_now();
+    const lmb_gather_point point = {.position = query->position};
+    lmb_result result =
+        lmb_gather_sh3_parallel(&level->transport, &point, samples, level->pool, progress, &answer->gathered);
+    if (result == LMB_OK && query->has_normal) {
+        answer->irradiance = query_irradiance(query, MODEL_HHD, &answer->gathered.moments);
+        const uint32_t share = (samples + LMB_GATHER_REPLICATES - 1) / LMB_GATHER_REPLICATES;
+        lmb_truth_work work = {.transport = &level->transport, .query = query, .samples = share};
+        result = lmb_pool_run(level->pool, LMB_GATHER_REPLICATES, truth_task, &work, "truth", progress);
+        answer->traced = (lmb_rgb){{0.0f, 0.0f, 0.0f}};
+        for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+            answer->gathered.rays += work.rays[r];
+            for (int c = 0; c < 3; ++c) {
+                answer->traced.c[c] += work.irradiance[r].c[c] / (float)LMB_GATHER_REPLICATES;
+            }
+        }
+    }
+    answer->seconds = seconds_now() - start;
+    return result;
+}
+
+static void answer_print_json(const lmb_query *query, const lmb_probe_answer *answer)
+{
+    cJSON *object = cJSON_CreateObject();
+    cJSON_AddItemToObject(object, "position", json_vector(query->position));
+    cJSON_AddItemToObject(object, "sh3", json_sh3(&answer->gathered.moments));
+    cJSON_AddNumberToObject(object, "std_error", (double)answer->gathered.relative_error);
+    if (query->has_normal) {
+        cJSON_AddItemToObject(object, "normal", json_vector(query->normal));
+        cJSON_AddItemToObject(object, "irradiance", json_rgb(answer->irradiance));
+        cJSON_AddItemToObject(object, "traced_irradiance", json_rgb(answer->traced));
+    }
+    cJSON_AddNumberToObject(object, "rays", (double)answer->gathered.rays);
+    cJSON_AddNumberToObject(object, "seconds", answer->seconds);
+    json_print_line(object);
+}
+
+static void answer_print(const lmb_query *query, const lmb_probe_answer *answer)
+{
+    static const char *const names[LMB_SH3_COUNT] = {"0,0", "1,-1", "1,0", "1,1", "2,-2", "2,-1", "2,0", "2,1", "2,2"};
+    printf("probe at %g, %g, %g\n", (double)query->position.x, (double)query->position.y, (double)query->position.z);
+    for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+        printf("  l%-5s %12.6g %12.6g %12.6g\n", names[i], (double)answer->gathered.moments.channel[0].c[i],
+               (double)answer->gathered.moments.channel[1].c[i], (double)answer->gathered.moments.channel[2].c[i]);
+    }
+    if (query->has_normal) {
+        printf("  irradiance        %12.6g %12.6g %12.6g\n", (double)answer->irradiance.c[0],
+               (double)answer->irradiance.c[1], (double)answer->irradiance.c[2]);
+        printf("  traced irradiance %12.6g %12.6g %12.6g\n", (double)answer->traced.c[0], (double)answer->traced.c[1],
+               (double)answer->traced.c[2]);
+    }
+    printf("  relative standard error %.3g %%, %llu rays in %.2f s\n", 100.0 * (double)answer->gathered.relative_error,
+           (unsigned long long)answer->gathered.rays, answer->seconds);
+}
+
+int command_probe(int count, char **values)
+{
+    lmb_arguments arguments = arguments_begin(count, values, "probe", usage);
+    lmb_level_arguments level_arguments = {.options = level_options_default()};
+    lmb_query_arguments query_arguments = {0};
+    uint32_t samples = 4096;
+    bool json = false;
+    for (const char *argument; (argument = arguments_next(&arguments));) {
+        if (level_argument(&level_arguments, &arguments, argument) ||
+            query_argument(&query_arguments, &arguments, argument)) {
+            continue;
+        }
+        if (strcmp(argument, "--samples") == 0) {
+            samples = (uint32_t)arguments_integer(&arguments, argument, 1, 1 << 28);
+        } else if (strcmp(argument, "--json") == 0) {
+            json = true;
+        } else if (argument[0] != '-' && !level_arguments.options.path) {
+            level_arguments.options.path = argument;
+        } else {
+            arguments_error(&arguments, "unexpected argument", argument);
+        }
+    }
+    if (arguments.failed || arguments.help) {
+        return arguments_status(&arguments);
+    }
+    if (!level_arguments.options.path) {
+        arguments_error(&arguments, "missing argument", "LEVEL");
+    }
+    if (arguments.failed || !query_finish(&query_arguments, &arguments)) {
+        return EXIT_USAGE;
+    }
+
+    lmb_error error = {{0}};
+    lmb_level level;
+    lmb_result result = level_open(&level_arguments.options, &level, &error);
+    if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    lmb_console console;
+    const lmb_progress progress = console_progress(&console, level_arguments.options.quiet || json, false);
+    lmb_query query = query_arguments.one;
+    int line = 0;
+    int status = EXIT_DONE;
+    int more = query_arguments.has_position ? 1 : query_read_line(&query, &line);
+    while (more == 1) {
+        lmb_probe_answer answer;
+        result = probe_trace(&level, &query, samples, &progress, &answer);
+        console_finish(&console);
+        if (result != LMB_OK) {
+            status = command_fail(result, &error);
+            break;
+        }
+        if (json) {
+            answer_print_json(&query, &answer);
+        } else {
+            answer_print(&query, &answer);
+        }
+        more = query_arguments.has_position ? 0 : query_read_line(&query, &line);
+    }
+    level_close(&level);
+    return more < 0 ? EXIT_BAD_INPUT : status;
+}

@@ -1,0 +1,133 @@
+#include "query.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lambent/hhd.h>
+#include <lambent/hlsh.h>
+
+bool query_argument(lmb_query_arguments *query, lmb_arguments *arguments, const char *option)
+{
+    if (strcmp(option, "--at") == 0) {
+        query->one.position = arguments_vector(arguments, option);
+        query->has_position = true;
+    } else if (strcmp(option, "--normal") == 0) {
+        query->one.normal = arguments_vector(arguments, option);
+        query->one.has_normal = true;
+    } else if (strcmp(option, "--vertex-normal") == 0) {
+        query->one.vertex_normal = arguments_vector(arguments, option);
+        query->has_vertex_normal = true;
+    } else {
+        return false;
+    }
+    return true;
+}
+
+static bool unit_make(lmb_vec3 *v)
+{
+    const double x = (double)v->x, y = (double)v->y, z = (double)v->z;
+    const double length = sqrt(x * x + y * y + z * z);
+    if (!(length > 0.0) || !isfinite(length)) {
+        return false;
+    }
+    *v = (lmb_vec3){(float)(x / length), (float)(y / length), (float)(z / length)};
+    return true;
+}
+
+bool query_finish(lmb_query_arguments *query, lmb_arguments *arguments)
+{
+    if (query->has_vertex_normal && !query->one.has_normal) {
+        arguments_error(arguments, "--normal must go with", "--vertex-normal");
+        return false;
+    }
+    if (!query->has_vertex_normal) {
+        query->one.vertex_normal = query->one.normal;
+    }
+    if (query->one.has_normal && (!unit_make(&query->one.normal) || !unit_make(&query->one.vertex_normal))) {
+        arguments_error(arguments, "a normal has no direction:", "0,0,0");
+        return false;
+    }
+    return true;
+}
+
+int query_read_line(lmb_query *query, int *line_number)
+{
+    char line[512];
+    const float cone_cos = query->cone_cos;
+    do {
+        if (!fgets(line, sizeof line, stdin)) {
+            return 0;
+        }
+        ++*line_number;
+    } while (line[strspn(line, " \t\r\n")] == '\0' || line[0] == '#');
+    float value[10];
+    int count = 0;
+    const char *at = line;
+    for (char *end; count < 10; at = end, ++count) {
+        value[count] = strtof(at, &end);
+        if (end == at) {
+            break;
+        }
+    }
+    const bool whole = at[strspn(at, " \t\r\n")] == '\0';
+    *query = (lmb_query){.position = {value[0], value[1], value[2]}, .cone_cos = cone_cos};
+    query->has_normal = count >= 6;
+    bool good = whole && (count == 3 || count == 6 || count == 7 || count == 10);
+    if (good && query->has_normal) {
+        query->normal = (lmb_vec3){value[3], value[4], value[5]};
+        query->vertex_normal = count == 10 ? (lmb_vec3){value[7], value[8], value[9]} : query->normal;
+        query->cone_cos = count >= 7 ? value[6] : cone_cos;
+        good = unit_make(&query->normal) && unit_make(&query->vertex_normal);
+    }
+    if (!good) {
+        fprintf(stderr, "lambent: standard input:%d: not 'x y z [nx ny nz [cone_cos [vx vy vz]]]'\n", *line_number);
+        return -1;
+    }
+    return 1;
+}
+
+lmb_rgb query_irradiance(const lmb_query *query, lmb_light_model model, const lmb_sh3_rgb *radiance)
+{
+    if (model == MODEL_SH3) {
+        return lmb_sh3_rgb_irradiance(radiance, query->normal);
+    }
+    if (model == MODEL_HLSH) {
+        const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(radiance, query->vertex_normal, query->cone_cos);
+        return lmb_hlsh_rgb_evaluate(&hlsh, query->vertex_normal, query->normal);
+    }
+    const lmb_irradz stored = lmb_irradz_encode(radiance, query->vertex_normal, query->cone_cos);
+    const lmb_hhd_rgb hhd = lmb_irradz_decode(&stored, query->vertex_normal);
+    return lmb_hhd_rgb_evaluate(&hhd, query->vertex_normal, query->normal);
+}
+
+cJSON *json_vector(lmb_vec3 vector)
+{
+    return cJSON_CreateFloatArray((const float[3]){vector.x, vector.y, vector.z}, 3);
+}
+
+cJSON *json_rgb(lmb_rgb colour)
+{
+    return cJSON_CreateFloatArray(colour.c, 3);
+}
+
+cJSON *json_sh3(const lmb_sh3_rgb *radiance)
+{
+    cJSON *list = cJSON_CreateArray();
+    for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+        const lmb_rgb colour = {{radiance->channel[0].c[i], radiance->channel[1].c[i], radiance->channel[2].c[i]}};
+        cJSON_AddItemToArray(list, json_rgb(colour));
+    }
+    return list;
+}
+
+void json_print_line(cJSON *object)
+{
+    char *text = cJSON_PrintUnformatted(object);
+    if (text) {
+        puts(text);
+    }
+    cJSON_free(text);
+    cJSON_Delete(object);
+}

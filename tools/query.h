@@ -1,0 +1,52 @@
+/* Asking for the light at points, as `sample` and `probe` do: one point by options, or many on standard input. */
+#ifndef LMB_TOOLS_QUERY_H
+#define LMB_TOOLS_QUERY_H
+
+#include <cjson/cJSON.h>
+
+#include <lambent/sh.h>
+
+#include "command.h"
+
+typedef enum lmb_light_model { MODEL_HHD, MODEL_HLSH, MODEL_SH3 } lmb_light_model;
+
+typedef struct lmb_query {
+    lmb_vec3 position;
+    bool has_normal;
+    lmb_vec3 normal;        /* n */
+    lmb_vec3 vertex_normal; /* n_v */
+    float cone_cos;         /* 0: the hemisphere */
+} lmb_query;
+
+typedef struct lmb_query_arguments {
+    bool has_position; /* else standard input */
+    bool has_vertex_normal;
+    lmb_query one;
+} lmb_query_arguments;
+
+#define QUERY_USAGE                                                                                                    \
+    "  --at X,Y,Z            the point; without it, points are read from standard input, a line each:\n"               \
+    "                        x y z [nx ny nz [cone_cos [vx vy vz]]]\n"                                                 \
+    "  --normal X,Y,Z        shading normal: adds the normalised irradiance there\n"                                   \
+    "  --vertex-normal X,Y,Z the normal that owns the hemisphere (default: the shading normal)\n"
+
+/* Takes --at, --normal, --vertex-normal. */
+bool query_argument(lmb_query_arguments *query, lmb_arguments *arguments, const char *option);
+
+/* Reads the next line of standard input. @return 1 read, 0 at the end, -1 for a malformed line (message printed) */
+int query_read_line(lmb_query *query, int *line_number);
+
+/* Completes the one point of the command line: units, defaults. False: usage error printed. */
+bool query_finish(lmb_query_arguments *query, lmb_arguments *arguments);
+
+/* Normalised irradiance of a probe by a lighting model. */
+lmb_rgb query_irradiance(const lmb_query *query, lmb_light_model model, const lmb_sh3_rgb *radiance);
+
+/* Arrays for --json output. */
+cJSON *json_vector(lmb_vec3 vector);
+cJSON *json_rgb(lmb_rgb colour);
+cJSON *json_sh3(const lmb_sh3_rgb *radiance); /* 9 lists of RGB */
+/* Prints one line and frees the object. */
+void json_print_line(cJSON *object);
+
+#endif
