@@ -191,6 +191,19 @@ static void chunk_aim(exr_decode_pipeline_t *decoder, const exr_target *targets,
     }
 }
 
+/* The library's decoders of damaged chunks may leave the end of a buffer as it was: zeros, not what the heap held. */
+static void *buffer_allocate(exr_transcoding_pipeline_buffer_id_t id, size_t size)
+{
+    (void)id;
+    return calloc(1, size);
+}
+
+static void buffer_free(exr_transcoding_pipeline_buffer_id_t id, void *buffer)
+{
+    (void)id;
+    free(buffer);
+}
+
 /* Decodes one chunk that starts at pixel (x, y); the first sets the pipeline up. */
 static exr_result_t chunk_decode(exr_const_context_t context, const exr_chunk_info_t *chunk,
                                  exr_decode_pipeline_t *decoder, const exr_target *targets, size_t count, int32_t width,
@@ -200,6 +213,8 @@ static exr_result_t chunk_decode(exr_const_context_t context, const exr_chunk_in
     exr_result_t code =
         first ? exr_decoding_initialize(context, 0, chunk, decoder) : exr_decoding_update(context, 0, chunk, decoder);
     if (code == EXR_ERR_SUCCESS) {
+        decoder->alloc_fn = buffer_allocate;
+        decoder->free_fn = buffer_free;
         chunk_aim(decoder, targets, count, width, x, y);
         code = first ? exr_decoding_choose_default_routines(context, 0, decoder) : code;
     }

@@ -15,7 +15,7 @@ typedef enum lmb_uv_fault {
     LMB_UV_GOOD,
     LMB_UV_MISSING,      /* no TEXCOORD_1 */
     LMB_UV_OUT_OF_RANGE, /* corners outside [0, 1] (beyond a small slack) or not finite */
-    LMB_UV_DEGENERATE,   /* triangles with area in the world but none in UV */
+    LMB_UV_DEGENERATE,   /* triangles with area in the world but none in UV: more than 1 % of the mesh's area */
     LMB_UV_OVERLAPPING   /* triangles cover each other */
 } lmb_uv_fault;
 
