@@ -1,0 +1,304 @@
+/* How `lambent check` counts errors and where it looks: hand-made numbers, synthetic noise, areas and angles known by
+ * analysis. */
+#include "check_points.h"
+#include "check_statistics.h"
+#include "level_builder.h"
+#include "level_fixture.h"
+#include "levels.h"
+
+#include <lambent/sequence.h>
+
+#include <stdlib.h>
+
+#define OUTPUT(name) LMB_TEST_OUTPUT_DIR "/check_" name
+
+static lmb_rgb grey(double value)
+{
+    return (lmb_rgb){{(float)value, (float)value, (float)value}};
+}
+
+static void one_point_by_hand(void)
+{
+    const lmb_rgb x[2] = {{{1, 2, 3}}, {{0, 0, 6}}};
+    const lmb_rgb r1[2] = {{{1, 1, 1}}, {{0, 2, 4}}};
+    const lmb_rgb r2[2] = {{{3, 1, 2}}, {{0, 1, 4}}};
+    const point_error error = point_error_of(x, r1, r2, 2);
+    /* (x-r1)(x-r2): 0*-2, 1*1, 2*1, 0, -2*-1, 2*2; r1 r2: 3, 1, 2, 0, 2, 16; x - mean: -1, 1, 1.5, 0, -1.5, 2 */
+    CHECK_NEAR(error.product, (0 + 1 + 2 + 0 + 2 + 4) / 6.0, 1e-12, "product");
+    CHECK_NEAR(error.reference, 24 / 6.0, 1e-12, "reference");
+    CHECK_NEAR(error.deviation, (1 + 1 + 2.25 + 0 + 2.25 + 4) / 6.0, 1e-12, "deviation");
+    const point_light light = point_light_of(x, r1, r2, 2);
+    CHECK_NEAR(light.reference, (2 + 1 + 1.5 + 0 + 1.5 + 4) / 6.0, 1e-12, "mean");
+    CHECK_NEAR(light.reference_noise, (1 + 0 + 0.25 + 0 + 0.25 + 0) / 6.0, 1e-12, "noise");
+    CHECK_NEAR(light.reference_product, 24 / 6.0, 1e-12, "product");
+    CHECK_NEAR(light.excess, (0 + 1 + 1.5 + 0 + 0 + 2) / 6.0, 1e-12, "excess");
+}
+
+static void summary_by_hand(void)
+{
+    /* Deviations 1 .. 100 over a reference of 4: p95 is the 95th of them over 2. */
+    point_error errors[100];
+    for (int i = 0; i < 100; ++i) {
+        const double off = (37 * i) % 100 + 1;
+        errors[i] = (point_error){.product = i % 2 == 0 ? 1.0 : 3.0, .reference = 4.0, .deviation = off * off};
+    }
+    error_summary summary;
+    CHECK(error_summarize(errors, 100, &summary) == LMB_OK, "memory");
+    CHECK_NEAR(summary.rel_rmse, sqrt(2.0 / 4.0), 1e-12, "mean product 2, mean reference 4");
+    CHECK_NEAR(summary.p95, 95 / 2.0, 1e-9, "p95");
+    CHECK_NEAR(summary.max, 100 / 2.0, 1e-9, "max");
+    /* The ratio's residuals are +-1: its error sqrt(100/(100 99))/4, the root's half of that over sqrt(0.5). */
+    CHECK_NEAR(summary.std_error, 0.5 * sqrt(1.0 / 99.0) / 4.0 / sqrt(0.5), 1e-12, "standard error");
+}
+
+static void nothing_to_measure_is_nan(void)
+{
+    const point_error dark = {.product = 1.0, .reference = 0.0, .deviation = 1.0};
+    error_summary summary = {0};
+    CHECK(error_summarize(NULL, 0, &summary) == LMB_OK && isnan(summary.rel_rmse) && isnan(summary.max), "no points");
+    CHECK(error_summarize(&dark, 1, &summary) == LMB_OK && isnan(summary.rel_rmse) && isnan(summary.p95), "no light");
+    const point_error below = {.product = -0.5, .reference = 1.0, .deviation = 0.25};
+    CHECK(error_summarize(&below, 1, &summary) == LMB_OK && summary.rel_rmse == 0.0, "noise below zero clamps to 0");
+    const leak_summary leak = leak_summarize(NULL, 0);
+    CHECK(leak.leak == 0.0 && leak.dark_points == 0 && isnan(leak.reference_mean), "no points");
+}
+
+/* Uniform noise of variance `deviation`^2 and mean 0. */
+static double noise(uint32_t index, uint32_t dimension, double deviation)
+{
+    return sqrt(12.0) * deviation * ((double)lmb_random(7, index, dimension, 0) - 0.5);
+}
+
+/* A reference ten times noisier than the error to find: the halves' product finds it, and says how well. */
+static void noise_of_the_reference_cancels(void)
+{
+    enum { POINTS = 2000, NORMALS = 8, RUNS = 40 };
+    const double truth = 2.0, off = 0.1, deviation = 1.0;
+    point_error *errors = malloc(POINTS * sizeof *errors);
+    CHECK(errors, "memory");
+    double sum = 0.0, square_sum = 0.0, claimed = 0.0;
+    for (uint32_t run = 0; run < RUNS && errors; ++run) {
+        for (uint32_t i = 0; i < POINTS; ++i) {
+            lmb_rgb x[NORMALS], r1[NORMALS], r2[NORMALS];
+            for (uint32_t k = 0; k < NORMALS; ++k) {
+                const uint32_t index = (run * POINTS + i) * NORMALS + k;
+                x[k] = grey(truth + (index % 2 == 0 ? off : -off));
+                r1[k] = grey(truth + noise(index, 0, deviation));
+                r2[k] = grey(truth + noise(index, 1, deviation));
+            }
+            errors[i] = point_error_of(x, r1, r2, NORMALS);
+        }
+        error_summary summary;
+        CHECK(error_summarize(errors, POINTS, &summary) == LMB_OK, "memory");
+        sum += summary.rel_rmse;
+        square_sum += summary.rel_rmse * summary.rel_rmse;
+        claimed += summary.std_error / RUNS;
+    }
+    free(errors);
+    /* One run's product has standard deviation sqrt(1 + 2 off^2) / sqrt(16000), 80 % of off^2; the mean of squares over
+     * runs is unbiased but for the clamp at 0. */
+    CHECK_NEAR(square_sum / RUNS, off * off / (truth * truth), 0.4 * off * off / (truth * truth),
+               "mean square of rel_rmse over %d runs", RUNS);
+    const double spread = sqrt(square_sum / RUNS - sum / RUNS * (sum / RUNS));
+    CHECK(claimed > 0.5 * spread && claimed < 2.5 * spread, "claimed error %g, spread %g", claimed, spread);
+}
+
+static void std_error_is_honest_where_it_is_small(void)
+{
+    enum { POINTS = 400, RUNS = 60 };
+    double sum = 0.0, square_sum = 0.0, claimed = 0.0;
+    point_error errors[POINTS];
+    for (uint32_t run = 0; run < RUNS; ++run) {
+        for (uint32_t i = 0; i < POINTS; ++i) {
+            const uint32_t index = run * POINTS + i;
+            const double truth = 1.0 + (double)lmb_random(9, index, 2, 0);
+            const lmb_rgb x = grey(truth + 0.4 * ((double)lmb_random(9, index, 3, 0) - 0.5));
+            const lmb_rgb r1 = grey(truth + noise(index, 4, 0.05));
+            const lmb_rgb r2 = grey(truth + noise(index, 5, 0.05));
+            errors[i] = point_error_of(&x, &r1, &r2, 1);
+        }
+        error_summary summary;
+        CHECK(error_summarize(errors, POINTS, &summary) == LMB_OK, "memory");
+        sum += summary.rel_rmse;
+        square_sum += summary.rel_rmse * summary.rel_rmse;
+        claimed += summary.std_error / RUNS;
+    }
+    /* Errors uniform in +-0.2, truth uniform in [1, 2]. */
+    CHECK_NEAR(sum / RUNS, sqrt(0.04 / 3.0 / (7.0 / 3.0)), 0.001, "rel_rmse");
+    const double spread = sqrt((square_sum - sum * sum / RUNS) / (RUNS - 1));
+    CHECK_NEAR(claimed / spread, 1.0, 0.3, "claimed %g, spread %g", claimed, spread);
+}
+
+static void leak_counts_only_dark_points(void)
+{
+    /* Mean reference 1: below 0.01 is dark. */
+    const point_light lights[4] = {{.reference = 2.0, .reference_product = 4.0, .excess = 5.0},
+                                   {.reference = 1.985, .reference_product = 4.0, .reference_noise = 0.02},
+                                   {.reference = 0.010, .excess = 7.0},
+                                   {.reference = 0.005, .excess = 0.25}};
+    const leak_summary leak = leak_summarize(lights, 4);
+    CHECK_NEAR(leak.reference_mean, 1.0, 1e-12, "mean");
+    CHECK(leak.dark_points == 1, "%zu dark points", leak.dark_points);
+    CHECK_NEAR(leak.leak, 0.25, 1e-12, "leak");
+    CHECK_NEAR(leak.reference_std_error, sqrt(0.02 / 8.0), 1e-12, "standard error");
+}
+
+static void shading_normals_lean_60_degrees_at_most(void)
+{
+    enum { COUNT = 8, STREAMS = 500 };
+    static const lmb_vec3 axes[] = {{0, 1, 0}, {0, 0, -1}, {1, 0, 0}, {0.6f, 0, -0.8f}};
+    for (size_t a = 0; a < sizeof axes / sizeof axes[0]; ++a) {
+        const lmb_vec3 axis = axes[a];
+        double cosine_sum = 0.0, lowest = 1.0, side[3] = {0};
+        for (uint64_t stream = 0; stream < STREAMS; ++stream) {
+            lmb_vec3 normals[COUNT];
+            shading_normals(axis, stream, COUNT, normals);
+            for (int k = 0; k < COUNT; ++k) {
+                const double x = (double)normals[k].x, y = (double)normals[k].y, z = (double)normals[k].z;
+                const double cosine = x * (double)axis.x + y * (double)axis.y + z * (double)axis.z;
+                CHECK_NEAR(x * x + y * y + z * z, 1.0, 1e-5, "unit, axis %zu stream %d", a, (int)stream);
+                cosine_sum += cosine;
+                lowest = fmin(lowest, cosine);
+                side[0] += x - cosine * (double)axis.x;
+                side[1] += y - cosine * (double)axis.y;
+                side[2] += z - cosine * (double)axis.z;
+            }
+        }
+        CHECK(lowest > 0.5 - 1e-5 && lowest < 0.52, "axis %zu: the lowest cosine is %g", a, lowest);
+        /* E[cos] over the cap with density in proportion to cos: (1 - c^3)/3 over (1 - c^2)/2, c = 1/2. */
+        CHECK_NEAR(cosine_sum / (COUNT * STREAMS), 7.0 / 9.0, 0.005, "axis %zu: mean cosine", a);
+        for (int i = 0; i < 3; ++i) {
+            CHECK_NEAR(side[i] / (COUNT * STREAMS), 0.0, 0.02, "axis %zu: leans to no side (%d)", a, i);
+        }
+    }
+}
+
+static void sphere_directions_are_uniform(void)
+{
+    enum { COUNT = 8, STREAMS = 1000 };
+    double mean[3] = {0}, square[3] = {0};
+    for (uint64_t stream = 0; stream < STREAMS; ++stream) {
+        lmb_vec3 directions[COUNT];
+        sphere_directions(stream, COUNT, directions);
+        for (int k = 0; k < COUNT; ++k) {
+            const double d[3] = {(double)directions[k].x, (double)directions[k].y, (double)directions[k].z};
+            for (int i = 0; i < 3; ++i) {
+                mean[i] += d[i] / (COUNT * STREAMS);
+                square[i] += d[i] * d[i] / (COUNT * STREAMS);
+            }
+        }
+    }
+    for (int i = 0; i < 3; ++i) {
+        CHECK_NEAR(mean[i], 0.0, 0.02, "axis %d", i);
+        CHECK_NEAR(square[i], 1.0 / 3.0, 0.01, "axis %d", i);
+    }
+}
+
+static int add_material(lmb_level_builder *builder, lmb_level_alpha alpha_mode)
+{
+    lmb_level_material material = lmb_level_material_default();
+    material.alpha_mode = alpha_mode;
+    material.alpha = 0.5f;
+    return lmb_level_builder_add_material(builder, &material);
+}
+
+static int add_quad_mesh(lmb_level_builder *builder, const char *name, int material, float width, float height)
+{
+    const int mesh = lmb_level_builder_add_mesh(builder, name);
+    lmb_level_builder_add_quad(builder, mesh, material, (lmb_vec3){0, 0, 0}, (lmb_vec3){width, 0, 0},
+                               (lmb_vec3){0, height, 0});
+    return mesh;
+}
+
+/* Opaque 1 x 1, opaque 1 x 3 scaled by two, a pane that lets light through, and a thing that moves. */
+static lmb_result write_quads(const char *path, lmb_error *error)
+{
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    const int opaque = add_material(builder, LMB_LEVEL_OPAQUE);
+    const int pane = add_material(builder, LMB_LEVEL_BLEND);
+    lmb_level_builder_place(builder, "small", add_quad_mesh(builder, "small", opaque, 1, 1), (lmb_vec3){0, 0, 0});
+    lmb_level_builder_place(builder, "pane", add_quad_mesh(builder, "pane", pane, 5, 5), (lmb_vec3){0, 0, 1});
+    lmb_level_node node = lmb_level_node_default("large");
+    node.mesh = add_quad_mesh(builder, "large", opaque, 1, 3);
+    node.scale = (lmb_vec3){2, 2, 2};
+    lmb_level_builder_add_node(builder, &node);
+    node = lmb_level_node_default("door");
+    node.mesh = add_quad_mesh(builder, "door", opaque, 9, 9);
+    node.dynamic = true;
+    lmb_level_builder_add_node(builder, &node);
+    const lmb_result result = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+static void surface_points_are_spread_by_area(void)
+{
+    enum { COUNT = 13000 };
+    const char *path = OUTPUT("quads.glb");
+    lmb_error error = {""};
+    level_fixture level;
+    if (!level_fixture_open(&level, path, write_quads(path, &error), &error, 1)) {
+        return;
+    }
+    opaque_surface surface;
+    CHECK(opaque_surface_create(level.tracer, &surface) == LMB_OK, "memory");
+    CHECK_NEAR(opaque_surface_area(&surface), 13.0, 1e-5, "1 + 2 * 6");
+    int small = 0, large = 0, other = 0, cell[2][2] = {{0}};
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        const surface_point point = opaque_surface_point(&surface, 3, i, COUNT);
+        const char *name = level.scene->instances[point.instance].name;
+        CHECK(point.u >= 0.0f && point.v >= 0.0f && point.u + point.v <= 1.0f + 1e-6f, "point %u", i);
+        if (strcmp(name, "small") == 0) {
+            ++small;
+        } else if (strcmp(name, "large") == 0) {
+            ++large;
+            const lmb_place place = lmb_trace_place(level.tracer, point.instance, point.triangle, point.u, point.v);
+            ++cell[place.position.x > 1.0f][place.position.y > 3.0f];
+        } else {
+            ++other;
+        }
+    }
+    CHECK(small >= COUNT / 13 - 1 && small <= COUNT / 13 + 1, "%d on the small quad", small);
+    CHECK(large >= COUNT / 13 * 12 - 1 && large <= COUNT / 13 * 12 + 1, "%d on the large quad", large);
+    CHECK(other == 0, "%d on a pane or on a thing that moves", other);
+    for (int i = 0; i < 4; ++i) {
+        CHECK_NEAR(cell[i / 2][i % 2], 3000, 200, "quarter %d of the large quad", i);
+    }
+    const surface_point again = opaque_surface_point(&surface, 3, 17, COUNT);
+    const surface_point once = opaque_surface_point(&surface, 3, 17, COUNT);
+    const surface_point reseeded = opaque_surface_point(&surface, 4, 17, COUNT);
+    CHECK(again.triangle == once.triangle && again.u == once.u && again.v == once.v, "the same seed, the same point");
+    CHECK(reseeded.u != once.u || reseeded.v != once.v, "another seed, another point");
+    opaque_surface_free(&surface);
+    level_fixture_close(&level);
+}
+
+static void ambient_visibility_of_a_wall(void)
+{
+    const char *path = OUTPUT("quads.glb");
+    lmb_error error = {""};
+    level_fixture level;
+    if (!level_fixture_open(&level, path, write_quads(path, &error), &error, 1)) {
+        return;
+    }
+    /* The pane of 50 % in front of the wall, far larger than what lies within reach, lets half through. */
+    const lmb_vec3 at = {2.5f, 2.5f, 0.9999f}, towards = {0, 0, 1}, away = {0, 0, -1};
+    CHECK_NEAR(ambient_visibility(level.tracer, at, towards, 0.5f, 1, 256), 0.5, 0.01, "towards the pane");
+    CHECK_NEAR(ambient_visibility(level.tracer, at, away, 0.5f, 1, 256), 1.0, 1e-6, "nothing within reach");
+    level_fixture_close(&level);
+}
+
+static const test_case cases[] = {
+    {"one_point_by_hand", one_point_by_hand},
+    {"summary_by_hand", summary_by_hand},
+    {"nothing_to_measure_is_nan", nothing_to_measure_is_nan},
+    {"noise_of_the_reference_cancels", noise_of_the_reference_cancels},
+    {"std_error_is_honest_where_it_is_small", std_error_is_honest_where_it_is_small},
+    {"leak_counts_only_dark_points", leak_counts_only_dark_points},
+    {"shading_normals_lean_60_degrees_at_most", shading_normals_lean_60_degrees_at_most},
+    {"sphere_directions_are_uniform", sphere_directions_are_uniform},
+    {"surface_points_are_spread_by_area", surface_points_are_spread_by_area},
+    {"ambient_visibility_of_a_wall", ambient_visibility_of_a_wall},
+};
+
+TEST_MAIN(cases)

@@ -1,0 +1,66 @@
+/* The three promises, measured on a bake: how far what is stored is from the truth, how far probes are from lightmaps,
+ * and how much light leaks.
+ *
+ * Every value is normalised irradiance on 8 normals at each point, without self-bounce. At surface points, n_v is the
+ * gather point's normal, the normals are cosine-weighted around it up to 60 degrees, and only light above its horizon
+ * counts. At free points the normals are spread over the sphere and all light counts. */
+#ifndef LMB_TOOLS_CHECK_H
+#define LMB_TOOLS_CHECK_H
+
+#include <stdbool.h>
+
+#include <lambent/lightmap.h>
+#include <lambent/volume.h>
+
+#include "check_statistics.h"
+
+/* What is compared with what; the latter is what errors are relative to. All but the last at surface points. */
+typedef enum check_pair {
+    CHECK_PROBE_VS_REFERENCE,    /* volume -> hemisphere multiply -> HHD */
+    CHECK_LIGHTMAP_VS_REFERENCE, /* stored texels, bilinear -> HHD */
+    CHECK_PROBE_VS_LIGHTMAP,
+    CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, /* as probe, but its SH3 traced at the very point */
+    CHECK_COINCIDENT_PROBE_VS_REFERENCE,
+    CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP, /* volume, SH3 irradiance, no occlusion */
+    CHECK_PROBE_HLSH_VS_REFERENCE,      /* volume -> HLSH */
+    CHECK_PROBE_CONE_VS_LIGHTMAP,       /* as probe, with the cone of AO rays within one spacing */
+    CHECK_VOLUME_VS_REFERENCE,          /* volume, SH3 irradiance, at free points */
+    CHECK_PAIR_COUNT
+} check_pair;
+
+/* The JSON key of a pair, and whether it needs lightmaps. */
+const char *check_pair_name(check_pair pair);
+bool check_pair_needs_lightmap(check_pair pair);
+
+/* What is checked. */
+typedef struct check_subject {
+    const lmb_transport *transport;
+    const lmb_volume *volume;
+    const lmb_lightmap *lightmap; /* NULL: none */
+    lmb_pool *pool;
+} check_subject;
+
+typedef struct check_settings {
+    uint32_t points;  /* on surfaces, and as many in free space; > 0 */
+    uint32_t samples; /* of each half of the reference; > 0. A coincident probe takes four times as many */
+    uint64_t seed;
+} check_settings;
+
+check_settings check_settings_default(void);
+
+typedef struct check_report {
+    size_t points;                         /* surface points; 0 when the level has no opaque triangle */
+    size_t free_points;                    /* found in the volume's free space */
+    error_summary error[CHECK_PAIR_COUNT]; /* NaN where a pair has no points or needs lightmaps that are missing */
+    leak_summary leak;                     /* of the probe */
+    double lightmap_leak;                  /* NaN without lightmaps */
+    double coincident_std_error; /* root mean square over points of the traced SH3's relative standard error: noise
+                                    that counts as the coincident probe's error */
+} check_report;
+
+/* The figures depend on the level, the bake and the settings, not on the pool's threads.
+ * @return LMB_ERROR_MEMORY, _INTERRUPTED */
+lmb_result check_run(const check_subject *subject, const check_settings *settings, const lmb_progress *progress,
+                     check_report *report);
+
+#endif

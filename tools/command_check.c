@@ -1,0 +1,186 @@
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baked.h"
+#include "check.h"
+#include "command.h"
+
+static const char usage[] =
+    "usage: lambent check LEVEL DIR [options]\n"
+    "\n"
+    "Measures the bake in DIR against a path-traced reference of LEVEL: how far probes and lightmaps are from the\n"
+    "truth and from each other, and how much light leaks.\n"
+    "\n"
+    "  --points N    random points on surfaces, and as many in free space (default 1000)\n"
+    "  --samples N   samples of each of the reference's two halves, at each point (default 1024)\n"
+    "  --seed N      of points, normals and reference (default 0)\n"
+    "  --threads N   default: all processors\n"
+    "  --json        print one JSON object\n"
+    "  --quiet       no progress\n"
+    "\n"
+    "All errors are of normalised irradiance on 8 normals a point, relative to the reference's root mean square (to\n"
+    "the lightmap's in ..._vs_lightmap):\n"
+    "  rel_rmse      root mean square over points, normals and channels, free of the reference's own noise\n"
+    "  std_error     of rel_rmse, from the spread between points\n"
+    "  p95, max      of each point's root mean square over normals and channels; the reference's noise is in them\n"
+    "reference_std_error is the reference's own noise. leak is the mean of max(0, probe - reference) at points whose\n"
+    "reference is below 1 % of the mean, over the mean; leak_points counts them (leak is 0 when there are none).\n";
+
+typedef struct check_options {
+    const char *level;
+    const char *directory;
+    check_settings settings;
+    int threads;
+    bool json;
+    bool quiet;
+} check_options;
+
+static void options_read(lmb_arguments *arguments, check_options *options)
+{
+    for (const char *next; (next = arguments_next(arguments));) {
+        if (strcmp(next, "--points") == 0) {
+            options->settings.points = (uint32_t)arguments_integer(arguments, next, 1, 10000000);
+        } else if (strcmp(next, "--samples") == 0) {
+            options->settings.samples = (uint32_t)arguments_integer(arguments, next, 1, 100000000);
+        } else if (strcmp(next, "--seed") == 0) {
+            options->settings.seed = (uint64_t)arguments_integer(arguments, next, 0, INT64_MAX);
+        } else if (strcmp(next, "--threads") == 0) {
+            options->threads = (int)arguments_integer(arguments, next, 1, 1024);
+        } else if (strcmp(next, "--json") == 0) {
+            options->json = true;
+        } else if (strcmp(next, "--quiet") == 0) {
+            options->quiet = true;
+        } else if (strncmp(next, "--", 2) == 0) {
+            arguments_error(arguments, "unknown option", next);
+        } else if (!options->level) {
+            options->level = next;
+        } else if (!options->directory) {
+            options->directory = next;
+        } else {
+            arguments_error(arguments, "one argument too many:", next);
+        }
+    }
+    if (!arguments->failed && !arguments->help && !options->directory) {
+        arguments_error(arguments, "missing argument", options->level ? "DIR" : "LEVEL");
+    }
+}
+
+/* Adds a number, or null for NaN. */
+static void json_add_number(cJSON *object, const char *key, double value)
+{
+    if (isnan(value)) {
+        cJSON_AddNullToObject(object, key);
+    } else {
+        cJSON_AddNumberToObject(object, key, value);
+    }
+}
+
+static void json_add_error(cJSON *object, const char *key, const error_summary *error)
+{
+    if (isnan(error->rel_rmse)) {
+        cJSON_AddNullToObject(object, key);
+        return;
+    }
+    cJSON *figures = cJSON_AddObjectToObject(object, key);
+    json_add_number(figures, "rel_rmse", error->rel_rmse);
+    json_add_number(figures, "std_error", error->std_error);
+    json_add_number(figures, "p95", error->p95);
+    json_add_number(figures, "max", error->max);
+}
+
+static lmb_result report_print_json(const check_options *options, const check_report *report, lmb_error *error)
+{
+    cJSON *object = cJSON_CreateObject();
+    json_add_number(object, "points", (double)report->points);
+    json_add_number(object, "free_points", (double)report->free_points);
+    json_add_number(object, "samples", 2.0 * options->settings.samples);
+    json_add_number(object, "seed", (double)options->settings.seed);
+    for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
+        json_add_error(object, check_pair_name((check_pair)pair), &report->error[pair]);
+    }
+    json_add_number(object, "reference_mean", report->leak.reference_mean);
+    json_add_number(object, "reference_std_error", report->leak.reference_std_error);
+    json_add_number(object, "coincident_std_error", report->coincident_std_error);
+    json_add_number(object, "leak", report->leak.leak);
+    json_add_number(object, "leak_points", (double)report->leak.dark_points);
+    json_add_number(object, "lightmap_leak", report->lightmap_leak);
+    char *text = object ? cJSON_Print(object) : NULL;
+    cJSON_Delete(object);
+    if (!text) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    const int printed = puts(text);
+    cJSON_free(text);
+    return printed < 0 ? lmb_error_set(error, LMB_ERROR_IO, "standard output: cannot write") : LMB_OK;
+}
+
+static void print_percent(double value)
+{
+    if (isnan(value)) {
+        printf("%12s", "-");
+    } else {
+        printf("%10.3f %%", 100.0 * value);
+    }
+}
+
+static void report_print_table(const check_options *options, const check_report *report)
+{
+    printf("%-32s%12s%12s%12s%12s\n", "relative error of irradiance", "rel. RMSE", "+-", "p95", "max");
+    for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
+        const error_summary *error = &report->error[pair];
+        printf("%-32s", check_pair_name((check_pair)pair));
+        print_percent(error->rel_rmse);
+        print_percent(error->std_error);
+        print_percent(error->p95);
+        print_percent(error->max);
+        putchar('\n');
+    }
+    printf("%-32s", "reference_std_error");
+    print_percent(report->leak.reference_std_error);
+    printf("\n%-32s", "coincident_std_error");
+    print_percent(report->coincident_std_error);
+    printf("\n%-32s", "leak");
+    print_percent(report->leak.leak);
+    printf("   at %zu of %zu points\n", report->leak.dark_points, report->points);
+    if (!isnan(report->lightmap_leak)) {
+        printf("%-32s", "lightmap_leak");
+        print_percent(report->lightmap_leak);
+        putchar('\n');
+    }
+    printf("%zu surface points, %zu free points, 8 normals each; reference: path tracer, 2 x %u samples a point, seed "
+           "%llu\n",
+           report->points, report->free_points, options->settings.samples, (unsigned long long)options->settings.seed);
+}
+
+int command_check(int count, char **values)
+{
+    check_options options = {.settings = check_settings_default()};
+    lmb_arguments arguments = arguments_begin(count, values, "check", usage);
+    options_read(&arguments, &options);
+    if (arguments.failed || arguments.help) {
+        return arguments_status(&arguments);
+    }
+    lmb_error error = {""};
+    lmb_baked baked;
+    lmb_result result = baked_open(options.level, options.directory, options.threads, &baked, &error);
+    if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    lmb_console console;
+    const lmb_progress progress = console_progress(&console, options.quiet, false);
+    const check_subject subject = {&baked.level.transport, baked.volume, baked.lightmap, baked.level.pool};
+    check_report report;
+    result = check_run(&subject, &options.settings, &progress, &report);
+    console_finish(&console);
+    baked_close(&baked);
+    if (result != LMB_OK) {
+        lmb_error_set(&error, result, "check: %s", lmb_result_text(result));
+    } else if (options.json) {
+        result = report_print_json(&options, &report, &error);
+    } else {
+        report_print_table(&options, &report);
+    }
+    return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
+}
