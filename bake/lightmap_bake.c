@@ -1,0 +1,218 @@
+/* Light of the covered texels. */
+#include "lightmap_internal.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lambent/occlusion.h>
+
+#include "bake_internal.h"
+
+/* Texels that one task of the pool gathers. */
+enum { TEXELS_PER_TASK = 32 };
+
+/* One covered texel: the surface point that stands for it, and where its light goes. */
+typedef struct bake_texel {
+    uint32_t instance, triangle;
+    float u, v;
+    int32_t image;
+    uint32_t pixel;
+} bake_texel;
+
+/* What one task has counted. */
+typedef struct bake_count {
+    uint64_t pushed_out;
+    uint64_t rays;
+    double squared_error;
+} bake_count;
+
+typedef struct bake_work {
+    lmb_lightmap *lightmap;
+    const lmb_transport *transport;
+    uint32_t samples;
+    size_t texel_count;
+    bake_texel *texels;
+    float *texel_size;  /* [instance] metres */
+    bake_count *counts; /* [task] */
+} bake_work;
+
+static void instance_list(bake_work *work, uint32_t number, lmb_texel_source *source)
+{
+    const lmb_lightmap *lightmap = work->lightmap;
+    const lmb_lightmap_region *region = &lightmap->region[number];
+    const int32_t image_width = lightmap->image[region->image].width;
+    const uint32_t mesh = lightmap->scene->instances[number].mesh;
+    const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, number);
+    lmb_texels_cover(&lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh], &grid, source);
+    for (int32_t y = 0; y < grid.height; ++y) {
+        for (int32_t x = 0; x < grid.width; ++x) {
+            const lmb_texel_source *from = &source[(size_t)y * (size_t)grid.width + (size_t)x];
+            if (from->triangle != LMB_TEXEL_UNCOVERED) {
+                assert(work->texel_count < lightmap->covered_texel_count);
+                work->texels[work->texel_count++] = (bake_texel){
+                    number,        from->triangle,
+                    from->u,       from->v,
+                    region->image, (uint32_t)(region->y + y) * (uint32_t)image_width + (uint32_t)(region->x + x)};
+            }
+        }
+    }
+}
+
+static size_t region_largest(const lmb_lightmap *lightmap)
+{
+    size_t largest = 1;
+    for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
+        const size_t texels = (size_t)lightmap->region[i].width * (size_t)lightmap->region[i].height;
+        largest = texels > largest ? texels : largest;
+    }
+    return largest;
+}
+
+static lmb_result texels_list(bake_work *work)
+{
+    lmb_texel_source *source = malloc(region_largest(work->lightmap) * sizeof *source);
+    if (!source) {
+        return LMB_ERROR_MEMORY;
+    }
+    for (uint32_t i = 0; i < work->lightmap->scene->instance_count; ++i) {
+        if (work->lightmap->region[i].image >= 0) {
+            work->texel_size[i] = lmb_lightmap_texel_size(work->lightmap, i);
+            instance_list(work, i, source);
+        }
+    }
+    free(source);
+    return LMB_OK;
+}
+
+static void texel_bake(const bake_work *work, const bake_texel *texel, bake_count *count)
+{
+    const lmb_tracer *tracer = work->transport->tracer;
+    const lmb_place place = lmb_trace_place(tracer, texel->instance, texel->triangle, texel->u, texel->v);
+    bool pushed_out;
+    const lmb_gather_point point =
+        lmb_surface_gather_point(tracer, &place, work->texel_size[texel->instance], &pushed_out);
+    lmb_gathered gathered;
+    lmb_gather_sh3(work->transport, &point, work->samples, &gathered);
+    lmb_sh3_rgb radiance;
+    for (int c = 0; c < 3; ++c) {
+        radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered.moments.channel[c], point.normal);
+    }
+    lmb_lightmap_image *image = &work->lightmap->image[texel->image];
+    image->texel[texel->pixel] = lmb_irradz_encode(&radiance, point.normal, 0.0f);
+    image->state[texel->pixel] = LMB_TEXEL_GATHERED;
+    count->pushed_out += pushed_out;
+    count->rays += gathered.rays;
+    count->squared_error += (double)gathered.relative_error * (double)gathered.relative_error;
+}
+
+static void bake_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    const bake_work *work = context;
+    const size_t first = task * TEXELS_PER_TASK;
+    const size_t end = first + TEXELS_PER_TASK < work->texel_count ? first + TEXELS_PER_TASK : work->texel_count;
+    for (size_t i = first; i < end; ++i) {
+        texel_bake(work, &work->texels[i], &work->counts[task]);
+    }
+}
+
+static void images_clear(lmb_lightmap *lightmap)
+{
+    for (int32_t i = 0; i < lightmap->image_count; ++i) {
+        lmb_lightmap_image *image = &lightmap->image[i];
+        const size_t texels = (size_t)image->width * (size_t)image->height;
+        memset(image->texel, 0, texels * sizeof *image->texel);
+        memset(image->state, LMB_TEXEL_EMPTY, texels);
+    }
+}
+
+static lmb_lightmap_stats counts_sum(const bake_work *work, size_t tasks)
+{
+    lmb_lightmap_stats stats = {.texels = work->texel_count};
+    double squared = 0.0;
+    for (size_t i = 0; i < tasks; ++i) {
+        stats.pushed_out += work->counts[i].pushed_out;
+        stats.rays += work->counts[i].rays;
+        squared += work->counts[i].squared_error;
+    }
+    stats.relative_error = work->texel_count > 0 ? sqrt(squared / (double)work->texel_count) : 0.0;
+    return stats;
+}
+
+lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, uint32_t samples, lmb_pool *pool,
+                             const lmb_progress *progress, lmb_lightmap_stats *stats)
+{
+    const size_t texels = (size_t)lightmap->covered_texel_count;
+    const size_t tasks = (texels + TEXELS_PER_TASK - 1) / TEXELS_PER_TASK;
+    bake_work work = {
+        .lightmap = lightmap,
+        .transport = transport,
+        .samples = samples,
+        .texels = malloc((texels + 1u) * sizeof(bake_texel)),
+        .texel_size = calloc((size_t)lightmap->scene->instance_count + 1u, sizeof(float)),
+        .counts = calloc(tasks + 1u, sizeof(bake_count)),
+    };
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (work.texels && work.texel_size && work.counts) {
+        result = texels_list(&work);
+    }
+    if (result == LMB_OK) {
+        images_clear(lightmap);
+        result = lmb_pool_run(pool, tasks, bake_task, &work, "lightmaps", progress);
+        if (result == LMB_OK) {
+            result = lmb_lightmap_dilate(lightmap);
+        }
+        if (result == LMB_OK) {
+            *stats = counts_sum(&work, tasks);
+        } else {
+            images_clear(lightmap);
+        }
+    }
+    free(work.texels);
+    free(work.texel_size);
+    free(work.counts);
+    return result;
+}
+
+static lmb_irradz irradz_mad(lmb_irradz sum, const lmb_irradz *texel, float weight)
+{
+    for (int c = 0; c < 3; ++c) {
+        sum.irradiance_z.c[c] += weight * texel->irradiance_z.c[c];
+    }
+    sum.ambient_weight += weight * texel->ambient_weight;
+    sum.direction = vec3_mad(sum.direction, texel->direction, weight);
+    return sum;
+}
+
+lmb_irradz lmb_lightmap_sample(const lmb_lightmap *lightmap, uint32_t instance, uint32_t triangle, float u, float v)
+{
+    lmb_irradz sum = {{{0.0f, 0.0f, 0.0f}}, 0.0f, {0.0f, 0.0f, 0.0f}};
+    const lmb_lightmap_region *region = &lightmap->region[instance];
+    if (region->image < 0) {
+        return sum;
+    }
+    const lmb_lightmap_image *image = &lightmap->image[region->image];
+    const uint32_t number = lightmap->scene->instances[instance].mesh;
+    const lmb_mesh *mesh = &lightmap->scene->meshes[number];
+    const lmb_vec2 *own = lightmap->corner_uv[number];
+    const lmb_vec2 a = lmb_texels_corner_uv(mesh, own, triangle, 0);
+    const lmb_vec2 b = lmb_texels_corner_uv(mesh, own, triangle, 1);
+    const lmb_vec2 c = lmb_texels_corner_uv(mesh, own, triangle, 2);
+    const float w = 1.0f - u - v;
+    const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, instance);
+    const double x = (double)(w * a.x + u * b.x + v * c.x) * grid.density - grid.shift_x + region->x - 0.5;
+    const double y = (double)(w * a.y + u * b.y + v * c.y) * grid.density - grid.shift_y + region->y - 0.5;
+    const double left = floor(x);
+    const double top = floor(y);
+    for (int k = 0; k < 4; ++k) {
+        const int right = k & 1;
+        const int below = k >> 1;
+        const double column = fmin(fmax(left + right, 0.0), image->width - 1);
+        const double row = fmin(fmax(top + below, 0.0), image->height - 1);
+        const double weight = (right ? x - left : 1.0 - (x - left)) * (below ? y - top : 1.0 - (y - top));
+        sum = irradz_mad(sum, &image->texel[(size_t)row * (size_t)image->width + (size_t)column], (float)weight);
+    }
+    return sum;
+}

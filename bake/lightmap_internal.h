@@ -1,0 +1,49 @@
+/* What the lightmap's files share: texel grids, and which texels a mesh covers. */
+#ifndef LMB_LIGHTMAP_INTERNAL_H
+#define LMB_LIGHTMAP_INTERNAL_H
+
+#include <lambent/lightmap.h>
+
+/* Texels around each region that only padding uses: bilinear filtering at a region's border reads them. */
+enum { LMB_REGION_GUTTER = 1 };
+
+/* A region's texels in UV space: UV (u, v) is at ((u, v) density - (shift_x, shift_y)) texels from the region's corner.
+ * Whole numbers, so that texel centres of charts stay texel centres of the image. */
+typedef struct lmb_texel_grid {
+    int32_t density; /* texels for one unit of UV */
+    int32_t shift_x, shift_y;
+    int32_t width, height;
+} lmb_texel_grid;
+
+/* The surface point that stands for a texel. */
+typedef struct lmb_texel_source {
+    uint32_t triangle; /* LMB_TEXEL_UNCOVERED: no triangle touches the texel */
+    float u, v;        /* barycentric weights of the second and third corner */
+    float distance;    /* from the texel's centre, in texels */
+} lmb_texel_source;
+
+#define LMB_TEXEL_UNCOVERED UINT32_MAX
+
+/* Finds for each of the grid's texels (source[x + width y]) the point of the triangles that touch it that is nearest to
+ * its centre. Points are kept a little inside their triangle, where rounding cannot put them behind the surface that
+ * meets it at its edge. `corner_uv` NULL: the mesh's TEXCOORD_1. */
+void lmb_texels_cover(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid,
+                      lmb_texel_source *source);
+
+/* The lightmap UV of a corner. `corner_uv` as above. */
+lmb_vec2 lmb_texels_corner_uv(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, uint32_t triangle, int corner);
+
+/* Places every region that has a size into images, and makes those. @return LMB_ERROR_MEMORY */
+lmb_result lmb_lightmap_pack(lmb_lightmap *lightmap);
+
+/* The grid of an instance that has a region. */
+lmb_texel_grid lmb_lightmap_grid(const lmb_lightmap *lightmap, uint32_t instance);
+
+/* Area of an instance's triangles, in square metres. */
+double lmb_instance_area(const lmb_scene *scene, uint32_t instance);
+
+/* Fills what no triangle touches, in every region and its gutter, from the nearest texels that have light; marks it
+ * LMB_TEXEL_DILATED. @return LMB_ERROR_MEMORY */
+lmb_result lmb_lightmap_dilate(lmb_lightmap *lightmap);
+
+#endif

@@ -1,0 +1,218 @@
+/* Conservative rasterisation: which texels the triangles touch, and where each is sampled. */
+#include "lightmap_internal.h"
+
+#include <assert.h>
+#include <math.h>
+
+/* A triangle that reaches less than this far into a texel (texels) does not touch it: rounding of UVs that are meant
+ * to lie on the border. */
+#define TOUCH_SLACK 1e-3
+
+/* Sample points nearer to an edge than this (texels) are moved towards the middle of what is covered of their texel,
+ * by this share of the way. */
+#define EDGE_MARGIN (1.0 / 64.0)
+#define EDGE_PULL 0.125
+
+/* A point of a triangle in texels, with its barycentric weights. */
+typedef struct texel_vertex {
+    double x, y;
+    double u, v;
+} texel_vertex;
+
+/* A triangle cut by a texel's four sides: 7 vertices, or 13 if rounding has bent every cut polygon to a zigzag. */
+typedef struct texel_polygon {
+    texel_vertex vertex[13];
+    int count;
+} texel_polygon;
+
+static texel_vertex vertex_lerp(texel_vertex a, texel_vertex b, double t)
+{
+    return (texel_vertex){a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.u + (b.u - a.u) * t, a.v + (b.v - a.v) * t};
+}
+
+/* The part of a convex polygon on one side of an axis-aligned line: sign (x or y - bound) >= 0. */
+static texel_polygon polygon_clip(const texel_polygon *polygon, bool along_y, double bound, double sign)
+{
+    texel_polygon kept = {.count = 0};
+    for (int i = 0; i < polygon->count; ++i) {
+        const texel_vertex a = polygon->vertex[i];
+        const texel_vertex b = polygon->vertex[i + 1 < polygon->count ? i + 1 : 0];
+        const double side_a = sign * ((along_y ? a.y : a.x) - bound);
+        const double side_b = sign * ((along_y ? b.y : b.x) - bound);
+        if (side_a >= 0.0) {
+            kept.vertex[kept.count++] = a;
+        }
+        if ((side_a > 0.0 && side_b < 0.0) || (side_a < 0.0 && side_b > 0.0)) {
+            kept.vertex[kept.count++] = vertex_lerp(a, b, side_a / (side_a - side_b));
+        }
+    }
+    return kept;
+}
+
+static void polygon_range(const texel_polygon *polygon, bool along_y, double *low, double *high)
+{
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (int i = 0; i < polygon->count; ++i) {
+        const double value = along_y ? polygon->vertex[i].y : polygon->vertex[i].x;
+        *low = fmin(*low, value);
+        *high = fmax(*high, value);
+    }
+}
+
+static double cross_2d(texel_vertex a, texel_vertex b, texel_vertex c)
+{
+    return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+}
+
+/* Barycentric weights of (x, y) in `*point`, and how far inside its nearest edge it is: negative outside. */
+static double triangle_depth(const texel_vertex corner[3], texel_vertex *point)
+{
+    const double area = cross_2d(corner[0], corner[1], corner[2]);
+    if (!(fabs(area) > 0.0)) {
+        return -INFINITY;
+    }
+    double depth = INFINITY;
+    double weight[3];
+    for (int k = 0; k < 3; ++k) {
+        const texel_vertex a = corner[(k + 1) % 3];
+        const texel_vertex b = corner[(k + 2) % 3];
+        const double doubled = cross_2d(*point, a, b);
+        weight[k] = doubled / area;
+        const double length = sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
+        depth = fmin(depth, area > 0.0 ? doubled / length : -doubled / length);
+    }
+    point->u = weight[1];
+    point->v = weight[2];
+    return depth;
+}
+
+/* The point on a polygon's border that is nearest to `centre`. */
+static texel_vertex border_nearest(const texel_polygon *polygon, texel_vertex centre)
+{
+    texel_vertex best = polygon->vertex[0];
+    double best_squared = INFINITY;
+    for (int i = 0; i < polygon->count; ++i) {
+        const texel_vertex a = polygon->vertex[i];
+        const texel_vertex b = polygon->vertex[i + 1 < polygon->count ? i + 1 : 0];
+        const double dx = b.x - a.x;
+        const double dy = b.y - a.y;
+        const double squared = dx * dx + dy * dy;
+        const double along = squared > 0.0 ? ((centre.x - a.x) * dx + (centre.y - a.y) * dy) / squared : 0.0;
+        const texel_vertex at = vertex_lerp(a, b, fmin(fmax(along, 0.0), 1.0));
+        const double distance = (at.x - centre.x) * (at.x - centre.x) + (at.y - centre.y) * (at.y - centre.y);
+        if (distance < best_squared) {
+            best_squared = distance;
+            best = at;
+        }
+    }
+    return best;
+}
+
+static texel_vertex polygon_middle(const texel_polygon *polygon)
+{
+    texel_vertex sum = {0.0, 0.0, 0.0, 0.0};
+    for (int i = 0; i < polygon->count; ++i) {
+        const texel_vertex at = polygon->vertex[i];
+        sum = (texel_vertex){sum.x + at.x, sum.y + at.y, sum.u + at.u, sum.v + at.v};
+    }
+    const double n = polygon->count;
+    return (texel_vertex){sum.x / n, sum.y / n, sum.u / n, sum.v / n};
+}
+
+/* Where the texel at (x, y) samples a triangle that covers `covered` of it. */
+static lmb_texel_source texel_sample(const texel_vertex corner[3], const texel_polygon *covered, int32_t x, int32_t y,
+                                     uint32_t triangle)
+{
+    texel_vertex point = {x + 0.5, y + 0.5, 0.0, 0.0};
+    const texel_vertex centre = point;
+    double depth = triangle_depth(corner, &point);
+    if (depth < 0.0) {
+        point = border_nearest(covered, centre);
+        depth = 0.0;
+    }
+    const double distance =
+        sqrt((point.x - centre.x) * (point.x - centre.x) + (point.y - centre.y) * (point.y - centre.y));
+    if (depth < EDGE_MARGIN) {
+        point = vertex_lerp(point, polygon_middle(covered), EDGE_PULL);
+    }
+    const float u = (float)fmin(fmax(point.u, 0.0), 1.0);
+    const float v = (float)fmin(fmax(point.v, 0.0), 1.0 - (double)u);
+    return (lmb_texel_source){triangle, u, v, (float)distance};
+}
+
+static bool range_touches(double low, double high, int32_t texel, double slack)
+{
+    return high > texel + slack && low < texel + 1 - slack;
+}
+
+static int32_t clamp_texel(double value, int32_t size)
+{
+    return value <= 0.0 ? 0 : value >= size - 1 ? size - 1 : (int32_t)value;
+}
+
+/* Offers a triangle to every texel that it reaches into by more than `slack`. Returns whether there was any. */
+static bool triangle_cover(const texel_vertex corner[3], uint32_t triangle, const lmb_texel_grid *grid, double slack,
+                           lmb_texel_source *source)
+{
+    const texel_polygon whole = {{corner[0], corner[1], corner[2]}, 3};
+    double low, high;
+    polygon_range(&whole, true, &low, &high);
+    const int32_t last_row = clamp_texel(floor(high - slack), grid->height);
+    bool touched = false;
+    for (int32_t y = clamp_texel(floor(low + slack), grid->height); y <= last_row; ++y) {
+        const texel_polygon above = polygon_clip(&whole, true, y, 1.0);
+        const texel_polygon row = polygon_clip(&above, true, y + 1, -1.0);
+        polygon_range(&row, true, &low, &high);
+        if (row.count == 0 || !range_touches(low, high, y, slack)) {
+            continue;
+        }
+        polygon_range(&row, false, &low, &high);
+        const int32_t last = clamp_texel(floor(high - slack), grid->width);
+        for (int32_t x = clamp_texel(floor(low + slack), grid->width); x <= last; ++x) {
+            const texel_polygon right = polygon_clip(&row, false, x, 1.0);
+            const texel_polygon cell = polygon_clip(&right, false, x + 1, -1.0);
+            double cell_low[2], cell_high[2];
+            polygon_range(&cell, false, &cell_low[0], &cell_high[0]);
+            polygon_range(&cell, true, &cell_low[1], &cell_high[1]);
+            if (cell.count == 0 || !range_touches(cell_low[0], cell_high[0], x, slack) ||
+                !range_touches(cell_low[1], cell_high[1], y, slack)) {
+                continue;
+            }
+            touched = true;
+            lmb_texel_source *texel = &source[(size_t)y * (size_t)grid->width + (size_t)x];
+            const lmb_texel_source offer = texel_sample(corner, &cell, x, y, triangle);
+            if (texel->triangle == LMB_TEXEL_UNCOVERED || offer.distance < texel->distance) {
+                *texel = offer;
+            }
+        }
+    }
+    return touched;
+}
+
+lmb_vec2 lmb_texels_corner_uv(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, uint32_t triangle, int corner)
+{
+    return corner_uv ? corner_uv[3 * (size_t)triangle + (size_t)corner] : mesh->uv[1][mesh->triangle[triangle][corner]];
+}
+
+void lmb_texels_cover(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid,
+                      lmb_texel_source *source)
+{
+    assert(grid->width > 0 && grid->height > 0);
+    const size_t texels = (size_t)grid->width * (size_t)grid->height;
+    for (size_t i = 0; i < texels; ++i) {
+        source[i] = (lmb_texel_source){.triangle = LMB_TEXEL_UNCOVERED};
+    }
+    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+        texel_vertex corner[3];
+        for (int k = 0; k < 3; ++k) {
+            const lmb_vec2 uv = lmb_texels_corner_uv(mesh, corner_uv, t, k);
+            corner[k] = (texel_vertex){(double)uv.x * grid->density - grid->shift_x,
+                                       (double)uv.y * grid->density - grid->shift_y, k == 1, k == 2};
+        }
+        /* A sliver may lie wholly in the slack of two texels: then it touches both. */
+        if (!triangle_cover(corner, t, grid, TOUCH_SLACK, source)) {
+            triangle_cover(corner, t, grid, -TOUCH_SLACK, source);
+        }
+    }
+}
