@@ -176,6 +176,34 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
     return result;
 }
 
+lmb_result lmb_lightmap_mark(lmb_lightmap *lightmap)
+{
+    lmb_texel_source *source = malloc(region_largest(lightmap) * sizeof *source);
+    if (!source) {
+        return LMB_ERROR_MEMORY;
+    }
+    for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
+        const lmb_lightmap_region *region = &lightmap->region[i];
+        if (region->image < 0) {
+            continue;
+        }
+        const lmb_lightmap_image *image = &lightmap->image[region->image];
+        const uint32_t mesh = lightmap->scene->instances[i].mesh;
+        const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, i);
+        lmb_texels_cover(&lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh], &grid, source);
+        for (int32_t y = -LMB_REGION_GUTTER; y < grid.height + LMB_REGION_GUTTER; ++y) {
+            for (int32_t x = -LMB_REGION_GUTTER; x < grid.width + LMB_REGION_GUTTER; ++x) {
+                const bool covered = x >= 0 && y >= 0 && x < grid.width && y < grid.height &&
+                                     source[(size_t)y * (size_t)grid.width + (size_t)x].triangle != LMB_TEXEL_UNCOVERED;
+                const size_t at = (size_t)(region->y + y) * (size_t)image->width + (size_t)(region->x + x);
+                image->state[at] = covered ? LMB_TEXEL_GATHERED : LMB_TEXEL_DILATED;
+            }
+        }
+    }
+    free(source);
+    return LMB_OK;
+}
+
 static lmb_irradz irradz_mad(lmb_irradz sum, const lmb_irradz *texel, float weight)
 {
     for (int c = 0; c < 3; ++c) {

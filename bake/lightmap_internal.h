@@ -46,4 +46,7 @@ double lmb_instance_area(const lmb_scene *scene, uint32_t instance);
  * LMB_TEXEL_DILATED. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_dilate(lmb_lightmap *lightmap);
 
+/* Sets the states that a bake leaves, without its light. @return LMB_ERROR_MEMORY */
+lmb_result lmb_lightmap_mark(lmb_lightmap *lightmap);
+
 #endif
