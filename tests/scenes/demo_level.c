@@ -185,7 +185,7 @@ static void add_cameras(lmb_level_builder *builder)
         float view_angle_rad;
     } cameras[] = {
         {"overview", {4.8f, 1.9f, 7.7f}, {7.6f, 1, 3.2f}, 1.05f},
-        {"colour_wall", {9.4f, 1.5f, 6.9f}, {7.4f, 0.8f, 3.2f}, 0.9f},
+        {"colour_wall", {6.5f, 1.5f, 7.2f}, {8.2f, 0.8f, 3.2f}, 0.9f},
         {"dark_room", {9.7f, 1.8f, 2.7f}, {8, 0.9f, 0.9f}, 1.05f},
         {"stairs", {4.1f, 1.7f, 7.6f}, {1, 1.3f, 3.4f}, 1.05f},
         {"upper", {9.4f, 4.7f, 0.7f}, {3.4f, 3.6f, 5.6f}, 1.05f},
