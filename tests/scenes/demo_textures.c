@@ -1,5 +1,7 @@
 #include "demo_textures.h"
 
+#include "level_builder_internal.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -135,8 +137,12 @@ int lmb_demo_texture_add(lmb_level_builder *builder, lmb_demo_texture texture)
         [LMB_DEMO_BRICK_NORMAL] = {"brick normal", brick_normal},
         [LMB_DEMO_LATTICE] = {"lattice", lattice},
     };
+    if (!builder) {
+        return LMB_LEVEL_NONE;
+    }
     uint8_t *rgba = malloc((size_t)SIZE * SIZE * 4);
     if (!rgba) {
+        builder->failed = true;
         return LMB_LEVEL_NONE;
     }
     for (int y = 0; y < SIZE; ++y) {
