@@ -1,0 +1,168 @@
+/* Every allocation fails in turn: the result says so, outputs are untouched, and (under AddressSanitizer) nothing
+ * leaks. The linker sends the libraries' allocations here (--wrap). */
+#include "grid_fixture.h"
+#include "harness.h"
+
+#include <lambent/file.h>
+#include <lambent/pack.h>
+#include <lambent/volume.h>
+
+static int allocations_left = -1; /* before one fails; -1: none does */
+
+static bool fails_now(void)
+{
+    return allocations_left >= 0 && allocations_left-- == 0;
+}
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *block, size_t size);
+void *__real_aligned_alloc(size_t alignment, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *block, size_t size);
+void *__wrap_aligned_alloc(size_t alignment, size_t size);
+
+void *__wrap_malloc(size_t size)
+{
+    return fails_now() ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return fails_now() ? NULL : __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *block, size_t size)
+{
+    return fails_now() ? NULL : __real_realloc(block, size);
+}
+
+void *__wrap_aligned_alloc(size_t alignment, size_t size)
+{
+    return fails_now() ? NULL : __real_aligned_alloc(alignment, size);
+}
+
+static const int32_t min[3] = {0, 0, 0}, size[3] = {3, 3, 3};
+
+static lmb_result create_grid(void)
+{
+    lmb_grid *grid = NULL;
+    const lmb_result result = lmb_grid_create(1.0f, min, size, &grid);
+    CHECK((grid != NULL) == (result == LMB_OK), "grid");
+    lmb_grid_destroy(grid);
+    return result;
+}
+
+static lmb_grid *shared_grid;
+static unsigned char *shared_image;
+static size_t shared_bytes;
+
+static lmb_result add_probes(void)
+{
+    static const uint8_t wanted[27] = {1, 1, 1};
+    const int left = allocations_left;
+    allocations_left = -1;
+    lmb_grid *grid = NULL;
+    CHECK(lmb_grid_create(1.0f, min, size, &grid) == LMB_OK, "create");
+    allocations_left = left;
+    const lmb_result result = lmb_grid_add_probes(grid, wanted);
+    CHECK(lmb_grid_validate(grid, NULL) == LMB_OK, "the grid is whole");
+    CHECK(grid->probe_count == (result == LMB_OK ? 3 : 0), "%d probes", grid->probe_count);
+    lmb_grid_destroy(grid);
+    return result;
+}
+
+static lmb_result dilate(void)
+{
+    return lmb_grid_dilate(shared_grid);
+}
+
+static lmb_result pack(void)
+{
+    unsigned char *data = NULL;
+    size_t bytes = 7;
+    lmb_pack_stats stats = {.bytes = 7};
+    const lmb_result result = lmb_pack(shared_grid, &data, &bytes, &stats);
+    CHECK(result == LMB_OK || (!data && bytes == 7 && stats.bytes == 7), "outputs were touched");
+    free(data);
+    return result;
+}
+
+static lmb_result open_volume(void)
+{
+    lmb_volume *volume = NULL;
+    const lmb_result result = lmb_volume_open_memory(shared_image, shared_bytes, &volume);
+    CHECK((volume != NULL) == (result == LMB_OK), "volume");
+    lmb_volume_close(volume);
+    return result;
+}
+
+static lmb_result open_file(void)
+{
+    lmb_volume *volume = NULL;
+    const lmb_result result = lmb_volume_open_file(LMB_TEST_OUTPUT_DIR "/allocation.lmb", &volume);
+    CHECK((volume != NULL) == (result == LMB_OK), "volume");
+    lmb_volume_close(volume);
+    return result;
+}
+
+static lmb_result read_file(void)
+{
+    unsigned char *data = NULL;
+    size_t bytes = 0;
+    const lmb_result result = lmb_file_read(LMB_TEST_OUTPUT_DIR "/allocation.lmb", &data, &bytes, NULL);
+    CHECK((data != NULL) == (result == LMB_OK), "data");
+    free(data);
+    return result;
+}
+
+static lmb_result write_file(void)
+{
+    return lmb_file_write(LMB_TEST_OUTPUT_DIR "/allocation.lmb", shared_image, shared_bytes, NULL);
+}
+
+/* /proc says that its files are empty, so that the buffer has to grow. */
+static lmb_result read_growing_file(void)
+{
+    unsigned char *data = NULL;
+    size_t bytes = 0;
+    const lmb_result result = lmb_file_read("/proc/self/smaps", &data, &bytes, NULL);
+    CHECK((data != NULL) == (result == LMB_OK), "data");
+    CHECK(result != LMB_OK || bytes > 4096, "%zu bytes", bytes);
+    free(data);
+    return result;
+}
+
+static void test_each(void)
+{
+    static const struct {
+        const char *name;
+        lmb_result (*run)(void);
+        int least; /* failures seen, at least */
+    } runs[] = {
+        {"create", create_grid, 2}, {"add probes", add_probes, 3}, {"dilate", dilate, 2},
+        {"pack", pack, 4},          {"open", open_volume, 1},      {"map", open_file, 1},
+        {"read", read_file, 1},     {"write", write_file, 1},      {"read and grow", read_growing_file, 2},
+    };
+    shared_grid = fixture_grid(1.0f, min, size, 1.0, 0.5, 1.0, 3);
+    CHECK(lmb_pack(shared_grid, &shared_image, &shared_bytes, NULL) == LMB_OK, "pack");
+    CHECK(lmb_file_write(LMB_TEST_OUTPUT_DIR "/allocation.lmb", shared_image, shared_bytes, NULL) == LMB_OK, "write");
+    for (size_t i = 0; i < sizeof runs / sizeof runs[0]; ++i) {
+        lmb_result result = LMB_ERROR_MEMORY;
+        int failed = 0;
+        for (; failed < 100 && result == LMB_ERROR_MEMORY; ++failed) {
+            allocations_left = failed;
+            result = runs[i].run();
+            allocations_left = -1;
+        }
+        CHECK(result == LMB_OK, "%s: ends with %d", runs[i].name, result);
+        CHECK(failed - 1 >= runs[i].least, "%s: only %d allocations failed", runs[i].name, failed - 1);
+    }
+    remove(LMB_TEST_OUTPUT_DIR "/allocation.lmb");
+    free(shared_image);
+    lmb_grid_destroy(shared_grid);
+}
+
+static const test_case cases[] = {{"every allocation fails in turn", test_each}};
+TEST_MAIN(cases)
