@@ -295,10 +295,15 @@ lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 f
     return trace_transmittance(tracer, from, direction, FLT_MAX, rays);
 }
 
-lmb_vec3 lmb_trace_offset(lmb_vec3 position, lmb_vec3 geometric_normal, lmb_vec3 direction)
+float lmb_trace_epsilon(lmb_vec3 position)
 {
     /* Interpolated corners are off by a few ulps of the largest coordinate; 32 ulps is safely beyond that. */
     const float size = fmaxf(fabsf(position.x), fmaxf(fabsf(position.y), fabsf(position.z)));
-    const float step = fmaxf(size * 32.0f * FLT_EPSILON, 1e-12f);
+    return fmaxf(size * 32.0f * FLT_EPSILON, 1e-12f);
+}
+
+lmb_vec3 lmb_trace_offset(lmb_vec3 position, lmb_vec3 geometric_normal, lmb_vec3 direction)
+{
+    const float step = lmb_trace_epsilon(position);
     return vec3_mad(position, geometric_normal, vec3_dot(geometric_normal, direction) >= 0.0f ? step : -step);
 }

@@ -9,9 +9,10 @@
 /* Dimension pairs of the sequence: the gather point uses vertex 0's, the k-th reflection vertex k's. */
 enum { PAIR_DIRECTION, PAIR_TRIANGLE, PAIR_CHOICE, PAIR_ENVIRONMENT, PAIR_ROULETTE, PAIRS_PER_VERTEX };
 
-/* Roulette starts after this many reflections: short paths carry most of the light. */
+/* Roulette starts after this many reflections: short paths carry most of the light. Survival is the albedo itself (a
+ * lower one would let weights grow without bound), kept just below 1 so that a white room ends. */
 #define ROULETTE_AFTER 2
-#define ROULETTE_MAX_SURVIVAL 0.95f
+#define ROULETTE_MAX_SURVIVAL 0.999f
 
 /* One sample of one stream: where its random numbers come from. */
 typedef struct lmb_path {
@@ -77,11 +78,17 @@ static float receiver_response(const lmb_receiver *receiver, lmb_vec3 direction)
     return receiver->kind == RECEIVE_DIFFUSE ? vec3_dot(receiver->normal, direction) / LMB_PI_F : 1.0f;
 }
 
+/* A point in space may lie exactly on a surface: its rays start beyond, so that it sees both sides. */
 static lmb_vec3 receiver_ray_origin(const lmb_receiver *receiver, lmb_vec3 direction)
 {
-    return receiver->kind == RECEIVE_DIFFUSE
-               ? lmb_trace_offset(receiver->position, receiver->geometric_normal, direction)
-               : receiver->position;
+    switch (receiver->kind) {
+    case RECEIVE_SPHERE:
+        return vec3_mad(receiver->position, direction, lmb_trace_epsilon(receiver->position));
+    case RECEIVE_HEMISPHERE:
+        return receiver->position;
+    default:
+        return lmb_trace_offset(receiver->position, receiver->geometric_normal, direction);
+    }
 }
 
 /* Balance heuristic weight of a technique with density `mine` beside one with `other`. */
@@ -322,7 +329,8 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_point *point, u
         if (!(density > 0.0f)) {
             continue;
         }
-        const lmb_leg leg = {&receiver, point->position, direction, {{1.0f, 1.0f, 1.0f}}};
+        const lmb_vec3 origin = receiver_ray_origin(&receiver, direction);
+        const lmb_leg leg = {&receiver, origin, direction, {{1.0f, 1.0f, 1.0f}}};
         contribution_give(sink, context, direction, rgb_scale(leg_radiance(&path, leg), 1.0f / density));
     }
 }

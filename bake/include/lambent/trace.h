@@ -29,10 +29,10 @@ const lmb_scene *lmb_tracer_scene(const lmb_tracer *tracer);
 size_t lmb_tracer_bytes(const lmb_tracer *tracer);
 
 typedef struct lmb_hit {
-    uint32_t instance;  /* index into scene.instances */
-    uint32_t triangle;  /* of the instance's mesh */
-    float u, v;         /* barycentric weights of the triangle's second and third corner */
-    float distance;     /* along the ray, in units of its direction's length */
+    uint32_t instance; /* index into scene.instances */
+    uint32_t triangle; /* of the instance's mesh */
+    float u, v;        /* barycentric weights of the triangle's second and third corner */
+    float distance;    /* along the ray, in units of its direction's length */
 } lmb_hit;
 
 /* The nearest triangle between the two distances along the ray, whatever it is made of. */
@@ -54,10 +54,10 @@ void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance, uint32_t tri
 
 /* What the material does at a hit. */
 typedef struct lmb_surface {
-    lmb_rgb albedo;    /* diffuse, of the part of the light that is not let through */
-    lmb_rgb emission;  /* radiance, likewise */
-    float opacity;     /* share of the light that the surface takes part in: 1 for opaque */
-    lmb_rgb pass;      /* share of each channel that goes straight through */
+    lmb_rgb albedo;   /* diffuse, of the part of the light that is not let through */
+    lmb_rgb emission; /* radiance, likewise */
+    float opacity;    /* share of the light that the surface takes part in: 1 for opaque */
+    lmb_rgb pass;     /* share of each channel that goes straight through */
 } lmb_surface;
 
 lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
@@ -73,6 +73,9 @@ lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec
 /* The same along a direction without end. */
 lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction,
                                             uint64_t *rays);
+
+/* How far rounding can have moved a surface point at `position`, in metres. */
+float lmb_trace_epsilon(lmb_vec3 position);
 
 /* A ray's origin just off a surface point, on the side of `normal` that `direction` points to: farther than rounding
  * can have put the point behind its own surface, and no more. */

@@ -1,0 +1,354 @@
+/* Light transport against answers known by analysis, and against another path tracer. */
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cjson/cJSON.h>
+
+#include <lambent/file.h>
+#include <lambent/grid_bake.h>
+#include <lambent/placement.h>
+
+#include "harness.h"
+#include "scenes/levels.h"
+#include "traced_level.h"
+
+#define PI 3.14159265358979323846
+
+static const char *output_path(const char *name)
+{
+    static char path[512];
+    snprintf(path, sizeof path, "%s/transport_%s.glb", LMB_TEST_OUTPUT_DIR, name);
+    return path;
+}
+
+/* A furnace of albedo a and emission 1 has radiance 1/(1-a) in every direction: only l00 differs from 0. */
+static void furnace_is_uniform(void)
+{
+    static const float albedos[] = {0.0f, 0.5f, 0.8f, 0.99f};
+    for (size_t i = 0; i < sizeof albedos / sizeof albedos[0]; ++i) {
+        lmb_error error;
+        traced_level level;
+        const lmb_rgb one = {{1.0f, 1.0f, 1.0f}};
+        CHECK(lmb_level_furnace(output_path("furnace"), 2.0f, albedos[i], one, false, &error) == LMB_OK, "%s",
+              error.message);
+        if (!traced_level_open(&level, output_path("furnace"), NULL, 1)) {
+            return;
+        }
+        const double radiance = 1.0 / (1.0 - (double)albedos[i]);
+        const lmb_gather_point point = {.position = {0.3f, -0.2f, 0.5f}};
+        lmb_gathered gathered;
+        lmb_gather_sh3(&level.transport, &point, albedos[i] > 0.9f ? 16384 : 8192, &gathered);
+        const double tolerance = (albedos[i] > 0.9f ? 0.05 : 0.015) * radiance;
+        for (int c = 0; c < 3; ++c) {
+            const float *l = gathered.moments.channel[c].c;
+            CHECK_NEAR(l[0], 2.0 * sqrt(PI) * radiance, 2.0 * sqrt(PI) * tolerance, "albedo %g", (double)albedos[i]);
+            for (int k = 1; k < 9; ++k) {
+                CHECK_NEAR(l[k], 0.0, 4.0 * tolerance, "albedo %g, coefficient %d", (double)albedos[i], k);
+            }
+        }
+        traced_level_close(&level);
+    }
+}
+
+/* After k bounces a furnace has (1 - a^(k+1))/(1 - a). */
+static void bounces_are_counted(void)
+{
+    lmb_error error;
+    traced_level level;
+    const lmb_rgb one = {{1.0f, 1.0f, 1.0f}};
+    CHECK(lmb_level_furnace(output_path("bounces"), 2.0f, 0.8f, one, true, &error) == LMB_OK, "%s", error.message);
+    if (!traced_level_open(&level, output_path("bounces"), NULL, 1)) {
+        return;
+    }
+    for (int bounces = 0; bounces < 6; ++bounces) {
+        level.transport.bounces = bounces;
+        const lmb_rgb irradiance =
+            traced_irradiance(&level, (lmb_vec3){0.0f, 0.0f, 0.0f}, (lmb_vec3){0.0f, 1.0f, 0.0f}, 4096);
+        CHECK_NEAR(irradiance.c[1], (1.0 - pow(0.8, bounces + 1)) / 0.2, 0.05, "bounces %d", bounces);
+    }
+    traced_level_close(&level);
+}
+
+/* Under a constant sky of 1 the open ground receives exactly 1; looking down from above it, albedo. */
+static void sky_lights_open_ground(void)
+{
+    lmb_error error;
+    traced_level level;
+    CHECK(lmb_level_open_ground(output_path("ground"), 1000.0f, 0.5f, &error) == LMB_OK, "%s", error.message);
+    if (!traced_level_open(&level, output_path("ground"), "#ffffff", 1)) {
+        return;
+    }
+    const lmb_vec3 above = {0.0f, 0.01f, 0.0f};
+    const lmb_rgb up = traced_irradiance(&level, above, (lmb_vec3){0.0f, 1.0f, 0.0f}, 1024);
+    const lmb_rgb down = traced_irradiance(&level, above, (lmb_vec3){0.0f, -1.0f, 0.0f}, 1024);
+    CHECK_NEAR(up.c[0], 1.0, 0.01, "from above");
+    CHECK_NEAR(down.c[0], 0.5, 0.005, "from the ground");
+    traced_level_close(&level);
+}
+
+/* A point light of intensity I in the middle of a diffuse sphere of radius R and albedo a: every wall point receives
+ * E = I/R^2/(1-a), so the sphere's wall has radiance a E/pi. */
+static void point_light_in_sphere(void)
+{
+    lmb_error error;
+    traced_level level;
+    const double radius = 2.0, albedo = 0.6, intensity = 10.0;
+    CHECK(lmb_level_sphere_room(output_path("sphere"), (float)radius, 24, (float)albedo, (float)intensity, &error) ==
+              LMB_OK,
+          "%s", error.message);
+    if (!traced_level_open(&level, output_path("sphere"), NULL, 1)) {
+        return;
+    }
+    const double expected = intensity / (radius * radius) / (1.0 - albedo) / PI;
+    static const lmb_vec3 directions[] = {{0.0f, 1.0f, 0.0f}, {0.6f, 0.0f, 0.8f}, {-0.48f, -0.64f, 0.6f}};
+    for (size_t i = 0; i < sizeof directions / sizeof directions[0]; ++i) {
+        const lmb_vec3 d = directions[i];
+        const float distance = (float)radius * 0.995f;
+        const lmb_vec3 position = {d.x * distance, d.y * distance, d.z * distance};
+        const lmb_rgb irradiance = traced_irradiance(&level, position, (lmb_vec3){-d.x, -d.y, -d.z}, 4096);
+        CHECK_NEAR(irradiance.c[2], expected, 0.02 * expected, "direction %g %g %g", (double)d.x, (double)d.y,
+                   (double)d.z);
+    }
+    traced_level_close(&level);
+}
+
+/* A sun of L lux at angle a gives L cos(a) / pi on the ground, without noise. */
+static void sun_on_plane(void)
+{
+    static const lmb_vec3 directions[] = {{0.0f, -1.0f, 0.0f}, {3.0f, -4.0f, 0.0f}, {-1.0f, -0.5f, 2.0f}};
+    for (size_t i = 0; i < sizeof directions / sizeof directions[0]; ++i) {
+        lmb_error error;
+        traced_level level;
+        const lmb_vec3 d = directions[i];
+        CHECK(lmb_level_sun_plane(output_path("sun"), 0.5f, d, 100000.0f, &error) == LMB_OK, "%s", error.message);
+        if (!traced_level_open(&level, output_path("sun"), NULL, 1)) {
+            return;
+        }
+        const double cosine = -(double)d.y / sqrt((double)(d.x * d.x + d.y * d.y + d.z * d.z));
+        const lmb_rgb irradiance =
+            traced_irradiance(&level, (lmb_vec3){0.1f, 0.001f, 0.2f}, (lmb_vec3){0.0f, 1.0f, 0.0f}, 16);
+        CHECK_NEAR(irradiance.c[0], 100000.0 * cosine / PI, 0.1, "sun %g %g %g", (double)d.x, (double)d.y, (double)d.z);
+        traced_level_close(&level);
+    }
+}
+
+/* Form factor from a point to a parallel square of side 2a at height h centred above it, by the corner formula of
+ * Howell's catalogue: 4 corners of an a x a rectangle. */
+static void quad_light_form_factor(void)
+{
+    static const float heights[] = {0.1f, 0.5f, 2.0f};
+    for (size_t i = 0; i < sizeof heights / sizeof heights[0]; ++i) {
+        lmb_error error;
+        traced_level level;
+        CHECK(lmb_level_quad_light(output_path("quad"), heights[i], 7.0f, &error) == LMB_OK, "%s", error.message);
+        if (!traced_level_open(&level, output_path("quad"), NULL, 1)) {
+            return;
+        }
+        level.transport.bounces = 0;
+        const double a = 0.5 / (double)heights[i];
+        const double leg = sqrt(1.0 + a * a);
+        const double factor = 4.0 * (2.0 * a / leg * atan(a / leg)) / (2.0 * PI);
+        const lmb_rgb irradiance =
+            traced_irradiance(&level, (lmb_vec3){0.0f, 1e-5f, 0.0f}, (lmb_vec3){0.0f, 1.0f, 0.0f}, 4096);
+        CHECK_NEAR(irradiance.c[0], 7.0 * factor, 7.0 * factor * 0.01, "height %g", (double)heights[i]);
+        traced_level_close(&level);
+    }
+}
+
+static bool same_grid(const lmb_grid *a, const lmb_grid *b)
+{
+    return a->probe_count == b->probe_count &&
+           memcmp(a->radiance, b->radiance, (size_t)a->probe_count * sizeof *a->radiance) == 0 &&
+           memcmp(a->validity, b->validity, (size_t)a->probe_count * sizeof *a->validity) == 0;
+}
+
+static void threads_do_not_matter(void)
+{
+    static const int threads[] = {1, 2, 7};
+    lmb_grid *grids[3] = {NULL, NULL, NULL};
+    lmb_error error = {{0}};
+    CHECK(lmb_level_cornell(output_path("cornell"), &error) == LMB_OK, "%s", error.message);
+    for (int i = 0; i < 3; ++i) {
+        traced_level level;
+        if (!traced_level_open(&level, output_path("cornell"), NULL, threads[i])) {
+            return;
+        }
+        lmb_placement_settings settings = lmb_placement_settings_default();
+        settings.spacing = 0.5f;
+        lmb_placement_stats placement;
+        lmb_grid_bake_stats baked;
+        lmb_result result =
+            lmb_placement_make(level.tracer, &settings, level.pool, NULL, &grids[i], &placement, &error);
+        if (result == LMB_OK) {
+            result = lmb_grid_bake(grids[i], &level.transport, 32, level.pool, NULL, &baked);
+        }
+        CHECK(result == LMB_OK, "%d threads: %s", threads[i], error.message);
+        CHECK(i == 0 || (grids[0] && grids[i] && same_grid(grids[0], grids[i])), "%d threads differ from 1",
+              threads[i]);
+        traced_level_close(&level);
+    }
+    for (int i = 0; i < 3; ++i) {
+        lmb_grid_destroy(grids[i]);
+    }
+}
+
+static cJSON *reference_open(const char *name)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/references/%s", LMB_DATA_DIR, name);
+    if (access(path, R_OK) != 0) {
+        test_skip("no reference data here");
+        return NULL;
+    }
+    unsigned char *text;
+    size_t size;
+    lmb_error error;
+    const lmb_result result = lmb_file_read(path, &text, &size, &error);
+    CHECK(result == LMB_OK, "%s", error.message);
+    cJSON *json = result == LMB_OK ? cJSON_ParseWithLength((const char *)text, size) : NULL;
+    free(text);
+    return json;
+}
+
+static void analytic_references(void)
+{
+    cJSON *json = reference_open("analytic.json");
+    if (!json) {
+        return;
+    }
+    char path[512];
+    traced_level level;
+    const lmb_vec3 up = {0.0f, 1.0f, 0.0f};
+    const cJSON *file;
+    cJSON_ArrayForEach(file, cJSON_GetObjectItem(cJSON_GetObjectItem(json, "furnace"), "files"))
+    {
+        snprintf(path, sizeof path, "%s/references/analytic/%s", LMB_DATA_DIR, file->string);
+        if (traced_level_open(&level, path, NULL, 1)) {
+            const lmb_rgb irradiance = traced_irradiance(&level, (lmb_vec3){0.1f, 0.2f, 0.3f}, up, 8192);
+            CHECK_NEAR(irradiance.c[0], file->valuedouble, 0.015 * file->valuedouble, "%s", file->string);
+            traced_level_close(&level);
+        }
+    }
+    const cJSON *item;
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(cJSON_GetObjectItem(json, "triangle_lights"), "cases"))
+    {
+        const char *name = cJSON_GetObjectItem(item, "file")->valuestring;
+        const double expected = cJSON_GetObjectItem(item, "irradiance_at_origin_normal_+y")->valuedouble / PI;
+        snprintf(path, sizeof path, "%s/references/%s", LMB_DATA_DIR, name);
+        if (traced_level_open(&level, path, NULL, 1)) {
+            level.transport.bounces = 0;
+            const lmb_rgb irradiance = traced_irradiance(&level, (lmb_vec3){0.0f, 1e-6f, 0.0f}, up, 16384);
+            CHECK_NEAR(irradiance.c[0], expected, 0.005 * expected, "%s", name);
+            traced_level_close(&level);
+        }
+    }
+    cJSON_Delete(json);
+}
+
+/* Their SH have all signs positive; ours the Condon-Shortley ones. */
+static const double sign_of_reference[9] = {1, -1, 1, -1, 1, -1, 1, -1, 1};
+
+/* The environments' own SH, by another reader and another integrator: settles orientation, sampling and decoding. */
+static void environment_references(void)
+{
+    cJSON *json = reference_open("env_sh.json");
+    lmb_error error;
+    if (!json) {
+        return;
+    }
+    CHECK(lmb_level_open_ground(output_path("speck"), 1e-4f, 0.5f, &error) == LMB_OK, "%s", error.message);
+    const cJSON *environment;
+    cJSON_ArrayForEach(environment, json)
+    {
+        char path[512];
+        snprintf(path, sizeof path, "%s/envmaps/%s", LMB_DATA_DIR, environment->string);
+        if (!cJSON_IsObject(environment) || access(path, R_OK) != 0) {
+            continue;
+        }
+        traced_level level;
+        if (!traced_level_open(&level, output_path("speck"), path, 2)) {
+            continue;
+        }
+        const lmb_gather_point point = {.position = {0.0f, 100.0f, 0.0f}};
+        lmb_gathered gathered;
+        lmb_gather_sh3_parallel(&level.transport, &point, 65536, level.pool, NULL, &gathered);
+        double off = 0.0, length = 0.0;
+        for (int k = 0; k < 27; ++k) {
+            const cJSON *coefficient = cJSON_GetArrayItem(cJSON_GetObjectItem(environment, "coeff"), k / 3);
+            const double theirs = cJSON_GetArrayItem(coefficient, k % 3)->valuedouble * sign_of_reference[k / 3];
+            const double difference = (double)gathered.moments.channel[k % 3].c[k / 3] - theirs;
+            off += difference * difference;
+            length += theirs * theirs;
+        }
+        CHECK_NEAR(sqrt(off / length), 0.0, 0.004, "%s", environment->string);
+        traced_level_close(&level);
+    }
+    cJSON_Delete(json);
+}
+
+static void cycles_probe_compare(const cJSON *probe)
+{
+    char path[512], environment[512];
+    snprintf(path, sizeof path, "%s/%s", LMB_DATA_DIR, cJSON_GetObjectItem(probe, "scene")->valuestring);
+    const cJSON *env = cJSON_GetObjectItem(probe, "environment");
+    if (cJSON_IsString(env)) {
+        snprintf(environment, sizeof environment, "%s/%s", LMB_DATA_DIR, env->valuestring);
+    }
+    traced_level level;
+    if (!traced_level_open(&level, path, cJSON_IsString(env) ? environment : NULL, 2)) {
+        return;
+    }
+    const cJSON *at = cJSON_GetObjectItem(probe, "position");
+    const lmb_gather_point point = {.position = {(float)cJSON_GetArrayItem(at, 0)->valuedouble,
+                                                 (float)cJSON_GetArrayItem(at, 1)->valuedouble,
+                                                 (float)cJSON_GetArrayItem(at, 2)->valuedouble}};
+    lmb_gathered gathered;
+    lmb_gather_sh3_parallel(&level.transport, &point, 65536, level.pool, NULL, &gathered);
+    double off = 0.0, length = 0.0;
+    for (int k = 0; k < 9; ++k) {
+        const cJSON *coefficient = cJSON_GetArrayItem(cJSON_GetObjectItem(probe, "coeff"), k);
+        for (int c = 0; c < 3; ++c) {
+            const double theirs = cJSON_GetArrayItem(coefficient, c)->valuedouble * sign_of_reference[k];
+            const double difference = (double)gathered.moments.channel[c].c[k] - theirs;
+            off += difference * difference;
+            length += theirs * theirs;
+        }
+    }
+    const double noise = cJSON_GetObjectItem(probe, "noise")->valuedouble;
+    const double relative = sqrt(off / length);
+    printf("     %s at %g %g %g: %.4f from Cycles (its noise %.4f, ours %.4f)\n",
+           cJSON_GetObjectItem(probe, "scene")->valuestring, (double)point.position.x, (double)point.position.y,
+           (double)point.position.z, relative, noise, (double)gathered.relative_error);
+    CHECK(relative <= noise + 0.01, "%g from Cycles, allowed %g", relative, noise + 0.01);
+    traced_level_close(&level);
+}
+
+static void cycles_probes(void)
+{
+    cJSON *json = reference_open("cycles_probes.json");
+    if (!json) {
+        return;
+    }
+    const cJSON *probe;
+    cJSON_ArrayForEach(probe, cJSON_GetObjectItem(json, "probes"))
+    {
+        cycles_probe_compare(probe);
+    }
+    cJSON_Delete(json);
+}
+
+static const test_case cases[] = {
+    {"furnace_is_uniform", furnace_is_uniform},
+    {"bounces_are_counted", bounces_are_counted},
+    {"sky_lights_open_ground", sky_lights_open_ground},
+    {"point_light_in_sphere", point_light_in_sphere},
+    {"sun_on_plane", sun_on_plane},
+    {"quad_light_form_factor", quad_light_form_factor},
+    {"threads_do_not_matter", threads_do_not_matter},
+    {"analytic_references", analytic_references},
+    {"environment_references", environment_references},
+    {"cycles_probes", cycles_probes},
+};
+
+TEST_MAIN(cases)

@@ -1,0 +1,69 @@
+/* A level loaded and ready to trace, for tests of everything that follows light. */
+#ifndef LMB_TESTS_TRACED_LEVEL_H
+#define LMB_TESTS_TRACED_LEVEL_H
+
+#include <lambent/emitters.h>
+#include <lambent/gltf.h>
+#include <lambent/pool.h>
+#include <lambent/probe.h>
+#include <lambent/trace.h>
+#include <lambent/transport.h>
+
+#include "harness.h"
+
+typedef struct traced_level {
+    lmb_scene *scene;
+    lmb_tracer *tracer;
+    lmb_emitters *emitters;
+    lmb_pool *pool;
+    lmb_transport transport;
+} traced_level;
+
+static inline void traced_level_close(traced_level *level)
+{
+    lmb_pool_destroy(level->pool);
+    lmb_emitters_destroy(level->emitters);
+    lmb_tracer_destroy(level->tracer);
+    lmb_scene_destroy(level->scene);
+    memset(level, 0, sizeof *level);
+}
+
+/* `environment` NULL: none. A failure is a failed check, and false. */
+static inline bool traced_level_open(traced_level *level, const char *path, const char *environment, int threads)
+{
+    lmb_error error = {{0}};
+    memset(level, 0, sizeof *level);
+    lmb_result result = lmb_gltf_load(path, NULL, &level->scene, &error);
+    if (result == LMB_OK && environment) {
+        result = lmb_scene_set_environment(level->scene, environment, &error);
+    }
+    if (result == LMB_OK) {
+        result = lmb_tracer_create(level->scene, NULL, threads, &level->tracer, &error);
+    }
+    if (result == LMB_OK) {
+        result = lmb_emitters_create(level->tracer, &level->emitters);
+    }
+    if (result == LMB_OK) {
+        result = lmb_pool_create(threads, &level->pool);
+    }
+    CHECK(result == LMB_OK, "%s: %s", path, error.message);
+    if (result != LMB_OK) {
+        traced_level_close(level);
+        return false;
+    }
+    level->transport = (lmb_transport){level->tracer, level->emitters, -1, 0};
+    return true;
+}
+
+/* Normalised irradiance on `normal` at a point in the air, by `samples` samples. */
+static inline lmb_rgb traced_irradiance(const traced_level *level, lmb_vec3 position, lmb_vec3 normal,
+                                        uint32_t samples)
+{
+    const lmb_gather_point point = {position, true, normal};
+    lmb_rgb irradiance;
+    uint64_t rays = 0;
+    lmb_gather_irradiance(&level->transport, &point, 0, samples, &normal, 1, &irradiance, &rays);
+    return irradiance;
+}
+
+#endif

@@ -1,0 +1,187 @@
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lambent/lightmap.h>
+#include <lambent/vdb.h>
+#include <lambent/volume.h>
+
+#include "command.h"
+#include "query.h"
+
+static const char usage[] = "usage: lambent info FILE [--json]\n"
+                            "\n"
+                            "Says what is in a probes.vdb, a probes.lmb or a lightmap .exr of ours.\n"
+                            "\n"
+                            "  --json                one JSON object\n";
+
+static void json_add_range(cJSON *json, const char *key, const int32_t value[3])
+{
+    cJSON_AddItemToObject(json, key, cJSON_CreateIntArray((const int[3]){value[0], value[1], value[2]}, 3));
+}
+
+static cJSON *lmb_describe(const lmb_volume *volume)
+{
+    const lmb_volume_info info = lmb_volume_get_info(volume);
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "kind", "lambent run-time volume");
+    cJSON_AddNumberToObject(json, "version", info.version);
+    cJSON_AddNumberToObject(json, "probes", (double)info.probe_count);
+    cJSON_AddNumberToObject(json, "spacing", (double)info.spacing);
+    json_add_range(json, "lattice_min", info.min);
+    json_add_range(json, "lattice_size", info.size);
+    cJSON_AddItemToObject(json, "bounds_min", json_vector(info.bounds_min));
+    cJSON_AddItemToObject(json, "bounds_max", json_vector(info.bounds_max));
+    cJSON_AddNumberToObject(json, "bricks", info.brick_count);
+    cJSON_AddNumberToObject(json, "scale", (double)info.scale);
+    cJSON_AddNumberToObject(json, "bytes", (double)info.file_bytes);
+    cJSON_AddNumberToObject(json, "bytes_per_probe",
+                            info.probe_count > 0 ? (double)info.file_bytes / (double)info.probe_count : 0.0);
+    return json;
+}
+
+static cJSON *vdb_describe(const lmb_grid *grid, const char *settings, const char *scene_hash)
+{
+    double mean[3] = {0.0, 0.0, 0.0};
+    int32_t valid = 0;
+    for (int32_t i = 0; i < grid->probe_count; ++i) {
+        valid += grid->validity[i] >= LMB_GRID_MIN_VALIDITY;
+        for (int c = 0; c < 3; ++c) {
+            mean[c] += (double)grid->radiance[i].channel[c].c[0] * 0.28209479177387814 / grid->probe_count;
+        }
+    }
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "kind", "lambent probe grid");
+    cJSON_AddNumberToObject(json, "probes", grid->probe_count);
+    cJSON_AddNumberToObject(json, "probes_valid", valid);
+    cJSON_AddNumberToObject(json, "spacing", (double)grid->spacing);
+    json_add_range(json, "lattice_min", grid->min);
+    json_add_range(json, "lattice_size", grid->size);
+    cJSON_AddItemToObject(json, "mean_radiance", cJSON_CreateDoubleArray(mean, 3));
+    cJSON_AddStringToObject(json, "scene_hash", scene_hash);
+    cJSON *parsed = cJSON_Parse(settings);
+    cJSON_AddItemToObject(json, "settings", parsed ? parsed : cJSON_CreateString(settings));
+    return json;
+}
+
+static lmb_result lmb_info(const char *path, cJSON **json, lmb_error *error)
+{
+    lmb_volume *volume;
+    const lmb_result result = lmb_volume_open_file(path, &volume);
+    if (result != LMB_OK) {
+        return lmb_error_set(error, result, "%s: %s", path, lmb_result_text(result));
+    }
+    *json = lmb_describe(volume);
+    lmb_volume_close(volume);
+    return LMB_OK;
+}
+
+static lmb_result vdb_info(const char *path, cJSON **json, lmb_error *error)
+{
+    lmb_grid *grid;
+    char *settings;
+    char *scene_hash;
+    const lmb_result result = lmb_vdb_read(path, &grid, &settings, &scene_hash, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    *json = vdb_describe(grid, settings, scene_hash);
+    lmb_grid_destroy(grid);
+    free(settings);
+    free(scene_hash);
+    return LMB_OK;
+}
+
+static lmb_result exr_info(const char *path, cJSON **json, lmb_error *error)
+{
+    static const char *const names[] = {"R", "G", "B", "w"};
+    enum { NAMES = sizeof names / sizeof names[0] };
+    float *values[NAMES];
+    int32_t width, height;
+    float scale;
+    const lmb_result result = lmb_exr_read_channels(path, names, NAMES, values, &width, &height, &scale, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    const size_t count = (size_t)width * (size_t)height;
+    cJSON *object = cJSON_CreateObject();
+    cJSON_AddStringToObject(object, "kind", "lambent lightmap (IrradZ)");
+    cJSON_AddNumberToObject(object, "width", width);
+    cJSON_AddNumberToObject(object, "height", height);
+    cJSON_AddNumberToObject(object, "scale", (double)scale);
+    cJSON *channels = cJSON_AddObjectToObject(object, "channels");
+    for (int k = 0; k < NAMES; ++k) {
+        double low = INFINITY, high = -INFINITY, sum = 0.0;
+        for (size_t i = 0; i < count; ++i) {
+            low = fmin(low, (double)values[k][i]);
+            high = fmax(high, (double)values[k][i]);
+            sum += (double)values[k][i];
+        }
+        cJSON *channel = cJSON_AddObjectToObject(channels, names[k]);
+        cJSON_AddNumberToObject(channel, "min", low);
+        cJSON_AddNumberToObject(channel, "mean", sum / (double)count);
+        cJSON_AddNumberToObject(channel, "max", high);
+        free(values[k]);
+    }
+    *json = object;
+    return LMB_OK;
+}
+
+/* Told apart by content: OpenEXR and OpenVDB have their magic numbers, the rest is for lmb_volume_open to judge. */
+static lmb_result file_info(const char *path, cJSON **json, lmb_error *error)
+{
+    unsigned char magic[4] = {0};
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        return lmb_error_set(error, LMB_ERROR_IO, "%s: cannot be opened", path);
+    }
+    const size_t read = fread(magic, 1, sizeof magic, file);
+    fclose(file);
+    if (read == sizeof magic && memcmp(magic, "\x76\x2f\x31\x01", 4) == 0) {
+        return exr_info(path, json, error);
+    }
+    if (read == sizeof magic && memcmp(magic, " BDV", 4) == 0) {
+        return vdb_info(path, json, error);
+    }
+    return lmb_info(path, json, error);
+}
+
+int command_info(int count, char **values)
+{
+    lmb_arguments arguments = arguments_begin(count, values, "info", usage);
+    const char *path = NULL;
+    bool json = false;
+    for (const char *argument; (argument = arguments_next(&arguments));) {
+        if (strcmp(argument, "--json") == 0) {
+            json = true;
+        } else if (argument[0] != '-' && !path) {
+            path = argument;
+        } else {
+            arguments_error(&arguments, "unexpected argument", argument);
+        }
+    }
+    if (!arguments.failed && !arguments.help && !path) {
+        arguments_error(&arguments, "missing argument", "FILE");
+    }
+    if (arguments.failed || arguments.help) {
+        return arguments_status(&arguments);
+    }
+    cJSON *object;
+    lmb_error error = {{0}};
+    const lmb_result result = file_info(path, &object, &error);
+    if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    if (json) {
+        json_print_line(object);
+        return EXIT_DONE;
+    }
+    for (const cJSON *item = object->child; item; item = item->next) {
+        char *text = cJSON_IsString(item) ? NULL : cJSON_PrintUnformatted(item);
+        printf("%-16s %s\n", item->string, text ? text : item->valuestring);
+        cJSON_free(text);
+    }
+    cJSON_Delete(object);
+    return EXIT_DONE;
+}
