@@ -26,7 +26,8 @@ typedef enum lmb_latlong_axes {
 
 /* Reads a Radiance .hdr or an OpenEXR .exr (scanline or tiled, level 0, half/float/uint, R G B or Y
  * channels, any compression that OpenEXRCore decodes; others are refused by name). Told apart by content, not by
- * extension. NaN, infinite and negative pixels are set to 0 and counted in `*bad_pixels` (may be NULL).
+ * extension. NaN, infinite and negative values are set to 0; pixels that had one are counted in `*bad_pixels` (may be
+ * NULL). An EXR's data window must be its display window; chromaticities and EXPOSURE are not applied.
  * `*axes` (may be NULL) is set from the `envmap` attribute. A cube-map EXR is refused.
  * @return LMB_ERROR_IO, _FORMAT, _UNSUPPORTED, _MEMORY */
 lmb_result lmb_image_read(const char *path, lmb_image *image, lmb_latlong_axes *axes, size_t *bad_pixels,
@@ -35,12 +36,12 @@ lmb_result lmb_image_read(const char *path, lmb_image *image, lmb_latlong_axes *
 /* Frees the pixels; the struct may then be reused. */
 void lmb_image_free(lmb_image *image);
 
-/* 8-bit sRGB PNG of 3 bytes a pixel. Writes beside, then renames. @return LMB_ERROR_IO, _MEMORY */
+/* 8-bit sRGB PNG of 3 bytes a pixel. Writes beside, then renames. @return LMB_ERROR_IO, _MEMORY, _ARGUMENT */
 lmb_result lmb_png_write(const char *path, int32_t width, int32_t height, const uint8_t *srgb, lmb_error *error);
 
 /* One named channel of an EXR: width x height floats, tightly packed. */
 typedef struct lmb_exr_channel {
-    const char *name;    /* channels are stored sorted by name, as the format asks */
+    const char *name; /* channels are stored sorted by name, as the format asks */
     const float *values;
 } lmb_exr_channel;
 
