@@ -28,10 +28,10 @@ lmb_result lmb_uv_check(const lmb_mesh *mesh, int32_t resolution, lmb_uv_fault *
 const char *lmb_uv_fault_text(lmb_uv_fault fault);
 
 typedef struct lmb_charts {
-    lmb_vec2 *corner_uv;  /* [3 * triangle + corner] in [0, 1] */
-    uint32_t *chart;      /* [triangle] */
+    lmb_vec2 *corner_uv; /* [3 * triangle + corner] in [0, 1] */
+    uint32_t *chart;     /* [triangle] */
     uint32_t chart_count;
-    int32_t resolution;   /* texels along each side of the square that the packing was made for */
+    int32_t resolution; /* texels along each side of the square that the packing was made for */
 } lmb_charts;
 
 /* Makes charts for a mesh at `texels_per_m` (texels per unit of mesh space), `gutter_texels` between charts and at

@@ -27,8 +27,8 @@ typedef struct lmb_light_sample {
 
 /* A point on an emissive triangle, seen from `position`: chosen by power, uniform in area. Returns false when there
  * are none or when this choice gives no light. */
-bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, float choice,
-                                  const float point[2], lmb_light_sample *sample);
+bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, float choice, const float point[2],
+                                  lmb_light_sample *sample);
 
 /* Density per solid angle with which the function above picks the direction of this hit. */
 float lmb_emitters_triangle_density(const lmb_emitters *emitters, const lmb_hit *hit, lmb_vec3 direction,
@@ -46,16 +46,16 @@ float lmb_emitters_environment_density(const lmb_emitters *emitters, lmb_vec3 di
 lmb_rgb lmb_emitters_environment_radiance(const lmb_emitters *emitters, lmb_vec3 direction);
 
 typedef struct lmb_punctual_sample {
-    lmb_vec3 direction;  /* unit, towards the light */
-    lmb_vec3 end;        /* the light's position; unused when `at_infinity` */
+    lmb_vec3 direction; /* unit, towards the light */
+    lmb_vec3 end;       /* the light's position; unused when `at_infinity` */
     bool at_infinity;
-    lmb_rgb irradiance;  /* on a surface that faces the light, unshadowed, divided by the choice's probability */
+    lmb_rgb irradiance; /* on a surface that faces the light, unshadowed, divided by the choice's probability */
 } lmb_punctual_sample;
 
 /* One punctual light, chosen in proportion to the unshadowed light that it gives at `position`. `normal` (NULL: a point
  * in space) leaves out lights behind that plane. Returns false when none gives light. */
-bool lmb_emitters_sample_punctual(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal,
-                                  float choice, lmb_punctual_sample *sample);
+bool lmb_emitters_sample_punctual(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal, float choice,
+                                  lmb_punctual_sample *sample);
 
 #ifdef __cplusplus
 }

@@ -12,7 +12,7 @@ extern "C" {
 typedef struct lmb_gltf_options {
     const char *const *exclude; /* patterns of node names to leave out with their children; `*` and `?` match */
     size_t exclude_count;
-    bool allow_outside_uris;    /* accept URIs that are absolute or leave the level's folder; else refused */
+    bool allow_outside_uris; /* accept URIs that are absolute or leave the level's folder; else refused */
 } lmb_gltf_options;
 
 /* Loads a level. `options` may be NULL. Unsupported required extensions, broken references, missing files, and

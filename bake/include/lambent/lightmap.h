@@ -15,8 +15,8 @@ extern "C" {
 #endif
 
 typedef struct lmb_lightmap_settings {
-    float texels_per_m;        /* > 0; lowered for instances that would not fit an image */
-    int32_t max_image_size;    /* texels along a side, a power of two */
+    float texels_per_m;     /* > 0; lowered for instances that would not fit an image */
+    int32_t max_image_size; /* texels along a side, a power of two */
 } lmb_lightmap_settings;
 
 /* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048. */
@@ -25,7 +25,7 @@ lmb_lightmap_settings lmb_lightmap_settings_default(const lmb_scene *scene);
 /* One instance's place. A corner at (u, v) of the mesh's lightmap UVs lies at (u, v) * scale + offset of the image,
  * both in [0, 1]; pixel (x, y) covers [x, x + 1) / width, rows downwards as v grows. */
 typedef struct lmb_lightmap_region {
-    int32_t image;             /* -1: this instance has no lightmap (dynamic, or no triangles) */
+    int32_t image;               /* -1: this instance has no lightmap (dynamic, or no triangles) */
     int32_t x, y, width, height; /* texels */
     lmb_vec2 offset;
     lmb_vec2 scale;
@@ -34,8 +34,8 @@ typedef struct lmb_lightmap_region {
 /* One image of texels. */
 typedef struct lmb_lightmap_image {
     int32_t width, height;
-    lmb_irradz *texel;         /* [x + width y]; zero light until baked or read */
-    uint8_t *state;            /* [x + width y] lmb_texel_state */
+    lmb_irradz *texel; /* [x + width y]; zero light until baked or read */
+    uint8_t *state;    /* [x + width y] lmb_texel_state */
 } lmb_lightmap_image;
 
 typedef enum lmb_texel_state { LMB_TEXEL_EMPTY, LMB_TEXEL_GATHERED, LMB_TEXEL_DILATED } lmb_texel_state;
@@ -58,14 +58,14 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
 void lmb_lightmap_destroy(lmb_lightmap *lightmap);
 
 typedef struct lmb_lightmap_stats {
-    uint64_t texels;           /* gathered */
-    uint64_t pushed_out;       /* texels whose point started inside geometry and was moved */
+    uint64_t texels;     /* gathered */
+    uint64_t pushed_out; /* texels whose point started inside geometry and was moved */
     uint64_t rays;
-    double relative_error;     /* root mean square of the gathered texels' relative errors */
+    double relative_error; /* root mean square of the gathered texels' relative errors */
 } lmb_lightmap_stats;
 
-/* Gathers `samples` samples at every covered texel over its hemisphere, fits SH3, encodes, and dilates into the padding.
- * Texels of triangles that are partly covered are sampled at the covered point nearest their centre.
+/* Gathers `samples` samples at every covered texel over its hemisphere, fits SH3, encodes, and dilates into the
+ * padding. Texels of triangles that are partly covered are sampled at the covered point nearest their centre.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, uint32_t samples, lmb_pool *pool,
                              const lmb_progress *progress, lmb_lightmap_stats *stats);

@@ -11,10 +11,10 @@ extern "C" {
 #endif
 
 typedef struct lmb_placement_settings {
-    float spacing;              /* metres; 0: lmb_placement_default_spacing */
-    int32_t max_probes;         /* the spacing grows until there are no more than this */
-    const lmb_vec3 *seeds;      /* free space connected to these is baked; beside the scene's own seed points */
-    uint32_t seed_count;        /* no seeds at all: every free point within the bounds */
+    float spacing;         /* metres; 0: lmb_placement_default_spacing */
+    int32_t max_probes;    /* the spacing grows until there are no more than this */
+    const lmb_vec3 *seeds; /* free space connected to these is baked; beside the scene's own seed points */
+    uint32_t seed_count;   /* no seeds at all: every free point within the bounds */
 } lmb_placement_settings;
 
 /* spacing 0, max_probes 262 144, no seeds. */
@@ -24,13 +24,13 @@ lmb_placement_settings lmb_placement_settings_default(void);
 float lmb_placement_default_spacing(const lmb_scene *scene);
 
 typedef struct lmb_placement_stats {
-    int32_t probes_valid;     /* to be baked */
-    int32_t probes_dilated;   /* inside solids, or out of reach, beside valid ones */
-    int64_t cells;            /* cells with all eight probes */
-    int64_t cells_crossed;    /* of these, cells that a triangle passes through */
+    int32_t probes_valid;   /* to be baked */
+    int32_t probes_dilated; /* inside solids, or out of reach, beside valid ones */
+    int64_t cells;          /* cells with all eight probes */
+    int64_t cells_crossed;  /* of these, cells that a triangle passes through */
     uint64_t rays;
-    bool seeds_in_solid;      /* at least one seed point lies inside something and was ignored */
-    bool everything_solid;    /* the level's winding calls all its space solid: the test of being inside was ignored */
+    bool seeds_in_solid;   /* at least one seed point lies inside something and was ignored */
+    bool everything_solid; /* the level's winding calls all its space solid: the test of being inside was ignored */
 } lmb_placement_stats;
 
 /* Places probes. A point is solid when most of the rays that hit anything hit a back face AND signed crossings of

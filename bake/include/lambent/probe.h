@@ -34,8 +34,7 @@ lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gat
  * replicate `replicate` (different ones are independent). Adds to `*rays`. */
 enum { LMB_GATHER_MAX_NORMALS = 16 };
 void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate,
-                           uint32_t samples, const lmb_vec3 *normals, int count, lmb_rgb *irradiance,
-                           uint64_t *rays);
+                           uint32_t samples, const lmb_vec3 *normals, int count, lmb_rgb *irradiance, uint64_t *rays);
 
 #ifdef __cplusplus
 }

@@ -30,7 +30,7 @@ typedef enum lmb_wrap { LMB_WRAP_REPEAT, LMB_WRAP_CLAMP, LMB_WRAP_MIRROR } lmb_w
 
 /* 8-bit RGBA pixels as the file has them; row 0 is the top, v = 0. 16-bit sources are rounded to 8. */
 typedef struct lmb_texture_image {
-    char *name;      /* URI or "image N", for messages */
+    char *name; /* URI or "image N", for messages */
     int32_t width;
     int32_t height;
     uint8_t *rgba;
@@ -38,10 +38,10 @@ typedef struct lmb_texture_image {
 
 /* A use of an image by a material. */
 typedef struct lmb_texture {
-    int32_t image;        /* index into scene.images, or -1: no texture, the factor alone */
-    int32_t uv_set;       /* 0 or 1 */
+    int32_t image;  /* index into scene.images, or -1: no texture, the factor alone */
+    int32_t uv_set; /* 0 or 1 */
     lmb_wrap wrap_u, wrap_v;
-    bool nearest;         /* nearest filtering; else bilinear */
+    bool nearest;          /* nearest filtering; else bilinear */
     float transform[2][3]; /* KHR_texture_transform as an affine map of (u, v); identity by default */
 } lmb_texture;
 
@@ -49,48 +49,49 @@ typedef enum lmb_alpha_mode { LMB_ALPHA_OPAQUE, LMB_ALPHA_MASK, LMB_ALPHA_BLEND 
 
 typedef struct lmb_material {
     char *name;
-    float base_color[4];        /* linear factor, alpha last; each in [0, 1] */
+    float base_color[4];            /* linear factor, alpha last; each in [0, 1] */
     lmb_texture base_color_texture; /* sRGB, alpha linear */
-    lmb_rgb emissive;           /* radiance factor: emissiveFactor x emissive strength */
-    lmb_texture emissive_texture; /* sRGB */
-    lmb_texture normal_texture; /* tangent space, +Y up; linear */
+    lmb_rgb emissive;               /* radiance factor: emissiveFactor x emissive strength */
+    lmb_texture emissive_texture;   /* sRGB */
+    lmb_texture normal_texture;     /* tangent space, +Y up; linear */
     float normal_scale;
-    float transmission;         /* KHR_materials_transmission factor: lets light straight through, tinted */
+    float transmission; /* KHR_materials_transmission factor: lets light straight through, tinted */
     lmb_alpha_mode alpha_mode;
     float alpha_cutoff;
-    bool double_sided;          /* does not change transport: surfaces reflect on both sides */
-    bool unlit;                 /* neither emits nor bounces */
+    bool double_sided; /* does not change transport: surfaces reflect on both sides */
+    bool unlit;        /* neither emits nor bounces */
 } lmb_material;
 
 /* Triangles of one glTF mesh, all its primitives together, in mesh space. */
 typedef struct lmb_mesh {
     char *name;
     uint32_t vertex_count;
-    lmb_vec3 *position;        /* [vertex] finite */
-    lmb_vec3 *normal;          /* [vertex] unit; flat normals are made where the file has none */
-    float (*tangent)[4];       /* [vertex] xyz unit, w = +-1 handedness; all zero where the file has none, and NULL
-                                  when no primitive has any: then derived from UVs where needed */
-    lmb_vec2 *uv[2];           /* [vertex] TEXCOORD_0 and TEXCOORD_1; NULL when absent from every primitive */
-    float (*color)[4];         /* [vertex] linear COLOR_0, or NULL */
+    lmb_vec3 *position;  /* [vertex] finite */
+    lmb_vec3 *normal;    /* [vertex] unit; flat normals are made where the file has none */
+    float (*tangent)[4]; /* [vertex] xyz unit, w = +-1 handedness; all zero where the file has none, and NULL
+                            when no primitive has any: then derived from UVs where needed */
+    lmb_vec2 *uv[2];     /* [vertex] TEXCOORD_0 and TEXCOORD_1; NULL when absent from every primitive */
+    float (*color)[4];   /* [vertex] linear COLOR_0, or NULL */
     uint32_t triangle_count;
-    uint32_t (*triangle)[3];   /* [triangle] vertex numbers, wound counter-clockwise seen from the front */
-    uint32_t *material;        /* [triangle] index into scene.materials (a default material always exists) */
-    int32_t source_mesh;       /* index in the glTF file */
-    int32_t source_node;       /* the node whose skin or morph weights pose this copy of the glTF mesh, or -1 */
+    uint32_t (*triangle)[3];    /* [triangle] vertex numbers, wound counter-clockwise seen from the front */
+    uint32_t *material;         /* [triangle] index into scene.materials (a default material always exists) */
+    int32_t source_mesh;        /* index in the glTF file */
+    int32_t source_node;        /* the node whose skin or morph weights pose this copy of the glTF mesh, or -1 */
     uint32_t *source_primitive; /* [triangle] primitive of the glTF mesh that it came from */
-    uint32_t *source_triangle; /* [triangle] its number in that primitive, counting those that were dropped */
+    uint32_t *source_triangle;  /* [triangle] its number in that primitive, counting those that were dropped */
 } lmb_mesh;
 
-/* A mesh placed in the world: one for each glTF node that has one, or for each of its EXT_mesh_gpu_instancing places. */
+/* A mesh placed in the world: one for each glTF node that has one, or for each of its EXT_mesh_gpu_instancing places.
+ */
 typedef struct lmb_instance {
-    char *name;              /* the node's name, or "node N" */
-    int32_t node;            /* index in the glTF file */
-    int32_t place;           /* number of the instancing place, 0 when not instanced */
+    char *name;    /* the node's name, or "node N" */
+    int32_t node;  /* index in the glTF file */
+    int32_t place; /* number of the instancing place, 0 when not instanced */
     uint32_t mesh;
     lmb_affine to_world;
     lmb_affine normal_to_world; /* inverse transpose of the linear part; translation 0 */
-    bool mirrored;           /* negative determinant: winding is the other way round */
-    bool dynamic;            /* extras {"lambent": {"static": false}}: neither baked nor an occluder */
+    bool mirrored;              /* negative determinant: winding is the other way round */
+    bool dynamic;               /* extras {"lambent": {"static": false}}: neither baked nor an occluder */
 } lmb_instance;
 
 typedef enum lmb_light_type { LMB_LIGHT_POINT, LMB_LIGHT_SPOT, LMB_LIGHT_DIRECTIONAL } lmb_light_type;
@@ -110,10 +111,10 @@ typedef struct lmb_light {
 
 typedef struct lmb_environment {
     bool present;
-    lmb_rgb constant;      /* used when image.rgb is NULL */
-    lmb_image image;       /* latitude-longitude radiance; each pixel counts as constant over its solid angle */
+    lmb_rgb constant; /* used when image.rgb is NULL */
+    lmb_image image;  /* latitude-longitude radiance; each pixel counts as constant over its solid angle */
     lmb_latlong_axes axes;
-    float rotation_rad;    /* turns the environment about +Y, counter-clockwise seen from above */
+    float rotation_rad; /* turns the environment about +Y, counter-clockwise seen from above */
     float strength;
 } lmb_environment;
 
@@ -130,14 +131,15 @@ typedef struct lmb_scene {
     lmb_light *lights;
     uint32_t light_count;
     lmb_environment environment;
-    lmb_vec3 bounds_min;    /* of all static triangles, world space; min > max when there are none */
+    lmb_vec3 bounds_min; /* of all static triangles, world space; min > max when there are none */
     lmb_vec3 bounds_max;
-    lmb_vec3 *seed_points;  /* nodes marked by extras {"lambent": {"seed": true}}, world space */
+    lmb_vec3 *seed_points; /* nodes marked by extras {"lambent": {"seed": true}}, world space */
     uint32_t seed_point_count;
-    lmb_vec3 *path_points;  /* nodes marked by extras {"lambent": {"path": n}}, in the order of n */
+    lmb_vec3 *path_points; /* nodes marked by extras {"lambent": {"path": n}}, in the order of n */
     uint32_t path_point_count;
     uint32_t dropped_triangle_count; /* degenerate, non-finite or out-of-range triangles that were left out */
-    uint64_t content_hash;  /* of the level's bytes with its buffers and images, the environment, and what was excluded */
+    uint64_t
+        content_hash; /* of the level's bytes with its buffers and images, the environment, and what was excluded */
 } lmb_scene;
 
 /* Frees everything; NULL is allowed. */

@@ -22,15 +22,15 @@ extern "C" {
 typedef struct lmb_transport {
     const lmb_tracer *tracer;
     const lmb_emitters *emitters;
-    int bounces;    /* reflections off surfaces at most; negative: no limit */
+    int bounces; /* reflections off surfaces at most; negative: no limit */
     uint64_t seed;
 } lmb_transport;
 
 /* Where light is gathered. */
 typedef struct lmb_gather_point {
-    lmb_vec3 position;         /* where rays start: already off the surface, for a texel */
-    bool hemisphere;           /* only light with direction . normal > 0, else the whole sphere */
-    lmb_vec3 normal;           /* unit; the hemisphere's axis */
+    lmb_vec3 position; /* where rays start: already off the surface, for a texel */
+    bool hemisphere;   /* only light with direction . normal > 0, else the whole sphere */
+    lmb_vec3 normal;   /* unit; the hemisphere's axis */
 } lmb_gather_point;
 
 /* Receives one contribution: `weight` = radiance x solid angle that arrives from unit `direction`. */
