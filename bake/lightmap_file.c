@@ -21,10 +21,11 @@ static const char UV_LEVEL_NAME[] = "level_uv2.glb";
 /* Irradiance at the vertex normal (times 1/scale), ambient weight, direction: in the order of channel_values. */
 static const char *const CHANNELS[CHANNEL_COUNT] = {"R", "G", "B", "w", "d.X", "d.Y", "d.Z"};
 
-/* Irradiance up to this is stored as it is; fp16 ends at 65504. */
-#define MAX_STORED 32768.0f
-/* Dimmer than this everywhere, it is scaled up: fp16 loses precision below 6e-5. */
+/* Irradiance is stored as it is while its largest value is in this range; fp16 ends at 65504 and loses precision below
+ * 6e-5. Else it is brought just below 2^STORED_EXPONENT, by a power of two of at most 2^MAX_SCALE_EXPONENT. */
+#define MAX_STORED 65504.0f
 #define MIN_STORED_MAX 0.0625f
+enum { STORED_EXPONENT = 15, MAX_SCALE_EXPONENT = 96 };
 
 /* `directory`/`name`, or NULL when out of memory. */
 static char *path_join(const char *directory, const char *name)
@@ -120,9 +121,8 @@ static float image_scale(const lmb_lightmap_image *image)
     if (brightest > 0.0f && (brightest > MAX_STORED || brightest < MIN_STORED_MAX)) {
         int exponent;
         frexpf(brightest, &exponent);
-        /* Bright: into [16384, 32768). Dim: into [0.5, 1). */
-        const int wanted = brightest > MAX_STORED ? exponent - 15 : exponent;
-        return ldexpf(1.0f, wanted > -100 ? wanted : -100);
+        const int wanted = exponent - STORED_EXPONENT;
+        return ldexpf(1.0f, wanted > -MAX_SCALE_EXPONENT ? wanted : -MAX_SCALE_EXPONENT);
     }
     return 1.0f;
 }
@@ -337,13 +337,14 @@ static bool json_number_is(const cJSON *object, const char *name, double expecte
     return cJSON_IsNumber(item) && item->valuedouble == expected;
 }
 
-static bool json_pair_is(const cJSON *object, const char *name, double x, double y)
+/* Compares as floats: the text's last digit is not quite a double's. */
+static bool json_pair_is(const cJSON *object, const char *name, float x, float y)
 {
     const cJSON *array = cJSON_GetObjectItemCaseSensitive(object, name);
     const cJSON *first = array ? array->child : NULL;
     const cJSON *second = first ? first->next : NULL;
     return cJSON_IsArray(array) && cJSON_IsNumber(first) && cJSON_IsNumber(second) && !second->next &&
-           first->valuedouble == x && second->valuedouble == y;
+           (float)first->valuedouble == x && (float)second->valuedouble == y;
 }
 
 static bool json_node_matches(const cJSON *object, const lmb_lightmap *lightmap, uint32_t number)
@@ -353,10 +354,10 @@ static bool json_node_matches(const cJSON *object, const lmb_lightmap *lightmap,
     const bool charts = lightmap->corner_uv[instance->mesh] != NULL;
     return json_number_is(object, "node", instance->node) && json_number_is(object, "place", instance->place) &&
            json_number_is(object, "image", region->image) &&
-           json_pair_is(object, "offset", (double)region->offset.x, (double)region->offset.y) &&
-           json_pair_is(object, "scale", (double)region->scale.x, (double)region->scale.y) &&
-           json_pair_is(object, "texel", region->x, region->y) &&
-           json_pair_is(object, "texels", region->width, region->height) &&
+           json_pair_is(object, "offset", region->offset.x, region->offset.y) &&
+           json_pair_is(object, "scale", region->scale.x, region->scale.y) &&
+           json_pair_is(object, "texel", (float)region->x, (float)region->y) &&
+           json_pair_is(object, "texels", (float)region->width, (float)region->height) &&
            json_text_is(object, "uv", charts ? "charts" : "TEXCOORD_1");
 }
 
