@@ -1,0 +1,377 @@
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baked.h"
+#include "command.h"
+#include "render.h"
+#include "tonemap.h"
+
+static const char usage[] =
+    "usage: lambent render LEVEL DIR -o FILE.png|FILE.exr [options]\n"
+    "\n"
+    "Draws LEVEL with the light baked in DIR: surfaces by lightmaps, objects by probes. A .png is exposed and tone\n"
+    "mapped, an .exr holds linear radiance.\n"
+    "\n"
+    "  --camera X,Y,Z        where from (default: a corner that shows much of the level)\n"
+    "  --look X,Y,Z          where to (default: the middle of the level)\n"
+    "  --fov DEG             vertical angle of view (default 60)\n"
+    "  --size WxH            pixels (default 960x540)\n"
+    "  --mode MODE           final       surfaces by lightmaps, objects by probes (default)\n"
+    "                        lightmap    the stored irradiance alone, as on white paper\n"
+    "                        probes      surfaces by probes too\n"
+    "                        reference   all by the path tracer: the truth\n"
+    "                        difference  final - reference: red is too bright, blue too dark\n"
+    "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
+    "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
+    "                        sphere is put there\n"
+    "  --samples N           light samples a pixel of reference and difference (default 128)\n"
+    "  --exposure EV         brighten by 2^EV (default: by the picture's log-average)\n"
+    "  --threads N           default: all processors\n"
+    "  --quiet               no progress and no notes\n";
+
+enum { MAX_OBJECTS = 64, MAX_PIXELS_ACROSS = 16384 };
+
+/* The view shows luminance differences up to this share of the mean reference. */
+#define DIFFERENCE_FULL_SHARE 0.5f
+/* Radius of the built-in sphere, as a share of the diagonal of the level's bounds. */
+#define SPHERE_SHARE 0.04f
+
+typedef struct object_option {
+    const char *path; /* NULL: the sphere */
+    bool has_position;
+    lmb_vec3 position;
+} object_option;
+
+typedef struct render_options {
+    const char *level;
+    const char *directory;
+    const char *output;
+    bool has_camera, has_look, has_exposure;
+    lmb_vec3 camera, look;
+    float fov_deg;
+    float exposure_ev;
+    int32_t width, height;
+    lmb_render_mode mode;
+    uint32_t samples;
+    object_option objects[MAX_OBJECTS];
+    int object_count;
+    int threads;
+    bool quiet;
+} render_options;
+
+static const char *const mode_names[] = {
+    [RENDER_FINAL] = "final",         [RENDER_LIGHTMAP] = "lightmap",     [RENDER_PROBES] = "probes",
+    [RENDER_REFERENCE] = "reference", [RENDER_DIFFERENCE] = "difference",
+};
+
+static void mode_read(lmb_arguments *arguments, const char *option, render_options *options)
+{
+    const char *name = arguments_text(arguments, option);
+    for (size_t i = 0; i < sizeof mode_names / sizeof mode_names[0]; ++i) {
+        if (strcmp(name, mode_names[i]) == 0) {
+            options->mode = (lmb_render_mode)i;
+            return;
+        }
+    }
+    if (!arguments->failed) {
+        arguments_error(arguments, "--mode takes final, lightmap, probes, reference or difference, not", name);
+    }
+}
+
+static void size_read(lmb_arguments *arguments, const char *option, render_options *options)
+{
+    const char *text = arguments_text(arguments, option);
+    if (arguments->failed) {
+        return;
+    }
+    char *end;
+    const long width = strtol(text, &end, 10);
+    const long height = *end == 'x' ? strtol(end + 1, &end, 10) : 0;
+    if (*end != '\0' || width < 1 || height < 1 || width > MAX_PIXELS_ACROSS || height > MAX_PIXELS_ACROSS) {
+        arguments_error(arguments, "--size takes WIDTHxHEIGHT in pixels, up to 16384 each, not", text);
+        return;
+    }
+    options->width = (int32_t)width;
+    options->height = (int32_t)height;
+}
+
+/* "--object FILE" adds an object; "--object-at" places the one just added, or a sphere. */
+static void object_read(lmb_arguments *arguments, const char *option, render_options *options)
+{
+    const bool is_place = strcmp(option, "--object-at") == 0;
+    object_option *last = options->object_count > 0 ? &options->objects[options->object_count - 1] : NULL;
+    if (is_place && last && !last->has_position) {
+        last->position = arguments_vector(arguments, option);
+        last->has_position = true;
+        return;
+    }
+    if (options->object_count == MAX_OBJECTS) {
+        arguments_error(arguments, "too many", option);
+        return;
+    }
+    object_option *added = &options->objects[options->object_count++];
+    *added = (object_option){.has_position = is_place};
+    if (is_place) {
+        added->position = arguments_vector(arguments, option);
+    } else {
+        added->path = arguments_text(arguments, option);
+    }
+}
+
+static bool has_ending(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), ending_length = strlen(ending);
+    return length > ending_length && strcmp(path + length - ending_length, ending) == 0;
+}
+
+/* Takes an option about the view. */
+static bool view_option(lmb_arguments *arguments, const char *option, render_options *options)
+{
+    if (strcmp(option, "--camera") == 0) {
+        options->camera = arguments_vector(arguments, option);
+        options->has_camera = true;
+    } else if (strcmp(option, "--look") == 0) {
+        options->look = arguments_vector(arguments, option);
+        options->has_look = true;
+    } else if (strcmp(option, "--fov") == 0) {
+        options->fov_deg = (float)arguments_number(arguments, option, 1.0, 170.0);
+    } else if (strcmp(option, "--size") == 0) {
+        size_read(arguments, option, options);
+    } else if (strcmp(option, "--mode") == 0) {
+        mode_read(arguments, option, options);
+    } else if (strcmp(option, "--exposure") == 0) {
+        options->exposure_ev = (float)arguments_number(arguments, option, -100.0, 100.0);
+        options->has_exposure = true;
+    } else if (strcmp(option, "--object") == 0 || strcmp(option, "--object-at") == 0) {
+        object_read(arguments, option, options);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+static void options_read(lmb_arguments *arguments, render_options *options)
+{
+    for (const char *next; (next = arguments_next(arguments));) {
+        if (view_option(arguments, next, options)) {
+            continue;
+        }
+        if (strcmp(next, "-o") == 0) {
+            options->output = arguments_text(arguments, next);
+        } else if (strcmp(next, "--samples") == 0) {
+            options->samples = (uint32_t)arguments_integer(arguments, next, 1, 100000000);
+        } else if (strcmp(next, "--threads") == 0) {
+            options->threads = (int)arguments_integer(arguments, next, 1, 1024);
+        } else if (strcmp(next, "--quiet") == 0) {
+            options->quiet = true;
+        } else if (next[0] == '-' && next[1] != '\0') {
+            arguments_error(arguments, "unknown option", next);
+        } else if (!options->level) {
+            options->level = next;
+        } else if (!options->directory) {
+            options->directory = next;
+        } else {
+            arguments_error(arguments, "one argument too many:", next);
+        }
+    }
+    if (arguments->failed || arguments->help) {
+        return;
+    }
+    if (!options->directory) {
+        arguments_error(arguments, "missing argument", options->level ? "DIR" : "LEVEL");
+    } else if (!options->output) {
+        arguments_error(arguments, "missing option", "-o FILE.png|FILE.exr");
+    } else if (!has_ending(options->output, ".png") && !has_ending(options->output, ".exr")) {
+        arguments_error(arguments, "-o takes a .png or .exr, not", options->output);
+    }
+}
+
+static lmb_camera camera_of_options(const render_options *options, const lmb_tracer *tracer)
+{
+    const lmb_camera chosen = camera_default(tracer, options->fov_deg);
+    if (!options->has_camera && !options->has_look) {
+        return chosen;
+    }
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const lmb_vec3 low = scene->bounds_min, high = scene->bounds_max;
+    const lmb_vec3 middle = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y), 0.5f * (low.z + high.z)};
+    return camera_look_at(options->has_camera ? options->camera : chosen.position,
+                          options->has_look ? options->look : middle, options->fov_deg);
+}
+
+/* Half way to what the camera looks at. */
+static lmb_vec3 place_before_camera(const lmb_camera *camera, const lmb_tracer *tracer, float diagonal)
+{
+    lmb_hit hit;
+    const bool found = lmb_trace_nearest(tracer, camera->position, camera->forward, 0.0f, FLT_MAX, &hit);
+    const float distance = 0.5f * (found ? hit.distance : diagonal);
+    return (lmb_vec3){camera->position.x + distance * camera->forward.x,
+                      camera->position.y + distance * camera->forward.y,
+                      camera->position.z + distance * camera->forward.z};
+}
+
+static float level_diagonal(const lmb_scene *scene)
+{
+    const float x = scene->bounds_max.x - scene->bounds_min.x;
+    const float y = scene->bounds_max.y - scene->bounds_min.y;
+    const float z = scene->bounds_max.z - scene->bounds_min.z;
+    return x >= 0.0f ? fmaxf(sqrtf(x * x + y * y + z * z), FLT_MIN) : 1.0f;
+}
+
+/* Opens the objects; `*opened_count` says how many are open, whatever the result. */
+static lmb_result objects_open(const render_options *options, const lmb_camera *camera, const lmb_tracer *tracer,
+                               lmb_render_object *objects, int *opened_count, lmb_error *error)
+{
+    const float diagonal = level_diagonal(lmb_tracer_scene(tracer));
+    for (*opened_count = 0; *opened_count < options->object_count; ++*opened_count) {
+        const object_option *option = &options->objects[*opened_count];
+        const lmb_vec3 position =
+            option->has_position ? option->position : place_before_camera(camera, tracer, diagonal);
+        const lmb_result result =
+            render_object_open(option->path, SPHERE_SHARE * diagonal, position, &objects[*opened_count], error);
+        if (result != LMB_OK) {
+            return result;
+        }
+    }
+    return LMB_OK;
+}
+
+static lmb_result exr_write(const render_options *options, const float *rgb, size_t pixel_count, lmb_error *error)
+{
+    float *plane = malloc(3 * pixel_count * sizeof *plane);
+    if (!plane) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    for (size_t i = 0; i < pixel_count; ++i) {
+        for (size_t c = 0; c < 3; ++c) {
+            plane[c * pixel_count + i] = rgb[3 * i + c];
+        }
+    }
+    const lmb_exr_channel channels[3] = {{"R", plane}, {"G", plane + pixel_count}, {"B", plane + 2 * pixel_count}};
+    size_t overflow_count = 0;
+    const lmb_result result =
+        lmb_exr_write(options->output, options->width, options->height, channels, 3, NULL, 0, &overflow_count, error);
+    if (result == LMB_OK && overflow_count > 0 && !options->quiet) {
+        fprintf(stderr, "lambent: warning: %s: %zu values beyond half float were clamped\n", options->output,
+                overflow_count);
+    }
+    free(plane);
+    return result;
+}
+
+static lmb_result png_write(const render_options *options, const float *rgb, size_t pixel_count, double reference_mean,
+                            lmb_error *error)
+{
+    uint8_t *srgb = malloc(3 * pixel_count);
+    if (!srgb) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    if (options->mode == RENDER_DIFFERENCE) {
+        const float full = DIFFERENCE_FULL_SHARE * (float)reference_mean;
+        picture_difference_colour(rgb, pixel_count, full, srgb);
+        if (!options->quiet) {
+            printf("final - reference: red +%g or more, white 0, blue -%g or less (%g %% of the reference's mean "
+                   "luminance, %g)\n",
+                   (double)full, (double)full, 100.0 * (double)DIFFERENCE_FULL_SHARE, reference_mean);
+        }
+    } else {
+        const float exposure_ev = options->has_exposure ? options->exposure_ev : exposure_of_picture(rgb, pixel_count);
+        picture_tonemap(rgb, pixel_count, exposure_ev, srgb);
+        if (!options->quiet) {
+            printf("--exposure %.3f\n", (double)exposure_ev);
+        }
+    }
+    const lmb_result result = lmb_png_write(options->output, options->width, options->height, srgb, error);
+    free(srgb);
+    return result;
+}
+
+static void camera_print(const lmb_camera *camera)
+{
+    const lmb_vec3 at = camera->position;
+    printf("--camera %g,%g,%g --look %g,%g,%g\n", (double)at.x, (double)at.y, (double)at.z,
+           (double)(at.x + camera->forward.x), (double)(at.y + camera->forward.y), (double)(at.z + camera->forward.z));
+}
+
+/* Renders and writes. */
+static lmb_result picture_make(const render_options *options, const lmb_shader *shader, const lmb_camera *camera,
+                               lmb_pool *pool, lmb_error *error)
+{
+    const size_t pixel_count = (size_t)options->width * (size_t)options->height;
+    float *rgb = malloc(3 * pixel_count * sizeof *rgb);
+    if (!rgb) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory for %zu pixels", pixel_count);
+    }
+    const lmb_render_settings settings = {.camera = *camera,
+                                          .mode = options->mode,
+                                          .width = options->width,
+                                          .height = options->height,
+                                          .samples = options->samples};
+    lmb_console console;
+    const lmb_progress progress = console_progress(&console, options->quiet, false);
+    double reference_mean = 0.0;
+    lmb_result result = render_picture(shader, &settings, pool, &progress, rgb, &reference_mean);
+    console_finish(&console);
+    if (result != LMB_OK) {
+        lmb_error_set(error, result, "render: %s", lmb_result_text(result));
+    } else if (has_ending(options->output, ".exr")) {
+        result = exr_write(options, rgb, pixel_count, error);
+    } else {
+        result = png_write(options, rgb, pixel_count, reference_mean, error);
+    }
+    free(rgb);
+    return result;
+}
+
+static lmb_result render_run(const render_options *options, const lmb_baked *baked, lmb_error *error)
+{
+    const lmb_tracer *tracer = baked->level.tracer;
+    const lmb_camera camera = camera_of_options(options, tracer);
+    if (!options->quiet) {
+        camera_print(&camera);
+        if (!baked->lightmap && options->mode != RENDER_PROBES && options->mode != RENDER_REFERENCE) {
+            printf("this bake has no lightmaps: surfaces are lit by probes\n");
+        }
+    }
+    lmb_render_object objects[MAX_OBJECTS];
+    int object_count;
+    lmb_result result = objects_open(options, &camera, tracer, objects, &object_count, error);
+    if (result == LMB_OK) {
+        const lmb_shader shader = {
+            .transport = &baked->level.transport,
+            .volume = baked->volume,
+            .lightmap = baked->lightmap,
+            .objects = objects,
+            .object_count = object_count,
+            .default_texel = 1.0f / lmb_lightmap_settings_default(baked->level.scene).texels_per_m,
+        };
+        result = picture_make(options, &shader, &camera, baked->level.pool, error);
+    }
+    for (int i = 0; i < object_count; ++i) {
+        render_object_close(&objects[i]);
+    }
+    return result;
+}
+
+int command_render(int count, char **values)
+{
+    render_options options = {
+        .fov_deg = CAMERA_DEFAULT_FOV_DEG, .width = 960, .height = 540, .samples = 128, .mode = RENDER_FINAL};
+    lmb_arguments arguments = arguments_begin(count, values, "render", usage);
+    options_read(&arguments, &options);
+    if (arguments.failed || arguments.help) {
+        return arguments_status(&arguments);
+    }
+    lmb_error error = {""};
+    lmb_baked baked;
+    lmb_result result = baked_open(options.level, options.directory, options.threads, &baked, &error);
+    if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    result = render_run(&options, &baked, &error);
+    baked_close(&baked);
+    return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
+}

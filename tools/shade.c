@@ -1,0 +1,198 @@
+#include "shade.h"
+
+#include <float.h>
+
+#include <lambent/hlsh.h>
+
+#include "vector_math.h"
+
+enum {
+    MAX_LAYERS = 64,          /* see-through surfaces along one ray */
+    REFERENCE_REPLICATE = 128 /* apart from those of bakes and checks */
+};
+/* What is left of a ray below this share cannot be seen in 8 bits. */
+#define MIN_SHARE (1.0f / 1024.0f)
+
+static const lmb_rgb black = {{0.0f, 0.0f, 0.0f}};
+
+/* A surface that the camera sees, turned towards it. */
+typedef struct seen_surface {
+    const lmb_render_object *object; /* NULL: the level's own */
+    const lmb_tracer *tracer;
+    lmb_hit hit;
+    lmb_place place; /* in the level's space */
+    bool back;       /* seen from behind */
+    lmb_vec3 normal; /* shading normal, by the normal map */
+    lmb_surface surface;
+} seen_surface;
+
+static bool seen_nearest(const lmb_shader *shader, lmb_vec3 origin, lmb_vec3 direction, float start, seen_surface *seen)
+{
+    *seen = (seen_surface){.tracer = shader->transport->tracer};
+    bool found = lmb_trace_nearest(seen->tracer, origin, direction, start, FLT_MAX, &seen->hit);
+    for (int i = 0; i < shader->object_count; ++i) {
+        const lmb_render_object *object = &shader->objects[i];
+        const float far_distance = found ? seen->hit.distance : FLT_MAX;
+        lmb_hit hit;
+        if (lmb_trace_nearest(object->tracer, vector_sub(origin, object->position), direction, start, far_distance,
+                              &hit)) {
+            found = true;
+            seen->object = object;
+            seen->tracer = object->tracer;
+            seen->hit = hit;
+        }
+    }
+    return found;
+}
+
+/* Fills in what is at the hit. */
+static void seen_complete(seen_surface *seen, lmb_vec3 direction)
+{
+    const lmb_hit *hit = &seen->hit;
+    seen->surface = lmb_trace_surface(seen->tracer, hit->instance, hit->triangle, hit->u, hit->v);
+    seen->place = lmb_trace_place(seen->tracer, hit->instance, hit->triangle, hit->u, hit->v);
+    seen->back = vector_dot(seen->place.geometric_normal, direction) > 0.0f;
+    if (seen->back) {
+        seen->place.geometric_normal = vector_scale(seen->place.geometric_normal, -1.0f);
+        seen->place.shading_normal = vector_scale(seen->place.shading_normal, -1.0f);
+    }
+    seen->normal = lmb_trace_mapped_normal(seen->tracer, hit->instance, hit->triangle, hit->u, hit->v, &seen->place);
+    if (seen->object) {
+        seen->place.position = vector_add(seen->place.position, seen->object->position);
+    }
+}
+
+/* Where light is looked up or gathered: as checks do it. */
+static lmb_gather_point seen_point(const lmb_shader *shader, const seen_surface *seen)
+{
+    if (seen->object) {
+        const lmb_vec3 position =
+            lmb_trace_offset(seen->place.position, seen->place.geometric_normal, seen->place.geometric_normal);
+        return (lmb_gather_point){position, true, seen->place.shading_normal};
+    }
+    const float texel =
+        shader->lightmap ? lmb_lightmap_texel_size(shader->lightmap, seen->hit.instance) : shader->default_texel;
+    bool pushed_out;
+    return lmb_surface_gather_point(shader->transport->tracer, &seen->place, texel, &pushed_out);
+}
+
+/* Irradiance at the shading normal, and at n_v for the self-bounce. */
+typedef struct arriving_light {
+    lmb_rgb irradiance;
+    lmb_rgb irradiance_z;
+} arriving_light;
+
+static arriving_light light_of_irradz(const lmb_irradz *irradz, const seen_surface *seen)
+{
+    const lmb_hhd_rgb hhd = lmb_irradz_decode(irradz, seen->place.shading_normal);
+    return (arriving_light){lmb_hhd_rgb_evaluate(&hhd, seen->place.shading_normal, seen->normal), irradz->irradiance_z};
+}
+
+static arriving_light light_of_lightmap(const lmb_shader *shader, const seen_surface *seen)
+{
+    const lmb_irradz texels =
+        lmb_lightmap_sample(shader->lightmap, seen->hit.instance, seen->hit.triangle, seen->hit.u, seen->hit.v);
+    return light_of_irradz(&texels, seen);
+}
+
+/* Objects take HLSH, the model of dynamic things; surfaces take the lightmap's own encoder. */
+static arriving_light light_of_probes(const lmb_shader *shader, const seen_surface *seen)
+{
+    const lmb_gather_point point = seen_point(shader, seen);
+    lmb_sh3_rgb radiance;
+    lmb_volume_sample(shader->volume, point.position, &radiance);
+    if (!seen->object) {
+        const lmb_irradz irradz = lmb_irradz_encode(&radiance, point.normal, 0.0f);
+        return light_of_irradz(&irradz, seen);
+    }
+    const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(&radiance, point.normal, 0.0f);
+    return (arriving_light){lmb_hlsh_rgb_evaluate(&hlsh, point.normal, seen->normal),
+                            lmb_hlsh_rgb_evaluate(&hlsh, point.normal, point.normal)};
+}
+
+static arriving_light light_of_reference(const lmb_shader *shader, const seen_surface *seen)
+{
+    const lmb_gather_point point = seen_point(shader, seen);
+    const lmb_vec3 normals[2] = {seen->normal, point.normal};
+    lmb_rgb irradiance[2];
+    uint64_t rays = 0;
+    lmb_gather_irradiance(shader->transport, &point, REFERENCE_REPLICATE, shader->reference_samples, normals, 2,
+                          irradiance, &rays);
+    return (arriving_light){irradiance[0], irradiance[1]};
+}
+
+static bool has_texels(const lmb_shader *shader, const seen_surface *seen)
+{
+    return !seen->object && !seen->back && shader->lightmap && shader->lightmap->region[seen->hit.instance].image >= 0;
+}
+
+/* Unlit surfaces take no light: they show their base colour. */
+static bool seen_unlit_colour(const seen_surface *seen, lmb_rgb *colour)
+{
+    const lmb_scene *scene = lmb_tracer_scene(seen->tracer);
+    const lmb_mesh *mesh = &scene->meshes[scene->instances[seen->hit.instance].mesh];
+    const lmb_material *material = &scene->materials[mesh->material[seen->hit.triangle]];
+    if (!material->unlit) {
+        return false;
+    }
+    const uint32_t *vertex = mesh->triangle[seen->hit.triangle];
+    const float weight[3] = {1.0f - seen->hit.u - seen->hit.v, seen->hit.u, seen->hit.v};
+    const lmb_vec2 *uv = mesh->uv[material->base_color_texture.uv_set];
+    lmb_vec2 at = {0.0f, 0.0f};
+    lmb_rgb vertex_colour = mesh->color ? black : (lmb_rgb){{1.0f, 1.0f, 1.0f}};
+    for (int k = 0; k < 3; ++k) {
+        at.x += uv ? weight[k] * uv[vertex[k]].x : 0.0f;
+        at.y += uv ? weight[k] * uv[vertex[k]].y : 0.0f;
+        for (int c = 0; c < 3 && mesh->color; ++c) {
+            vertex_colour.c[c] += weight[k] * mesh->color[vertex[k]][c];
+        }
+    }
+    float texel[4];
+    lmb_texture_sample(scene, &material->base_color_texture, at, true, texel);
+    for (int c = 0; c < 3; ++c) {
+        colour->c[c] = material->base_color[c] * texel[c] * vertex_colour.c[c];
+    }
+    return true;
+}
+
+static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen)
+{
+    lmb_rgb unlit;
+    if (!shader->irradiance_only && seen_unlit_colour(seen, &unlit)) {
+        return unlit;
+    }
+    const arriving_light light = source == SOURCE_REFERENCE ? light_of_reference(shader, seen)
+                                 : source == SOURCE_STORED && has_texels(shader, seen) ? light_of_lightmap(shader, seen)
+                                                                                       : light_of_probes(shader, seen);
+    if (shader->irradiance_only) {
+        return light.irradiance;
+    }
+    const lmb_rgb bounce =
+        lmb_self_bounce(seen->surface.albedo, light.irradiance_z, seen->place.shading_normal, seen->normal);
+    return colour_add(colour_mul(seen->surface.albedo, colour_add(light.irradiance, bounce)), seen->surface.emission);
+}
+
+lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 origin, lmb_vec3 direction)
+{
+    lmb_rgb radiance = black;
+    lmb_rgb share = {{1.0f, 1.0f, 1.0f}};
+    float start = 0.0f;
+    for (int layer = 0; layer < MAX_LAYERS; ++layer) {
+        seen_surface seen;
+        if (!seen_nearest(shader, origin, direction, start, &seen)) {
+            const lmb_rgb sky = lmb_emitters_environment_radiance(shader->transport->emitters, direction);
+            return colour_add(radiance, colour_mul(share, sky));
+        }
+        seen_complete(&seen, direction);
+        if (seen.surface.opacity > 0.0f) {
+            const lmb_rgb own = colour_scale(seen_radiance(shader, source, &seen), seen.surface.opacity);
+            radiance = colour_add(radiance, colour_mul(share, own));
+        }
+        share = colour_mul(share, seen.surface.pass);
+        if (!(colour_max(share) > MIN_SHARE)) {
+            break;
+        }
+        start = nextafterf(seen.hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
+    }
+    return radiance;
+}

@@ -1,0 +1,32 @@
+/* What a camera ray sees in a baked level, lit by what the bake stored, or by the truth. */
+#ifndef LMB_TOOLS_SHADE_H
+#define LMB_TOOLS_SHADE_H
+
+#include <lambent/lightmap.h>
+#include <lambent/volume.h>
+
+#include "render_object.h"
+
+typedef enum lmb_light_source {
+    SOURCE_STORED,   /* surfaces by lightmaps, where there are none (and on back sides) by probes; objects by probes */
+    SOURCE_PROBES,   /* everything by probes */
+    SOURCE_REFERENCE /* everything by the path tracer */
+} lmb_light_source;
+
+/* What is looked at. The pointers must outlive every call; nothing is written. */
+typedef struct lmb_shader {
+    const lmb_transport *transport;
+    const lmb_volume *volume;
+    const lmb_lightmap *lightmap; /* NULL: none */
+    const lmb_render_object *objects;
+    int object_count;
+    float default_texel;        /* metres: a texel's size where there are no lightmaps */
+    bool irradiance_only;       /* show irradiance as on white paper: no albedo, emission or self-bounce */
+    uint32_t reference_samples; /* of SOURCE_REFERENCE, for each surface seen */
+} lmb_shader;
+
+/* Radiance (or irradiance) along a ray from `origin` in unit `direction`, through see-through surfaces. Two sources see
+ * exactly the same surfaces along one ray. */
+lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 origin, lmb_vec3 direction);
+
+#endif
