@@ -375,6 +375,22 @@ static void instances_have_own_places(void)
     baked_close(&bake);
 }
 
+static uint32_t corner_apart(const uint32_t triangle[3], const uint32_t other[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        if (triangle[k] != other[0] && triangle[k] != other[1] && triangle[k] != other[2]) {
+            return triangle[k];
+        }
+    }
+    return triangle[0];
+}
+
+/* Lays the second triangle of a quad on the first. */
+static void quad_fold(lmb_mesh *mesh, const uint32_t first[3], const uint32_t second[3])
+{
+    mesh->uv[1][corner_apart(second, first)] = mesh->uv[1][corner_apart(first, second)];
+}
+
 /* A mesh's TEXCOORD_1, broken in the named way. */
 static void uv_break(lmb_mesh *mesh, lmb_uv_fault fault)
 {
@@ -394,9 +410,8 @@ static void uv_break(lmb_mesh *mesh, lmb_uv_fault fault)
         }
         break;
     case LMB_UV_OVERLAPPING:
-        /* Quads of four vertices, folded along their diagonal. */
-        for (uint32_t i = 0; i + 3 < mesh->vertex_count; i += 4) {
-            mesh->uv[1][i + 3] = mesh->uv[1][i + 1];
+        for (uint32_t t = 0; t + 1 < mesh->triangle_count; t += 2) {
+            quad_fold(mesh, mesh->triangle[t], mesh->triangle[t + 1]);
         }
         break;
     default:
