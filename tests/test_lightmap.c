@@ -449,6 +449,102 @@ static void faults_get_charts(void)
     }
 }
 
+static lmb_vec3 triangle_normal(const lmb_mesh *mesh, uint32_t triangle)
+{
+    const lmb_vec3 *p = mesh->position;
+    const uint32_t *corner = mesh->triangle[triangle];
+    const lmb_vec3 a = p[corner[0]], b = p[corner[1]], c = p[corner[2]];
+    const float ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z, vx = c.x - a.x, vy = c.y - a.y, vz = c.z - a.z;
+    const float x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+    const float length = sqrtf(x * x + y * y + z * z);
+    return (lmb_vec3){x / length, y / length, z / length};
+}
+
+/* Which way the surface under each covered texel faces, from points all over it; then no filtered lookup may read a
+ * covered texel that faces another way. Boxes have nothing but charts that face along an axis. */
+static uint64_t count_bleeding(const lmb_lightmap *lightmap, uint32_t instance, int8_t *facing)
+{
+    const lmb_lightmap_image *image = &lightmap->image[lightmap->region[instance].image];
+    const lmb_mesh *mesh = &lightmap->scene->meshes[lightmap->scene->instances[instance].mesh];
+    uint64_t wrong = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        uint32_t seed = 11;
+        for (uint32_t k = 0; k < 20000; ++k) {
+            const uint32_t t = k % mesh->triangle_count;
+            float u = number_next(&seed), v = number_next(&seed);
+            if (u + v > 1.0f) {
+                u = 1.0f - u;
+                v = 1.0f - v;
+            }
+            const lmb_vec3 n = triangle_normal(mesh, t);
+            const int8_t way = (int8_t)lroundf(n.x + 3.0f * n.y + 9.0f * n.z);
+            const lmb_vec2 at = texels_at(lightmap, instance, t, u, v);
+            if (pass == 0) {
+                facing[(size_t)at.y * (size_t)image->width + (size_t)at.x] = way;
+                continue;
+            }
+            const int32_t x = (int32_t)floorf(at.x - 0.5f), y = (int32_t)floorf(at.y - 0.5f);
+            for (int32_t i = 0; i < 4; ++i) {
+                const int8_t found = facing[(y + (i >> 1)) * image->width + x + (i & 1)];
+                wrong += found != 0 && found != way;
+            }
+        }
+    }
+    return wrong;
+}
+
+static void charts_do_not_bleed(void)
+{
+    lmb_error error = {""};
+    const char *path = OUTPUT("lightmap_bleeding.glb");
+    baked bake;
+    if (!level_fixture_open(&bake.level, path, lmb_level_cornell(path, &error), &error, 1)) {
+        return;
+    }
+    for (uint32_t m = 0; m < bake.level.scene->mesh_count; ++m) {
+        uv_break(&bake.level.scene->meshes[m], LMB_UV_MISSING);
+    }
+    static const float DENSITY[] = {2.0f, 7.3f, 20.0f};
+    for (size_t i = 0; i < sizeof DENSITY / sizeof DENSITY[0]; ++i) {
+        if (lightmap_make(&bake, DENSITY[i], 1024)) {
+            const lmb_lightmap_image *image = &bake.lightmap->image[0];
+            int8_t *facing = calloc((size_t)image->width * (size_t)image->height, 1);
+            for (uint32_t k = 0; facing && k < bake.level.scene->instance_count; ++k) {
+                const uint64_t wrong = count_bleeding(bake.lightmap, k, facing);
+                CHECK(wrong == 0, "%g texels/m, instance %u: %llu lookups", (double)DENSITY[i], k,
+                      (unsigned long long)wrong);
+            }
+            free(facing);
+            lmb_lightmap_destroy(bake.lightmap);
+        }
+    }
+    bake.lightmap = NULL;
+    baked_close(&bake);
+}
+
+static void empty_level(void)
+{
+    lmb_error error = {""};
+    const char *path = OUTPUT("lightmap_empty.glb");
+    const char *directory = OUTPUT("lightmap_empty");
+    mkdir(directory, 0777);
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    add_sun(builder, 1.0f);
+    const lmb_result written = lmb_level_builder_write(builder, path, &error);
+    lmb_level_builder_destroy(builder);
+    baked bake;
+    if (!baked_open(&bake, path, written, &error, 1.0f, 8, 2)) {
+        return;
+    }
+    CHECK(bake.lightmap->image_count == 0 && bake.stats.texels == 0, "%d images", (int)bake.lightmap->image_count);
+    CHECK(lmb_lightmap_settings_default(bake.level.scene).texels_per_m > 0.0f, "no default");
+    uint64_t bytes = 0;
+    CHECK(lmb_lightmap_write(bake.lightmap, directory, NULL, &bytes, &error) == LMB_OK && bytes > 0, "%s",
+          error.message);
+    CHECK(lmb_lightmap_read(bake.lightmap, directory, &error) == LMB_OK, "%s", error.message);
+    baked_close(&bake);
+}
+
 static void charts_go_into_a_level(void)
 {
     lmb_error error = {""};
@@ -888,6 +984,8 @@ static const test_case CASES[] = {
     {"bilinear lookup", bilinear_lookup},
     {"instances have their own places", instances_have_own_places},
     {"faults get charts", faults_get_charts},
+    {"charts do not bleed", charts_do_not_bleed},
+    {"an empty level", empty_level},
     {"charts go into a level", charts_go_into_a_level},
     {"files read back", files_read_back},
     {"broken files are refused", files_broken_are_refused},
