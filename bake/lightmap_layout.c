@@ -180,8 +180,8 @@ static lmb_result mesh_choose_uv(layout_work *work, uint32_t number)
 static lmb_texel_grid mesh_grid(const lmb_lightmap *lightmap, uint32_t number, int32_t density)
 {
     const lmb_mesh *mesh = &lightmap->scene->meshes[number];
-    double low[2] = {INFINITY, INFINITY};
-    double high[2] = {-INFINITY, -INFINITY};
+    double low[2] = {HUGE_VAL, HUGE_VAL};
+    double high[2] = {-HUGE_VAL, -HUGE_VAL};
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         for (int k = 0; k < 3; ++k) {
             const lmb_vec2 uv = lmb_texels_corner_uv(mesh, lightmap->corner_uv[number], t, k);

@@ -51,8 +51,8 @@ static texel_polygon polygon_clip(const texel_polygon *polygon, bool along_y, do
 
 static void polygon_range(const texel_polygon *polygon, bool along_y, double *low, double *high)
 {
-    *low = INFINITY;
-    *high = -INFINITY;
+    *low = HUGE_VAL;
+    *high = -HUGE_VAL;
     for (int i = 0; i < polygon->count; ++i) {
         const double value = along_y ? polygon->vertex[i].y : polygon->vertex[i].x;
         *low = fmin(*low, value);
@@ -70,9 +70,9 @@ static double triangle_depth(const texel_vertex corner[3], texel_vertex *point)
 {
     const double area = cross_2d(corner[0], corner[1], corner[2]);
     if (!(fabs(area) > 0.0)) {
-        return -INFINITY;
+        return -HUGE_VAL;
     }
-    double depth = INFINITY;
+    double depth = HUGE_VAL;
     double weight[3];
     for (int k = 0; k < 3; ++k) {
         const texel_vertex a = corner[(k + 1) % 3];
@@ -91,7 +91,7 @@ static double triangle_depth(const texel_vertex corner[3], texel_vertex *point)
 static texel_vertex border_nearest(const texel_polygon *polygon, texel_vertex centre)
 {
     texel_vertex best = polygon->vertex[0];
-    double best_squared = INFINITY;
+    double best_squared = HUGE_VAL;
     for (int i = 0; i < polygon->count; ++i) {
         const texel_vertex a = polygon->vertex[i];
         const texel_vertex b = polygon->vertex[i + 1 < polygon->count ? i + 1 : 0];
