@@ -1,7 +1,8 @@
 /* How `lambent check` counts errors and where it looks: hand-made numbers, synthetic noise, areas and angles known by
- * analysis. */
+ * analysis, and whole checks of levels and volumes whose light is known. */
+#include "check.h"
 #include "check_points.h"
-#include "check_statistics.h"
+#include "constant_volume.h"
 #include "level_builder.h"
 #include "level_fixture.h"
 #include "levels.h"
@@ -288,6 +289,78 @@ static void ambient_visibility_of_a_wall(void)
     level_fixture_close(&level);
 }
 
+/* In a furnace the truth is one radiance everywhere: a volume that is 10 % too bright is wrong by 10 %, by any model.
+ */
+static void furnace_gives_the_error_that_was_put_in(void)
+{
+    lmb_error error = {""};
+    const char *path = OUTPUT("furnace.glb");
+    const lmb_result written = lmb_level_furnace(path, 4.0f, 0.5f, (lmb_rgb){{0.5f, 1.0f, 2.0f}}, false, &error);
+    check_report reports[2] = {0};
+    for (int threads = 1; threads <= 2; ++threads) {
+        level_fixture level;
+        constant_volume light;
+        if (!level_fixture_open(&level, path, written, &error, threads)) {
+            return;
+        }
+        if (constant_volume_make(level.scene, (lmb_rgb){{1.1f, 2.2f, 4.4f}}, &light)) {
+            const check_subject subject = {&level.transport, light.volume, NULL, level.pool};
+            const check_settings settings = {.points = 100, .samples = 64, .seed = 5};
+            CHECK(check_run(&subject, &settings, NULL, &reports[threads - 1]) == LMB_OK, "runs");
+            constant_volume_close(&light);
+        }
+        level_fixture_close(&level);
+    }
+    const check_report *report = &reports[0];
+    CHECK(report->points == 100, "%zu points", report->points);
+    /* Though the volume reaches beyond the closed box, from where its walls show their backs. */
+    CHECK(report->free_points == 100, "%zu free points", report->free_points);
+    static const check_pair pairs_with_error[] = {CHECK_PROBE_VS_REFERENCE, CHECK_PROBE_HLSH_VS_REFERENCE,
+                                                  CHECK_VOLUME_VS_REFERENCE};
+    for (size_t i = 0; i < sizeof pairs_with_error / sizeof pairs_with_error[0]; ++i) {
+        const error_summary *summary = &report->error[pairs_with_error[i]];
+        CHECK_NEAR(summary->rel_rmse, 0.1, 4 * summary->std_error + 0.002, "%s", check_pair_name(pairs_with_error[i]));
+        CHECK(summary->std_error < 0.02, "%s: +-%g", check_pair_name(pairs_with_error[i]), summary->std_error);
+    }
+    CHECK(report->error[CHECK_COINCIDENT_PROBE_VS_REFERENCE].rel_rmse < 0.08, "a traced probe is right: %g",
+          report->error[CHECK_COINCIDENT_PROBE_VS_REFERENCE].rel_rmse);
+    for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
+        const error_summary *one = &reports[0].error[pair], *two = &reports[1].error[pair];
+        CHECK(isnan(one->rel_rmse) == check_pair_needs_lightmap((check_pair)pair), "%s",
+              check_pair_name((check_pair)pair));
+        CHECK(memcmp(one, two, sizeof *one) == 0, "%s: the same for two threads", check_pair_name((check_pair)pair));
+    }
+    CHECK(report->leak.dark_points == 0 && report->leak.leak == 0.0, "nothing is dark");
+    CHECK(isnan(report->lightmap_leak), "no lightmap");
+}
+
+/* One room lit, one dark, and a volume that is equally bright all over: what the dark room's walls get is the leak. */
+static void leak_into_a_dark_room(void)
+{
+    lmb_error error = {""};
+    const char *path = OUTPUT("rooms.glb");
+    lmb_two_rooms rooms = lmb_two_rooms_default();
+    rooms.green_radiance = 0.0f;
+    level_fixture level;
+    constant_volume light;
+    if (!level_fixture_open(&level, path, lmb_level_two_rooms(path, &rooms, &error), &error, 2)) {
+        return;
+    }
+    if (constant_volume_make(level.scene, (lmb_rgb){{0.25f, 0.25f, 0.25f}}, &light)) {
+        const check_subject subject = {&level.transport, light.volume, NULL, level.pool};
+        const check_settings settings = {.points = 200, .samples = 32, .seed = 1};
+        check_report report;
+        CHECK(check_run(&subject, &settings, NULL, &report) == LMB_OK, "runs");
+        /* The dark room, and the outside of the whole hull. */
+        CHECK(report.leak.dark_points > 100 && report.leak.dark_points < 180, "%zu dark points",
+              report.leak.dark_points);
+        /* A hemisphere of one radiance gives a normal that leans by a cosine t (1 + t)/2 of it; E[t] = 7/9. */
+        CHECK_NEAR(report.leak.leak * report.leak.reference_mean, 0.25 * 8 / 9, 0.002, "leak");
+        constant_volume_close(&light);
+    }
+    level_fixture_close(&level);
+}
+
 static const test_case cases[] = {
     {"one_point_by_hand", one_point_by_hand},
     {"summary_by_hand", summary_by_hand},
@@ -299,6 +372,8 @@ static const test_case cases[] = {
     {"sphere_directions_are_uniform", sphere_directions_are_uniform},
     {"surface_points_are_spread_by_area", surface_points_are_spread_by_area},
     {"ambient_visibility_of_a_wall", ambient_visibility_of_a_wall},
+    {"furnace_gives_the_error_that_was_put_in", furnace_gives_the_error_that_was_put_in},
+    {"leak_into_a_dark_room", leak_into_a_dark_room},
 };
 
 TEST_MAIN(cases)

@@ -1,14 +1,12 @@
 /* Pictures: where camera rays go, which side things appear on, what light surfaces and objects show, and bytes that a
  * screen shows. */
 #include "camera.h"
+#include "constant_volume.h"
 #include "level_builder.h"
 #include "level_fixture.h"
 #include "levels.h"
 #include "render.h"
 #include "tonemap.h"
-
-#include <lambent/grid_bake.h>
-#include <lambent/pack.h>
 
 #include <float.h>
 #include <stdlib.h>
@@ -120,54 +118,6 @@ static lmb_result write_axes(const char *path, lmb_error *error)
     const lmb_result result = lmb_level_builder_write(builder, path, error);
     lmb_level_builder_destroy(builder);
     return result;
-}
-
-/* A volume of one constant radiance all over the bounds of a level. */
-typedef struct constant_volume {
-    unsigned char *data;
-    lmb_volume *volume;
-} constant_volume;
-
-static void constant_volume_close(constant_volume *made)
-{
-    lmb_volume_close(made->volume);
-    free(made->data);
-}
-
-static bool constant_volume_make(const lmb_scene *scene, lmb_rgb radiance, constant_volume *made)
-{
-    *made = (constant_volume){0};
-    const float low[3] = {scene->bounds_min.x, scene->bounds_min.y, scene->bounds_min.z};
-    const float high[3] = {scene->bounds_max.x, scene->bounds_max.y, scene->bounds_max.z};
-    int32_t min[3], size[3];
-    for (int i = 0; i < 3; ++i) {
-        min[i] = (int32_t)floorf(low[i]) - 1;
-        size[i] = (int32_t)ceilf(high[i]) + 2 - min[i];
-    }
-    const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
-    lmb_grid *grid = NULL;
-    uint8_t *wanted = malloc(count);
-    bool good = wanted && lmb_grid_create(1.0f, min, size, &grid) == LMB_OK;
-    if (good) {
-        memset(wanted, 1, count);
-        good = lmb_grid_add_probes(grid, wanted) == LMB_OK;
-    }
-    for (int32_t i = 0; good && i < grid->probe_count; ++i) {
-        grid->validity[i] = 1.0f;
-        for (int c = 0; c < 3; ++c) {
-            grid->radiance[i].channel[c].c[0] = radiance.c[c] * 3.54490770f; /* 2 sqrt(pi) */
-        }
-    }
-    size_t bytes = 0;
-    good = good && lmb_pack(grid, &made->data, &bytes, NULL) == LMB_OK &&
-           lmb_volume_open_memory(made->data, bytes, &made->volume) == LMB_OK;
-    free(wanted);
-    lmb_grid_destroy(grid);
-    CHECK(good, "volume");
-    if (!good) {
-        constant_volume_close(made);
-    }
-    return good;
 }
 
 enum { WIDTH = 40, HEIGHT = 30 };

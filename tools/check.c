@@ -58,6 +58,12 @@ typedef struct irradiance_set {
     lmb_rgb at[NORMALS];
 } irradiance_set;
 
+/* How well a coincident probe's SH3 is known. */
+typedef struct coincident_noise {
+    double error_squared;  /* of its standard error */
+    double length_squared; /* of all its coefficients */
+} coincident_noise;
+
 /* Everything that the tasks read, and the slots that they write, one for each point. */
 typedef struct check_work {
     const check_subject *subject;
@@ -69,7 +75,7 @@ typedef struct check_work {
     point_error *errors[CHECK_PAIR_COUNT];
     point_light *lights;
     point_light *lightmap_lights;
-    double *coincident_error; /* relative, of each point's traced SH3 */
+    coincident_noise *coincident;
     bool avoid_solids;
     bool *free_found;
 } check_work;
@@ -172,7 +178,7 @@ static void record_coincident(check_work *work, const surface_sample *sample)
     const lmb_gather_point whole = {.position = sample->point.position, .hemisphere = false};
     lmb_gathered gathered;
     lmb_gather_sh3(&work->transport, &whole, COINCIDENT_SAMPLES_FACTOR * work->settings.samples, &gathered);
-    work->coincident_error[sample->number] = (double)gathered.relative_error;
+    work->coincident[sample->number] = (coincident_noise){gathered.squared_error, gathered.squared_length};
     irradiance_set x;
     evaluate_probe(&gathered.moments, sample->point.normal, 0.0f, sample->normals, &x);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &x);
@@ -248,9 +254,9 @@ static lmb_result work_prepare(const check_subject *subject, const check_setting
     const size_t points = settings->points;
     work->lights = calloc(points, sizeof *work->lights);
     work->lightmap_lights = calloc(points, sizeof *work->lightmap_lights);
-    work->coincident_error = calloc(points, sizeof *work->coincident_error);
+    work->coincident = calloc(points, sizeof *work->coincident);
     work->free_found = calloc(points, sizeof *work->free_found);
-    bool good = work->lights && work->lightmap_lights && work->coincident_error && work->free_found;
+    bool good = work->lights && work->lightmap_lights && work->coincident && work->free_found;
     for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
         work->errors[pair] = calloc(points, sizeof *work->errors[pair]);
         good = good && work->errors[pair];
@@ -265,7 +271,7 @@ static void work_free(check_work *work)
     }
     free(work->lights);
     free(work->lightmap_lights);
-    free(work->coincident_error);
+    free(work->coincident);
     free(work->free_found);
     opaque_surface_free(&work->surface);
 }
@@ -316,11 +322,12 @@ static lmb_result work_report(check_work *work, size_t surface_points, check_rep
     }
     report->leak = leak_summarize(work->lights, surface_points);
     report->lightmap_leak = lightmap ? leak_summarize(work->lightmap_lights, surface_points).leak : missing;
-    double noise = 0.0;
+    coincident_noise sum = {0.0, 0.0};
     for (size_t i = 0; i < surface_points; ++i) {
-        noise += work->coincident_error[i] * work->coincident_error[i];
+        sum.error_squared += work->coincident[i].error_squared;
+        sum.length_squared += work->coincident[i].length_squared;
     }
-    report->coincident_std_error = surface_points > 0 ? sqrt(noise / (double)surface_points) : missing;
+    report->coincident_std_error = sum.length_squared > 0.0 ? sqrt(sum.error_squared / sum.length_squared) : missing;
     return LMB_OK;
 }
 

@@ -54,8 +54,8 @@ typedef struct check_report {
     error_summary error[CHECK_PAIR_COUNT]; /* NaN where a pair has no points or needs lightmaps that are missing */
     leak_summary leak;                     /* of the probe */
     double lightmap_leak;                  /* NaN without lightmaps */
-    double coincident_std_error; /* root mean square over points of the traced SH3's relative standard error: noise
-                                    that counts as the coincident probe's error */
+    double coincident_std_error; /* root mean square of the traced SH3's standard error, over its root mean square:
+                                    noise that counts as the coincident probe's error */
 } check_report;
 
 /* The figures depend on the level, the bake and the settings, not on the pool's threads.

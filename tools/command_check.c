@@ -25,7 +25,9 @@ static const char usage[] =
     "  rel_rmse      root mean square over points, normals and channels, free of the reference's own noise\n"
     "  std_error     of rel_rmse, from the spread between points\n"
     "  p95, max      of each point's root mean square over normals and channels; the reference's noise is in them\n"
-    "reference_std_error is the reference's own noise. leak is the mean of max(0, probe - reference) at points whose\n"
+    "reference_std_error is the reference's own noise, coincident_std_error that of the probes traced at the very\n"
+    "points, which counts as their error; both are relative root mean squares. leak is the mean of max(0, probe - "
+    "reference) at points whose\n"
     "reference is below 1 % of the mean, over the mean; leak_points counts them (leak is 0 when there are none).\n";
 
 typedef struct check_options {

@@ -27,7 +27,7 @@ static const char usage[] =
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
     "                        sphere is put there\n"
-    "  --samples N           light samples a pixel of reference and difference (default 128)\n"
+    "  --samples N           light samples a pixel of reference and difference (default 32)\n"
     "  --exposure EV         brighten by 2^EV (default: by the picture's log-average)\n"
     "  --threads N           default: all processors\n"
     "  --quiet               no progress and no notes\n";
@@ -359,7 +359,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
 int command_render(int count, char **values)
 {
     render_options options = {
-        .fov_deg = CAMERA_DEFAULT_FOV_DEG, .width = 960, .height = 540, .samples = 128, .mode = RENDER_FINAL};
+        .fov_deg = CAMERA_DEFAULT_FOV_DEG, .width = 960, .height = 540, .samples = 32, .mode = RENDER_FINAL};
     lmb_arguments arguments = arguments_begin(count, values, "render", usage);
     options_read(&arguments, &options);
     if (arguments.failed || arguments.help) {
