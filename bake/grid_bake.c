@@ -10,8 +10,7 @@ typedef struct lmb_grid_work {
     lmb_grid *grid;
     const lmb_transport *transport;
     uint32_t samples;
-    float *relative_error; /* [probe] negative when not baked */
-    uint64_t *rays;        /* [probe] */
+    lmb_grid_bake_stats *stats; /* [probe] zero when not baked */
 } lmb_grid_work;
 
 static void grid_task(void *context, size_t task, int worker)
@@ -22,7 +21,6 @@ static void grid_task(void *context, size_t task, int worker)
     const int32_t first = (int32_t)(task * PROBES_PER_TASK);
     const int32_t last = first + PROBES_PER_TASK < grid->probe_count ? first + PROBES_PER_TASK : grid->probe_count;
     for (int32_t i = first; i < last; ++i) {
-        work->relative_error[i] = -1.0f;
         if (grid->validity[i] < LMB_GRID_MIN_VALIDITY) {
             continue;
         }
@@ -30,8 +28,7 @@ static void grid_task(void *context, size_t task, int worker)
         lmb_gathered gathered;
         lmb_gather_sh3(work->transport, &point, work->samples, &gathered);
         grid->radiance[i] = gathered.moments;
-        work->relative_error[i] = gathered.relative_error;
-        work->rays[i] = gathered.rays;
+        work->stats[i] = (lmb_grid_bake_stats){gathered.rays, gathered.squared_error, gathered.squared_length};
     }
 }
 
@@ -42,28 +39,21 @@ lmb_result lmb_grid_bake(lmb_grid *grid, const lmb_transport *transport, uint32_
     lmb_grid_work work = {.grid = grid,
                           .transport = transport,
                           .samples = samples,
-                          .relative_error = calloc(count + 1, sizeof(float)),
-                          .rays = calloc(count + 1, sizeof(uint64_t))};
-    lmb_result result = work.relative_error && work.rays ? LMB_OK : LMB_ERROR_MEMORY;
+                          .stats = calloc(count + 1, sizeof(lmb_grid_bake_stats))};
+    lmb_result result = work.stats ? LMB_OK : LMB_ERROR_MEMORY;
     if (result == LMB_OK) {
         const size_t tasks = (count + PROBES_PER_TASK - 1) / PROBES_PER_TASK;
         result = lmb_pool_run(pool, tasks, grid_task, &work, "probes", progress);
     }
     if (result == LMB_OK) {
         *stats = (lmb_grid_bake_stats){0};
-        double sum = 0.0;
-        int64_t baked = 0;
         for (size_t i = 0; i < count; ++i) {
-            stats->rays += work.rays[i];
-            if (work.relative_error[i] >= 0.0f) {
-                sum += (double)work.relative_error[i] * (double)work.relative_error[i];
-                ++baked;
-            }
+            stats->rays += work.stats[i].rays;
+            stats->squared_error += work.stats[i].squared_error;
+            stats->squared_length += work.stats[i].squared_length;
         }
-        stats->relative_error = baked > 0 ? sqrt(sum / (double)baked) : 0.0;
         result = lmb_grid_dilate(grid);
     }
-    free(work.relative_error);
-    free(work.rays);
+    free(work.stats);
     return result;
 }

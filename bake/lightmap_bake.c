@@ -26,6 +26,7 @@ typedef struct bake_count {
     uint64_t pushed_out;
     uint64_t rays;
     double squared_error;
+    double squared_length;
 } bake_count;
 
 typedef struct bake_work {
@@ -104,7 +105,8 @@ static void texel_bake(const bake_work *work, const bake_texel *texel, bake_coun
     image->state[texel->pixel] = LMB_TEXEL_GATHERED;
     count->pushed_out += pushed_out;
     count->rays += gathered.rays;
-    count->squared_error += (double)gathered.relative_error * (double)gathered.relative_error;
+    count->squared_error += gathered.squared_error;
+    count->squared_length += gathered.squared_length;
 }
 
 static void bake_task(void *context, size_t task, int worker)
@@ -131,13 +133,12 @@ static void images_clear(lmb_lightmap *lightmap)
 static lmb_lightmap_stats counts_sum(const bake_work *work, size_t tasks)
 {
     lmb_lightmap_stats stats = {.texels = work->texel_count};
-    double squared = 0.0;
     for (size_t i = 0; i < tasks; ++i) {
         stats.pushed_out += work->counts[i].pushed_out;
         stats.rays += work->counts[i].rays;
-        squared += work->counts[i].squared_error;
+        stats.squared_error += work->counts[i].squared_error;
+        stats.squared_length += work->counts[i].squared_length;
     }
-    stats.relative_error = work->texel_count > 0 ? sqrt(squared / (double)work->texel_count) : 0.0;
     return stats;
 }
 

@@ -55,8 +55,8 @@ static uint32_t replicate_samples(uint32_t samples)
 static void replicates_combine(const lmb_moment_sum mean[LMB_GATHER_REPLICATES], lmb_gathered *gathered)
 {
     const double count = LMB_GATHER_REPLICATES;
-    double length_squared = 0.0;
-    double variance = 0.0;
+    gathered->squared_length = 0.0;
+    gathered->squared_error = 0.0;
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
             double sum = 0.0;
@@ -66,13 +66,17 @@ static void replicates_combine(const lmb_moment_sum mean[LMB_GATHER_REPLICATES],
             const double average = sum / count;
             for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
                 const double off = mean[r].c[c][i] - average;
-                variance += off * off / (count * (count - 1.0));
+                gathered->squared_error += off * off / (count * (count - 1.0));
             }
-            length_squared += average * average;
+            gathered->squared_length += average * average;
             gathered->moments.channel[c].c[i] = (float)average;
         }
     }
-    gathered->relative_error = length_squared > 0.0 ? (float)sqrt(variance / length_squared) : 0.0f;
+}
+
+double lmb_relative_error(double squared_error, double squared_length)
+{
+    return squared_length > 0.0 ? sqrt(squared_error / squared_length) : 0.0;
 }
 
 typedef struct lmb_replicate_work {

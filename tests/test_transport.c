@@ -319,7 +319,8 @@ static void cycles_probe_compare(const cJSON *probe)
     const double relative = sqrt(off / length);
     printf("     %s at %g %g %g: %.4f from Cycles (its noise %.4f, ours %.4f)\n",
            cJSON_GetObjectItem(probe, "scene")->valuestring, (double)point.position.x, (double)point.position.y,
-           (double)point.position.z, relative, noise, (double)gathered.relative_error);
+           (double)point.position.z, relative, noise,
+           lmb_relative_error(gathered.squared_error, gathered.squared_length));
     CHECK(relative <= noise + 0.01, "%g from Cycles, allowed %g", relative, noise + 0.01);
     traced_level_close(&level);
 }

@@ -2,7 +2,6 @@
 #include "bake_run.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -177,14 +176,11 @@ static uint64_t record_rays(const lmb_bake_record *record)
     return record->placement.rays + record->probes.rays + record->lightmap.rays;
 }
 
-/* Root mean square over probes and texels together. */
+/* Over probes and texels together, relative to their light: dark ones do not count for more than they hold. */
 static double record_relative_error(const lmb_bake_record *record)
 {
-    const double probes = (double)record->placement.probes_valid;
-    const double texels = (double)record->lightmap.texels;
-    const double sum = probes * record->probes.relative_error * record->probes.relative_error +
-                       texels * record->lightmap.relative_error * record->lightmap.relative_error;
-    return probes + texels > 0.0 ? sqrt(sum / (probes + texels)) : 0.0;
+    return lmb_relative_error(record->probes.squared_error + record->lightmap.squared_error,
+                              record->probes.squared_length + record->lightmap.squared_length);
 }
 
 static void json_add_seconds(cJSON *json, const lmb_bake *bake)
@@ -329,7 +325,7 @@ static void summary_print(const lmb_bake *bake)
     }
     printf("rays      %.3g million, %.2f million a second\n", 1e-6 * (double)record_rays(record),
            tracing > 0.0 ? 1e-6 * (double)record_rays(record) / tracing : 0.0);
-    printf("error     %.2f %% estimated (root mean square of standard errors)\n",
+    printf("error     %.2f %% estimated (standard error, relative, of probes and texels)\n",
            100.0 * record_relative_error(record));
     printf("written   %s (probes.vdb %.1f kB, probes.lmb %.1f kB, lightmaps %.1f kB)\n", bake->settings->directory,
            1e-3 * (double)record->bytes_vdb, 1e-3 * (double)record->bytes_lmb, 1e-3 * (double)record->bytes_lightmaps);

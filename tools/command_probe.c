@@ -63,12 +63,17 @@ static lmb_result probe_trace(const lmb_level *level, const lmb_query *query, ui
     return result;
 }
 
+static double answer_relative_error(const lmb_probe_answer *answer)
+{
+    return lmb_relative_error(answer->gathered.squared_error, answer->gathered.squared_length);
+}
+
 static void answer_print_json(const lmb_query *query, const lmb_probe_answer *answer)
 {
     cJSON *object = cJSON_CreateObject();
     cJSON_AddItemToObject(object, "position", json_vector(query->position));
     cJSON_AddItemToObject(object, "sh3", json_sh3(&answer->gathered.moments));
-    cJSON_AddNumberToObject(object, "std_error", (double)answer->gathered.relative_error);
+    cJSON_AddNumberToObject(object, "std_error", answer_relative_error(answer));
     if (query->has_normal) {
         cJSON_AddItemToObject(object, "normal", json_vector(query->normal));
         cJSON_AddItemToObject(object, "irradiance", json_rgb(answer->irradiance));
@@ -93,7 +98,7 @@ static void answer_print(const lmb_query *query, const lmb_probe_answer *answer)
         printf("  traced irradiance %12.6g %12.6g %12.6g\n", (double)answer->traced.c[0], (double)answer->traced.c[1],
                (double)answer->traced.c[2]);
     }
-    printf("  relative standard error %.3g %%, %llu rays in %.2f s\n", 100.0 * (double)answer->gathered.relative_error,
+    printf("  relative standard error %.3g %%, %llu rays in %.2f s\n", 100.0 * answer_relative_error(answer),
            (unsigned long long)answer->gathered.rays, answer->seconds);
 }
 

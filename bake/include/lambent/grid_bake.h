@@ -11,7 +11,8 @@ extern "C" {
 
 typedef struct lmb_grid_bake_stats {
     uint64_t rays;
-    double relative_error; /* root mean square of the baked probes' relative errors */
+    double squared_error; /* summed over the baked probes, as lmb_gathered has them */
+    double squared_length;
 } lmb_grid_bake_stats;
 
 /* Gathers `samples` samples at every valid probe, then dilates into the others. @return LMB_ERROR_MEMORY,

@@ -61,7 +61,8 @@ typedef struct lmb_lightmap_stats {
     uint64_t texels;     /* gathered */
     uint64_t pushed_out; /* texels whose point started inside geometry and was moved */
     uint64_t rays;
-    double relative_error; /* root mean square of the gathered texels' relative errors */
+    double squared_error; /* summed over the gathered texels, as lmb_gathered has them */
+    double squared_length;
 } lmb_lightmap_stats;
 
 /* Gathers `samples` samples at every covered texel over its hemisphere, fits SH3, encodes, and dilates into the

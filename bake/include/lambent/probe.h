@@ -17,9 +17,13 @@ enum { LMB_GATHER_REPLICATES = 8 };
  * coefficients; over a hemisphere lmb_sh3_fit_hemisphere turns them into coefficients. */
 typedef struct lmb_gathered {
     lmb_sh3_rgb moments;
-    float relative_error; /* standard error of the moments' vector over its length; 0 when all is dark */
+    double squared_error;  /* of the moments' vector: the sum of its components' squared standard errors */
+    double squared_length; /* of the moments' vector */
     uint64_t rays;
 } lmb_gathered;
+
+/* Standard error relative to what it is the error of, for one gathering or the sums over many; 0 when all is dark. */
+double lmb_relative_error(double squared_error, double squared_length);
 
 /* Takes `samples` samples (at least one for each replicate) at one point. Runs on the calling thread. */
 void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
