@@ -102,7 +102,7 @@ class loader {
     }
 
     void parse();
-    void read_images();
+    void list_items();
     int32_t read_image(uint32_t number);
     void read_materials();
     void read_material(const tinygltf::Material &source, lmb_material *material);
@@ -128,7 +128,7 @@ class loader {
     lmb_scene *scene_;
     lmb_error *error_;
     Model model_;
-    std::vector<const cJSON *> image_items_;
+    std::vector<const cJSON *> image_items_, mesh_items_;
     std::vector<int32_t> images_; /* scene image of each glTF image that was needed, or -1 */
     std::vector<world_node> nodes_;
     std::vector<uint32_t> shared_meshes_; /* scene mesh of each glTF mesh at rest, or NONE */
@@ -275,15 +275,25 @@ bool write_no_file(std::string *, const std::string &, const std::vector<unsigne
 }
 
 /* tinygltf gets the structure only: bytes and pictures are read by lmb_gltf_file, and nobody needs the rest. Written
- * anew, so that it reads exactly what was checked. */
+ * anew, so that it reads exactly what was checked. Indices stay away from it, because it refuses those of accessors
+ * without a buffer view. */
 void loader::parse()
 {
     std::unique_ptr<cJSON, void (*)(cJSON *)> copy(cJSON_Duplicate(file_->root, true), cJSON_Delete);
     if (!copy) {
         throw std::bad_alloc();
     }
-    for (const char *name : {"buffers", "images", "animations", "cameras"}) {
+    for (const char *name : {"accessors", "animations", "buffers", "bufferViews", "cameras", "images"}) {
         cJSON_DeleteItemFromObjectCaseSensitive(copy.get(), name);
+    }
+    const cJSON *mesh;
+    cJSON *primitive;
+    cJSON_ArrayForEach(mesh, cJSON_GetObjectItemCaseSensitive(copy.get(), "meshes"))
+    {
+        cJSON_ArrayForEach(primitive, cJSON_GetObjectItemCaseSensitive(mesh, "primitives"))
+        {
+            cJSON_DeleteItemFromObjectCaseSensitive(primitive, "indices");
+        }
     }
     std::unique_ptr<char, void (*)(void *)> text(cJSON_PrintUnformatted(copy.get()), cJSON_free);
     if (!text) {
@@ -325,12 +335,17 @@ std::string loader::node_name(uint32_t index) const
     return name.empty() ? "node " + std::to_string(index) : name;
 }
 
-void loader::read_images()
+/* cJSON's lists have no random access. */
+void loader::list_items()
 {
     const cJSON *item;
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(file_->root, "images"))
     {
         image_items_.push_back(item);
+    }
+    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(file_->root, "meshes"))
+    {
+        mesh_items_.push_back(item);
     }
     images_.assign(image_items_.size(), -1);
 }
@@ -590,6 +605,11 @@ uint32_t loader::build_mesh(uint32_t number, int32_t node, const lmb_gltf_pose &
     const tinygltf::Mesh &source = model_.meshes[number];
     std::vector<lmb_gltf_primitive> primitives;
     std::vector<std::vector<lmb_gltf_target>> targets(source.primitives.size());
+    const cJSON *const list = cJSON_GetObjectItemCaseSensitive(mesh_items_[number], "primitives");
+    if (size_t(cJSON_GetArraySize(list)) != source.primitives.size()) {
+        fail(LMB_ERROR_FORMAT, "meshes[%u]: tinygltf read %zu primitives", number, source.primitives.size());
+    }
+    const cJSON *item = list->child;
     for (const tinygltf::Primitive &p : source.primitives) {
         const size_t i = primitives.size();
         for (const auto &target : p.targets) {
@@ -597,7 +617,8 @@ uint32_t loader::build_mesh(uint32_t number, int32_t node, const lmb_gltf_pose &
         }
         lmb_gltf_primitive primitive{};
         primitive.mode = p.mode;
-        primitive.indices = p.indices;
+        primitive.indices = int32_t(lmb_gltf_uint(item, "indices", NONE)); /* NONE becomes -1 */
+        item = item->next;
         primitive.position = attribute(p.attributes, "POSITION");
         primitive.normal = attribute(p.attributes, "NORMAL");
         primitive.tangent = attribute(p.attributes, "TANGENT");
@@ -825,7 +846,7 @@ void loader::load()
 {
     scene_->path = copy_string(file_->path);
     parse();
-    read_images();
+    list_items();
     read_materials();
     place_nodes();
     shared_meshes_.assign(model_.meshes.size(), NONE);

@@ -16,8 +16,6 @@
 #define MAX_FILE_SIZE ((size_t)0x7fffffff)
 /* cJSON needs some 40 bytes for each byte of JSON at worst. */
 #define MAX_JSON_SIZE ((size_t)256 << 20)
-/* Elements of an accessor without bytes: nothing in the file vouches for them. */
-enum { MAX_ZERO_ELEMENTS = 1 << 24 };
 
 /* Refuses what is not a plain file (a pipe would hang) or too large before reading it. */
 static lmb_result read_plain_file(const char *path, const char *shown, unsigned char **data, size_t *size,
@@ -322,10 +320,8 @@ static lmb_result read_buffers(lmb_gltf_file *file, lmb_error *error)
             }
         } else if (file->buffer_count == 0 && file->bin) {
             *buffer = (lmb_gltf_bytes){file->bin, file->bin_size, NULL};
-        } else if (length > 0) {
-            /* Legal when an extension fills it; ours do not. */
-            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: has neither a uri nor a binary chunk", file->path,
-                                 place);
+        } else {
+            *buffer = (lmb_gltf_bytes){NULL, length, NULL}; /* legal as long as nobody reads it */
         }
         ++file->buffer_count;
         if (buffer->size < length) {
@@ -333,176 +329,6 @@ static lmb_result read_buffers(lmb_gltf_file *file, lmb_error *error)
                                  place, length, buffer->size);
         }
         buffer->size = length;
-    }
-    return LMB_OK;
-}
-
-/* A buffer view's bytes; it was checked to lie in its buffer. */
-static lmb_gltf_bytes view_bytes(const lmb_gltf_file *file, uint32_t view)
-{
-    const lmb_gltf_bytes *const buffer = &file->buffers[lmb_gltf_uint(file->views[view], "buffer", 0)];
-    const size_t offset = lmb_gltf_uint(file->views[view], "byteOffset", 0);
-    return (lmb_gltf_bytes){buffer->size ? buffer->data + offset : NULL,
-                            lmb_gltf_uint(file->views[view], "byteLength", 0), NULL};
-}
-
-static lmb_result resolve_views(lmb_gltf_file *file, lmb_error *error)
-{
-    const cJSON *const list = cJSON_GetObjectItemCaseSensitive(file->root, "bufferViews");
-    file->views = calloc((size_t)cJSON_GetArraySize(list) + 1, sizeof *file->views);
-    if (!file->views) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", file->path);
-    }
-    const cJSON *item;
-    cJSON_ArrayForEach(item, list)
-    {
-        const size_t size = file->buffers[lmb_gltf_uint(item, "buffer", 0)].size;
-        const size_t offset = lmb_gltf_uint(item, "byteOffset", 0);
-        const size_t length = lmb_gltf_uint(item, "byteLength", 0);
-        if (offset > size || length > size - offset) {
-            return lmb_error_set(error, LMB_ERROR_FORMAT,
-                                 "%s: bufferViews[%u]: bytes %zu to %zu leave buffers[%u] of %zu bytes", file->path,
-                                 file->view_count, offset, offset + length, lmb_gltf_uint(item, "buffer", 0), size);
-        }
-        file->views[file->view_count++] = item;
-    }
-    return LMB_OK;
-}
-
-static uint32_t component_size(int component_type)
-{
-    switch (component_type) {
-    case LMB_GLTF_BYTE:
-    case LMB_GLTF_UNSIGNED_BYTE:
-        return 1;
-    case LMB_GLTF_SHORT:
-    case LMB_GLTF_UNSIGNED_SHORT:
-        return 2;
-    default:
-        return 4;
-    }
-}
-
-/* Columns of matrices start at multiples of 4 bytes (glTF 2.0, 3.6.2.4). */
-static void element_layout(const char *type, uint32_t size, uint32_t *components, uint32_t *element_size)
-{
-    static const struct {
-        const char *type;
-        uint32_t columns, rows;
-    } types[] = {{"SCALAR", 1, 1}, {"VEC2", 1, 2}, {"VEC3", 1, 3}, {"VEC4", 1, 4},
-                 {"MAT2", 2, 2},   {"MAT3", 3, 3}, {"MAT4", 4, 4}};
-    *components = 1;
-    *element_size = size;
-    for (size_t i = 0; i < sizeof types / sizeof *types; ++i) {
-        if (strcmp(type, types[i].type) == 0) {
-            const uint32_t column = types[i].rows * size;
-            *components = types[i].columns * types[i].rows;
-            *element_size = types[i].columns * (types[i].columns > 1 ? (column + 3u) / 4u * 4u : column);
-        }
-    }
-}
-
-/* Whether `count` elements fit in a view of `size` bytes from `offset` on. */
-static bool elements_fit(size_t size, size_t offset, uint32_t count, size_t stride, size_t element_size)
-{
-    if (count == 0) {
-        return offset <= size;
-    }
-    const uint64_t last = (uint64_t)(count - 1) * stride; /* count < 2^31, stride < 256: no overflow */
-    return offset <= size && last <= size - offset && element_size <= size - offset - last;
-}
-
-static lmb_result resolve_sparse(const lmb_gltf_file *file, const cJSON *sparse, const char *place,
-                                 lmb_gltf_accessor *accessor, lmb_error *error)
-{
-    const cJSON *const indices = cJSON_GetObjectItemCaseSensitive(sparse, "indices");
-    const cJSON *const values = cJSON_GetObjectItemCaseSensitive(sparse, "values");
-    const uint32_t count = lmb_gltf_uint(sparse, "count", 0);
-    const lmb_gltf_bytes index_view = view_bytes(file, lmb_gltf_uint(indices, "bufferView", 0));
-    const lmb_gltf_bytes value_view = view_bytes(file, lmb_gltf_uint(values, "bufferView", 0));
-    const size_t index_offset = lmb_gltf_uint(indices, "byteOffset", 0);
-    const size_t value_offset = lmb_gltf_uint(values, "byteOffset", 0);
-    const int index_type = (int)lmb_gltf_uint(indices, "componentType", 0);
-    const uint32_t index_size = component_size(index_type);
-    if (count > accessor->count) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.sparse: count %u is above the accessor's %u", file->path,
-                             place, count, accessor->count);
-    }
-    if (!elements_fit(index_view.size, index_offset, count, index_size, index_size)) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.sparse.indices: leaves its buffer view", file->path,
-                             place);
-    }
-    if (!elements_fit(value_view.size, value_offset, count, accessor->element_size, accessor->element_size)) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.sparse.values: leaves its buffer view", file->path,
-                             place);
-    }
-    if (count == 0) {
-        return LMB_OK;
-    }
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t index = lmb_gltf_read_index(index_view.data + index_offset, index_type, i);
-        if (index >= accessor->count) {
-            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.sparse.indices: element %u is %u, of %u", file->path,
-                                 place, i, index, accessor->count);
-        }
-    }
-    accessor->sparse_count = count;
-    accessor->sparse_index_type = index_type;
-    accessor->sparse_indices = index_view.data + index_offset;
-    accessor->sparse_values = value_view.data + value_offset;
-    return LMB_OK;
-}
-
-static lmb_result resolve_accessor(const lmb_gltf_file *file, const cJSON *item, const char *place,
-                                   lmb_gltf_accessor *accessor, lmb_error *error)
-{
-    accessor->component_type = (int)lmb_gltf_uint(item, "componentType", 0);
-    accessor->count = lmb_gltf_uint(item, "count", 0);
-    accessor->normalized = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(item, "normalized"));
-    element_layout(cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(item, "type")),
-                   component_size(accessor->component_type), &accessor->components, &accessor->element_size);
-    accessor->stride = accessor->element_size;
-    if (cJSON_GetObjectItemCaseSensitive(item, "bufferView")) {
-        const uint32_t view = lmb_gltf_uint(item, "bufferView", 0);
-        const lmb_gltf_bytes bytes = view_bytes(file, view);
-        const size_t offset = lmb_gltf_uint(item, "byteOffset", 0);
-        const uint32_t stride = lmb_gltf_uint(file->views[view], "byteStride", 0);
-        if (stride != 0 && stride < accessor->element_size) {
-            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: byteStride %u is below the element's %u bytes",
-                                 file->path, place, stride, accessor->element_size);
-        }
-        accessor->stride = stride ? stride : accessor->element_size;
-        if (!elements_fit(bytes.size, offset, accessor->count, accessor->stride, accessor->element_size)) {
-            return lmb_error_set(error, LMB_ERROR_FORMAT,
-                                 "%s: %s: %u elements of %u bytes from byte %zu on leave bufferViews[%u] of %zu bytes",
-                                 file->path, place, accessor->count, accessor->element_size, offset, view, bytes.size);
-        }
-        accessor->data = accessor->count ? bytes.data + offset : NULL;
-    } else if (accessor->count > MAX_ZERO_ELEMENTS) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %s: %u elements without a buffer view", file->path,
-                             place, accessor->count);
-    }
-    const cJSON *const sparse = cJSON_GetObjectItemCaseSensitive(item, "sparse");
-    return sparse ? resolve_sparse(file, sparse, place, accessor, error) : LMB_OK;
-}
-
-static lmb_result resolve_accessors(lmb_gltf_file *file, lmb_error *error)
-{
-    const cJSON *const list = cJSON_GetObjectItemCaseSensitive(file->root, "accessors");
-    file->accessors = calloc((size_t)cJSON_GetArraySize(list) + 1, sizeof *file->accessors);
-    if (!file->accessors) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", file->path);
-    }
-    const cJSON *item;
-    cJSON_ArrayForEach(item, list)
-    {
-        char place[LMB_GLTF_PLACE_SIZE];
-        lmb_gltf_place(place, "accessors[%u]", file->accessor_count);
-        const lmb_result result = resolve_accessor(file, item, place, &file->accessors[file->accessor_count], error);
-        if (result != LMB_OK) {
-            return result;
-        }
-        ++file->accessor_count;
     }
     return LMB_OK;
 }
@@ -526,10 +352,10 @@ static lmb_result read_and_check(lmb_gltf_file *file, lmb_error *error)
         result = read_buffers(file, error);
     }
     if (result == LMB_OK) {
-        result = resolve_views(file, error);
+        result = lmb_gltf_views_resolve(file, error);
     }
     if (result == LMB_OK) {
-        result = resolve_accessors(file, error);
+        result = lmb_gltf_accessors_resolve(file, error);
     }
     return result == LMB_OK ? lmb_gltf_check_references(file, error) : result;
 }
@@ -585,7 +411,10 @@ lmb_result lmb_gltf_image_read(lmb_gltf_file *file, const cJSON *image, uint32_t
             return result;
         }
     } else {
-        *bytes = view_bytes(file, lmb_gltf_uint(image, "bufferView", 0));
+        *bytes = lmb_gltf_view_bytes(file, lmb_gltf_uint(image, "bufferView", 0));
+    }
+    if (!bytes->data) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: no bytes", file->path, place);
     }
     if (name) {
         const size_t size = (external ? strlen(uri) : 0) + sizeof "image 4294967295";

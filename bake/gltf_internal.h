@@ -40,8 +40,10 @@ typedef struct lmb_gltf_accessor {
     uint32_t count;
     uint32_t components;
     uint32_t element_size; /* bytes, with the padding of small matrices */
+    uint32_t used_size;    /* the same without the padding after the last column, which the last element may lack */
     int component_type;
     bool normalized;
+    bool missing; /* its buffer has no bytes in the file, which is an error for whoever reads it */
     uint32_t sparse_count;
     int sparse_index_type;
     const unsigned char *sparse_indices;
@@ -78,6 +80,12 @@ lmb_result lmb_gltf_image_read(lmb_gltf_file *file, const cJSON *image, uint32_t
 /* The bytes that a `uri` stands for; `place` names it in messages. */
 lmb_result lmb_gltf_uri_read(lmb_gltf_file *file, const char *uri, const char *place, lmb_gltf_bytes *bytes,
                              lmb_error *error);
+
+/* gltf_accessor.c: every view in its buffer, then every accessor in its view; sparse indices in their accessor. */
+lmb_result lmb_gltf_views_resolve(lmb_gltf_file *file, lmb_error *error);
+lmb_result lmb_gltf_accessors_resolve(lmb_gltf_file *file, lmb_error *error);
+/* A buffer view's bytes; `data` is NULL when the file does not have them. */
+lmb_gltf_bytes lmb_gltf_view_bytes(const lmb_gltf_file *file, uint32_t view);
 
 /* gltf_check.c: versions, required extensions, then the type and range of every property that is read. */
 lmb_result lmb_gltf_check_json(const lmb_gltf_file *file, lmb_error *error);

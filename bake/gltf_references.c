@@ -33,6 +33,16 @@ static bool form_fits(const attribute_form *form, const lmb_gltf_accessor *acces
     return accessor->normalized ? form->normalized_allowed : form->integers;
 }
 
+static lmb_result require_bytes(const lmb_gltf_file *file, uint32_t accessor, const char *place, lmb_error *error)
+{
+    if (file->accessors[accessor].missing) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT,
+                             "%s: %s: accessors[%u] is of a buffer with neither a uri nor a binary chunk", file->path,
+                             place, accessor);
+    }
+    return LMB_OK;
+}
+
 static lmb_result check_attribute_set(const lmb_gltf_file *file, const cJSON *attributes, bool target,
                                       uint32_t vertex_count, const char *place, lmb_error *error)
 {
@@ -43,6 +53,10 @@ static lmb_result check_attribute_set(const lmb_gltf_file *file, const cJSON *at
         if (accessor->count != vertex_count) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.%s: %u elements for %u vertices", file->path, place,
                                  item->string, accessor->count, vertex_count);
+        }
+        const lmb_result result = require_bytes(file, (uint32_t)item->valuedouble, place, error);
+        if (result != LMB_OK) {
+            return result;
         }
         for (size_t i = 0; i < sizeof attribute_forms / sizeof *attribute_forms; ++i) {
             attribute_form form = attribute_forms[i];
@@ -94,11 +108,7 @@ static lmb_result check_primitive(const lmb_gltf_file *file, const cJSON *primit
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.indices: accessors[%u] is not of unsigned integers",
                              file->path, place, number_of_indices);
     }
-    if (!indices->data) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %s.indices: accessors[%u] has no buffer view",
-                             file->path, place, number_of_indices);
-    }
-    return LMB_OK;
+    return require_bytes(file, number_of_indices, place, error);
 }
 
 static lmb_result check_meshes(const lmb_gltf_file *file, lmb_error *error)
@@ -138,6 +148,12 @@ static lmb_result check_skins(const lmb_gltf_file *file, lmb_error *error)
                                      "%s: skins[%u].inverseBindMatrices: accessors[%u] is not %d float matrices",
                                      file->path, number, matrices, joint_count);
             }
+            char place[LMB_GLTF_PLACE_SIZE];
+            lmb_gltf_place(place, "skins[%u].inverseBindMatrices", number);
+            const lmb_result result = require_bytes(file, matrices, place, error);
+            if (result != LMB_OK) {
+                return result;
+            }
         }
         ++number;
     }
@@ -164,12 +180,17 @@ static lmb_result check_instancing(const lmb_gltf_file *file, const cJSON *node,
                                  "%s: nodes[%u].extensions.EXT_mesh_gpu_instancing.%s: accessors[%u] does not fit",
                                  file->path, number, item->string, (uint32_t)item->valuedouble);
         }
+        char place[LMB_GLTF_PLACE_SIZE];
+        lmb_gltf_place(place, "nodes[%u].extensions.EXT_mesh_gpu_instancing", number);
+        const lmb_result result = require_bytes(file, (uint32_t)item->valuedouble, place, error);
+        if (result != LMB_OK) {
+            return result;
+        }
     }
     return LMB_OK;
 }
 
-/* The morph targets of a mesh are those of its first primitive. */
-static lmb_result check_joint_sets(const lmb_gltf_file *file, const cJSON *node, unsigned number, lmb_error *error)
+static lmb_result check_node(const lmb_gltf_file *file, const cJSON *node, unsigned number, lmb_error *error)
 {
     if (cJSON_GetObjectItemCaseSensitive(node, "skin") && !cJSON_GetObjectItemCaseSensitive(node, "mesh")) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: nodes[%u]: a skin without a mesh", file->path, number);
@@ -196,13 +217,13 @@ static lmb_result check_hierarchy(const lmb_gltf_file *file, uint32_t *parent, u
             }
             parent[index] = number;
         }
-        const lmb_result result = check_joint_sets(file, node, number, error);
+        const lmb_result result = check_node(file, node, number, error);
         if (result != LMB_OK) {
             return result;
         }
         ++number;
     }
-    /* Up from each node; steps are marked by UINT32_MAX - 1 so that the whole walk is linear. */
+    /* Up from each node, until a node that an earlier walk has seen: linear in all. */
     uint32_t *const state = parent + node_count; /* number of the walk that has been here, or 0 */
     for (uint32_t i = 0; i < node_count; ++i) {
         uint32_t at = i;

@@ -1,0 +1,1098 @@
+/* glTF levels written on the spot, one for each thing that a level may contain, with what must come of it. */
+#define _POSIX_C_SOURCE 200809L
+
+#include "harness.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+
+#include <lambent/file.h>
+#include <lambent/gltf.h>
+
+#define FOLDER LMB_TEST_OUTPUT_DIR "/gltf"
+#define HEAD "{'asset':{'version':'2.0'},"
+
+static lmb_error error;
+
+static bool write_bytes(const char *name, const void *bytes, size_t size)
+{
+    char path[1024];
+    mkdir(LMB_TEST_OUTPUT_DIR, 0777);
+    mkdir(FOLDER, 0777);
+    snprintf(path, sizeof path, FOLDER "/%s", name);
+    FILE *const file = fopen(path, "wb");
+    const bool written = file && fwrite(bytes, 1, size, file) == size;
+    return file && fclose(file) == 0 && written;
+}
+
+/* JSON with ' for ", so that it can be read in C. */
+static char *json_of(const char *text)
+{
+    const size_t size = strlen(text) + 1;
+    char *const json = malloc(size);
+    for (size_t i = 0; json && i < size; ++i) {
+        json[i] = text[i] == '\'' ? '"' : text[i];
+    }
+    return json;
+}
+
+static lmb_result load_text_with(const char *name, const char *text, const lmb_gltf_options *options, lmb_scene **scene)
+{
+    char path[1024];
+    char *const json = json_of(text);
+    snprintf(path, sizeof path, "%s.gltf", name);
+    CHECK(json && write_bytes(path, json, strlen(json)), "%s", name);
+    free(json);
+    snprintf(path, sizeof path, FOLDER "/%s.gltf", name);
+    *scene = NULL;
+    error.message[0] = '\0';
+    const lmb_result result = lmb_gltf_load(path, options, scene, &error);
+    CHECK((result == LMB_OK) == (*scene != NULL), "%s", name);
+    if (*scene) {
+        lmb_error fault = {""};
+        CHECK(lmb_scene_validate(*scene, &fault) == LMB_OK, "%s", fault.message);
+    }
+    return result;
+}
+
+/* Loads what must load; NULL (and a failed check) when it does not. */
+static lmb_scene *load_text(const char *name, const char *text)
+{
+    lmb_scene *scene;
+    const lmb_result result = load_text_with(name, text, NULL, &scene);
+    CHECK(result == LMB_OK, "%s: %s", name, error.message);
+    return scene;
+}
+
+static void check_vec3(lmb_vec3 v, float x, float y, float z, const char *what)
+{
+    CHECK_NEAR(v.x, x, 1e-5, "%s: (%g %g %g)", what, (double)v.x, (double)v.y, (double)v.z);
+    CHECK_NEAR(v.y, y, 1e-5, "%s: (%g %g %g)", what, (double)v.x, (double)v.y, (double)v.z);
+    CHECK_NEAR(v.z, z, 1e-5, "%s: (%g %g %g)", what, (double)v.x, (double)v.y, (double)v.z);
+}
+
+static lmb_vec3 to_world(const lmb_scene *scene, uint32_t instance, uint32_t vertex)
+{
+    const lmb_instance *const i = &scene->instances[instance];
+    const lmb_vec3 p = scene->meshes[i->mesh].position[vertex];
+    lmb_vec3 w;
+    float *const out[3] = {&w.x, &w.y, &w.z};
+    for (int r = 0; r < 3; ++r) {
+        const double *const m = i->to_world.m[r];
+        *out[r] = (float)(m[0] * (double)p.x + m[1] * (double)p.y + m[2] * (double)p.z + m[3]);
+    }
+    return w;
+}
+
+/* The shared buffer: 0 a quad in XY (4 x VEC3 float), 48 its indices (6 u16, padded to 12), 60 UVs (4 x VEC2 float). */
+static const float quad[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+static const uint16_t quad_indices[6] = {0, 1, 2, 0, 2, 3};
+static const float quad_uvs[8] = {0, 0, 1, 0, 1, 1, 0, 1};
+
+static void write_quad_buffer(void)
+{
+    unsigned char bytes[92];
+    memcpy(bytes, quad, 48);
+    memcpy(bytes + 48, quad_indices, 12);
+    memcpy(bytes + 60, quad_uvs, 32);
+    CHECK(write_bytes("quad.bin", bytes, sizeof bytes), "quad.bin");
+}
+
+#define QUAD_DATA                                                                                                      \
+    "'buffers':[{'uri':'quad.bin','byteLength':92}],"                                                                  \
+    "'bufferViews':[{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':48,'byteLength':12},"                        \
+    "{'buffer':0,'byteOffset':60,'byteLength':32}],"                                                                   \
+    "'accessors':[{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},"                                      \
+    "{'bufferView':1,'componentType':5123,'count':6,'type':'SCALAR'},"                                                 \
+    "{'bufferView':2,'componentType':5126,'count':4,'type':'VEC2'}],"
+#define QUAD_MESH "'meshes':[{'name':'quad','primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':2},'indices':1}]}],"
+#define QUAD HEAD QUAD_DATA QUAD_MESH
+
+static void test_quad(void)
+{
+    write_quad_buffer();
+    lmb_scene *const s = load_text("one quad", QUAD "'nodes':[{'mesh':0}]}");
+    if (!s) {
+        return;
+    }
+    CHECK(s->mesh_count == 1 && s->instance_count == 1, "%u %u", s->mesh_count, s->instance_count);
+    const lmb_mesh *const m = &s->meshes[0];
+    CHECK(strcmp(m->name, "quad") == 0 && strcmp(s->instances[0].name, "node 0") == 0, "%s", m->name);
+    CHECK(m->triangle_count == 2 && m->vertex_count == 6, "flat: %u %u", m->triangle_count, m->vertex_count);
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        const uint16_t source = quad_indices[v];
+        check_vec3(m->normal[v], 0, 0, 1, "flat normal");
+        check_vec3(m->position[v], quad[3 * source], quad[3 * source + 1], 0, "position");
+        CHECK(m->uv[0][v].x == quad_uvs[2 * source] && m->uv[0][v].y == quad_uvs[2 * source + 1], "uv of %u", v);
+    }
+    CHECK(!m->uv[1] && !m->color && !m->tangent, "absent attributes");
+    CHECK(s->material_count == 1 && m->material[0] == 0, "default material");
+    CHECK(s->materials[0].base_color[0] == 1.0f && s->materials[0].base_color_texture.image == -1, "white");
+    CHECK(m->source_triangle[1] == 1 && m->source_primitive[1] == 0 && m->source_mesh == 0 && m->source_node == -1,
+          "source");
+    check_vec3(s->bounds_min, 0, 0, 0, "bounds");
+    check_vec3(s->bounds_max, 1, 1, 0, "bounds");
+    CHECK(!lmb_scene_has_light(s), "dark");
+    lmb_scene_destroy(s);
+}
+
+static void test_transforms(void)
+{
+    lmb_scene *const s =
+        load_text("transforms", QUAD
+                  "'nodes':[{'children':[1,2],'translation':[10,0,0],'rotation':[0,0,0.70710678118,0.70710678118]},"
+                  "{'mesh':0,'scale':[2,3,1]},{'mesh':0,'matrix':[-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,5,1]},"
+                  "{'mesh':0,'rotation':[0,2,0,2]}]}");
+    if (!s) {
+        return;
+    }
+    CHECK(s->instance_count == 3 && s->mesh_count == 1, "shared: %u %u", s->instance_count, s->mesh_count);
+    /* A quarter turn about Z takes (x, y) to (-y, x). */
+    check_vec3(to_world(s, 0, 2), 10 - 3, 2, 0, "TRS");
+    check_vec3(to_world(s, 1, 2), 10 - 1, -1, 5, "matrix");
+    check_vec3(to_world(s, 2, 1), 0, 0, -1, "a rotation that is not unit");
+    CHECK(!s->instances[0].mirrored && s->instances[1].mirrored && !s->instances[2].mirrored, "mirrored");
+    CHECK_NEAR(s->instances[0].normal_to_world.m[1][0], 0.5, 1e-7, "inverse transpose");
+    check_vec3(s->bounds_min, 0, -1, -1, "bounds");
+    check_vec3(s->bounds_max, 10, 2, 5, "bounds");
+    lmb_scene_destroy(s);
+}
+
+static void test_modes(void)
+{
+    const float p[15] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0};
+    CHECK(write_bytes("five.bin", p, sizeof p), "five.bin");
+    lmb_scene *const s = load_text(
+        "modes", HEAD "'buffers':[{'uri':'five.bin','byteLength':60}],'bufferViews':[{'buffer':0,'byteLength':60}],"
+                      "'accessors':[{'bufferView':0,'componentType':5126,'count':5,'type':'VEC3'}],"
+                      "'meshes':[{'primitives':["
+                      "{'mode':0,'attributes':{'POSITION':0}},{'mode':1,'attributes':{'POSITION':0}},"
+                      "{'mode':5,'attributes':{'POSITION':0}},{'mode':3,'attributes':{'POSITION':0}},"
+                      "{'mode':6,'attributes':{'POSITION':0}},{'attributes':{'POSITION':0}},"
+                      "{'mode':2,'attributes':{'POSITION':0}},{'attributes':{}}]}],'nodes':[{'mesh':0}]}");
+    if (!s) {
+        return;
+    }
+    /* Which of the five points the corners are, as glTF 2.0, 3.7.2.1 lists them. The fan's second triangle
+     * (0, 2, 3) and third (0, 3, 4) are real, its first too. */
+    static const int expected[7][3] = {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}, {0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 1, 2}};
+    static const uint32_t primitive[7] = {2, 2, 2, 4, 4, 4, 5};
+    const lmb_mesh *const m = &s->meshes[0];
+    CHECK(m->triangle_count == 7, "%u triangles", m->triangle_count);
+    for (uint32_t t = 0; t < 7 && t < m->triangle_count; ++t) {
+        for (int c = 0; c < 3; ++c) {
+            const float *const q = p + 3 * expected[t][c];
+            check_vec3(m->position[m->triangle[t][c]], q[0], q[1], q[2], "corner");
+        }
+        CHECK(m->source_primitive[t] == primitive[t], "triangle %u: %u", t, m->source_primitive[t]);
+    }
+    lmb_scene_destroy(s);
+}
+
+/* Interleaved, 20 bytes a vertex: position i16 normalised x 3 (+2), normal i8 normalised x 3 (+1), UV u16 plain x 2,
+ * colour u8 normalised x 4. */
+static void test_quantized(void)
+{
+    unsigned char bytes[60] = {0};
+    const int16_t positions[3][3] = {{-32768, -32767, 0}, {32767, 0, 0}, {0, 16384, 0}};
+    const uint16_t uvs[3][2] = {{0, 1}, {2, 65535}, {4, 5}};
+    for (size_t v = 0; v < 3; ++v) {
+        const int8_t normal[3] = {0, 0, 127};
+        const unsigned char color[4] = {255, 51, 0, 102};
+        memcpy(bytes + 20 * v, positions[v], 6);
+        memcpy(bytes + 20 * v + 8, normal, 3);
+        memcpy(bytes + 20 * v + 12, uvs[v], 4);
+        memcpy(bytes + 20 * v + 16, color, 4);
+    }
+    CHECK(write_bytes("quantized.bin", bytes, sizeof bytes), "quantized.bin");
+    lmb_scene *const s =
+        load_text("quantized", HEAD
+                  "'extensionsRequired':['KHR_mesh_quantization'],'extensionsUsed':['KHR_mesh_quantization'],"
+                  "'buffers':[{'uri':'quantized.bin','byteLength':60}],"
+                  "'bufferViews':[{'buffer':0,'byteLength':60,'byteStride':20}],'accessors':["
+                  "{'bufferView':0,'componentType':5122,'normalized':true,'count':3,'type':'VEC3'},"
+                  "{'bufferView':0,'byteOffset':8,'componentType':5120,'normalized':true,'count':3,'type':'VEC3'},"
+                  "{'bufferView':0,'byteOffset':12,'componentType':5123,'count':3,'type':'VEC2'},"
+                  "{'bufferView':0,'byteOffset':16,'componentType':5121,'normalized':true,'count':3,'type':'VEC4'}],"
+                  "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':1,'TEXCOORD_1':2,'COLOR_0':3}}]}],"
+                  "'nodes':[{'mesh':0}]}");
+    if (!s) {
+        return;
+    }
+    const lmb_mesh *const m = &s->meshes[0];
+    check_vec3(m->position[0], -1, -1, 0, "both lowest codes are -1");
+    check_vec3(m->position[1], 1, 0, 0, "32767");
+    check_vec3(m->position[2], 0, 16384.0f / 32767.0f, 0, "16384");
+    check_vec3(m->normal[0], 0, 0, 1, "normal");
+    CHECK(m->uv[1] && !m->uv[0] && m->uv[1][1].x == 2.0f && m->uv[1][1].y == 65535.0f, "plain integers");
+    CHECK_NEAR(m->color[2][1], 0.2, 1e-6, "colour");
+    CHECK_NEAR(m->color[2][3], 0.4, 1e-6, "colour's alpha");
+    lmb_scene_destroy(s);
+}
+
+static void test_sparse(void)
+{
+    /* 0: plain quad, 48: two u8 indices, 52: two replacements; and again on zeros. */
+    unsigned char bytes[76] = {0};
+    const unsigned char indices[2] = {1, 2};
+    const float values[6] = {5, 0, 0, 5, 6, 0};
+    memcpy(bytes, quad, 48);
+    memcpy(bytes + 48, indices, 2);
+    memcpy(bytes + 52, values, 24);
+    CHECK(write_bytes("sparse.bin", bytes, sizeof bytes), "sparse.bin");
+#define SPARSE "'sparse':{'count':2,'indices':{'bufferView':1,'componentType':5121},'values':{'bufferView':2}}"
+    lmb_scene *const s = load_text(
+        "sparse", HEAD
+        "'buffers':[{'uri':'sparse.bin','byteLength':76}],'bufferViews':[{'buffer':0,'byteLength':48},"
+        "{'buffer':0,'byteOffset':48,'byteLength':2},{'buffer':0,'byteOffset':52,'byteLength':24}],'accessors':["
+        "{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'," SPARSE "},"
+        "{'componentType':5126,'count':3,'type':'VEC3'," SPARSE "},{'componentType':5123,'count':3,'type':'SCALAR'}],"
+        "'meshes':[{'primitives':[{'mode':6,'attributes':{'POSITION':0}},{'attributes':{'POSITION':1}},"
+        "{'attributes':{'POSITION':1},'indices':2}]}],'nodes':[{'mesh':0}]}");
+    if (!s) {
+        return;
+    }
+    const lmb_mesh *const m = &s->meshes[0];
+    CHECK(m->triangle_count == 3, "%u", m->triangle_count);
+    check_vec3(m->position[m->triangle[0][1]], 5, 0, 0, "replaced");
+    check_vec3(m->position[m->triangle[1][2]], 0, 1, 0, "kept");
+    check_vec3(m->position[m->triangle[2][0]], 0, 0, 0, "zero by default");
+    check_vec3(m->position[m->triangle[2][2]], 5, 6, 0, "replaced zero");
+    CHECK(s->dropped_triangle_count == 1, "indices that are all zero: %u", s->dropped_triangle_count);
+    lmb_scene_destroy(s);
+}
+
+static void test_morph(void)
+{
+    float data[24];
+    memcpy(data, quad, 48);
+    for (int i = 0; i < 12; ++i) {
+        data[12 + i] = i % 3 == 2 ? 1.0f : 0.0f; /* each target step lifts by 1 */
+    }
+    CHECK(write_bytes("morph.bin", data, sizeof data), "morph.bin");
+    lmb_scene *const s = load_text(
+        "morph", HEAD "'buffers':[{'uri':'morph.bin','byteLength':96}],'bufferViews':[{'buffer':0,'byteLength':48},"
+                      "{'buffer':0,'byteOffset':48,'byteLength':48}],'accessors':["
+                      "{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},"
+                      "{'bufferView':1,'componentType':5126,'count':4,'type':'VEC3'}],"
+                      "'meshes':[{'weights':[0.25,0.5],'primitives':[{'mode':6,'attributes':{'POSITION':0},"
+                      "'targets':[{'POSITION':1},{'POSITION':1}]}]}],"
+                      "'nodes':[{'mesh':0},{'mesh':0,'weights':[2,0]},{'mesh':0}]}");
+    if (!s) {
+        return;
+    }
+    CHECK(s->mesh_count == 2 && s->instance_count == 3, "%u %u", s->mesh_count, s->instance_count);
+    CHECK(s->instances[0].mesh == s->instances[2].mesh, "posed by the mesh: shared");
+    check_vec3(to_world(s, 0, 0), 0, 0, 0.75f, "the mesh's weights");
+    check_vec3(to_world(s, 1, 0), 0, 0, 2, "the node's weights");
+    CHECK(s->meshes[s->instances[1].mesh].source_node == 1, "posed by its node");
+    lmb_scene_destroy(s);
+}
+
+static void test_skin(void)
+{
+    unsigned char bytes[48 + 16 + 64 + 128] = {0};
+    const unsigned char joints[16] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0};
+    const float weights[16] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0.5f, 0.5f, 0, 0};
+    float inverse[32] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,  0, 1,
+                         1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1};
+    memcpy(bytes, quad, 48);
+    memcpy(bytes + 48, joints, 16);
+    memcpy(bytes + 64, weights, 64);
+    memcpy(bytes + 128, inverse, 128);
+    CHECK(write_bytes("skin.bin", bytes, sizeof bytes), "skin.bin");
+    lmb_scene *const s = load_text(
+        "skin", HEAD "'buffers':[{'uri':'skin.bin','byteLength':256}],'bufferViews':[{'buffer':0,'byteLength':48},"
+                     "{'buffer':0,'byteOffset':48,'byteLength':16},{'buffer':0,'byteOffset':64,'byteLength':64},"
+                     "{'buffer':0,'byteOffset':128,'byteLength':128}],'accessors':["
+                     "{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},"
+                     "{'bufferView':1,'componentType':5121,'count':4,'type':'VEC4'},"
+                     "{'bufferView':2,'componentType':5126,'count':4,'type':'VEC4'},"
+                     "{'bufferView':3,'componentType':5126,'count':2,'type':'MAT4'}],"
+                     "'meshes':[{'primitives':[{'mode':6,'attributes':{'POSITION':0,'JOINTS_0':1,'WEIGHTS_0':2}}]}],"
+                     "'skins':[{'joints':[1,2],'inverseBindMatrices':3}],"
+                     "'nodes':[{'mesh':0,'skin':0,'translation':[100,0,0]},{'children':[2],'translation':[0,0,7]},"
+                     "{'translation':[4,1,0]}]}");
+    if (!s) {
+        return;
+    }
+    /* Joint 0 lifts by 7; joint 1 stands at (4, 1, 7) and its bind pose at (0, 1, 0), so it adds (4, 0, 7). */
+    const lmb_mesh *const m = &s->meshes[0];
+    check_vec3(to_world(s, 0, m->triangle[0][1]), 1, 0, 7, "joint 0, and not the node");
+    check_vec3(to_world(s, 0, m->triangle[0][2]), 5, 1, 7, "joint 1");
+    check_vec3(to_world(s, 0, m->triangle[1][2]), 2, 1, 7, "half of each");
+    CHECK(m->source_node == 0, "%d", m->source_node);
+    lmb_scene_destroy(s);
+}
+
+static void test_instancing(void)
+{
+    float data[12 + 6 + 8] = {0};
+    memcpy(data, quad, 48);
+    const float rest[14] = {1, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0, 1, 0};
+    memcpy(data + 12, rest, 56);
+    CHECK(write_bytes("instances.bin", data, sizeof data), "instances.bin");
+    lmb_scene *const s = load_text(
+        "instances",
+        HEAD "'extensionsRequired':['EXT_mesh_gpu_instancing'],'buffers':[{'uri':'instances.bin','byteLength':104}],"
+             "'bufferViews':[{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':48,'byteLength':24},"
+             "{'buffer':0,'byteOffset':72,'byteLength':32}],'accessors':["
+             "{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},"
+             "{'bufferView':1,'componentType':5126,'count':2,'type':'VEC3'},"
+             "{'bufferView':2,'componentType':5126,'count':2,'type':'VEC4'}],"
+             "'meshes':[{'primitives':[{'mode':6,'attributes':{'POSITION':0}}]}],'nodes':[{'mesh':0,'scale':[2,2,2],"
+             "'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':1,'ROTATION':2}}}}]}");
+    if (!s) {
+        return;
+    }
+    CHECK(s->instance_count == 2 && s->instances[1].place == 1 && s->instances[1].node == 0, "%u", s->instance_count);
+    check_vec3(to_world(s, 0, 1), 4, 0, 0, "moved");
+    check_vec3(to_world(s, 1, 1), -2, 4, 0, "moved and half a turn about Z");
+    lmb_scene_destroy(s);
+}
+
+/* --- PNG, stored without compression --- */
+
+static uint32_t crc32_of(const unsigned char *bytes, size_t size)
+{
+    uint32_t crc = 0xffffffffu;
+    for (size_t i = 0; i < size; ++i) {
+        crc ^= bytes[i];
+        for (int bit = 0; bit < 8; ++bit) {
+            crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+        }
+    }
+    return ~crc;
+}
+
+static void big_endian(unsigned char *to, uint32_t value)
+{
+    for (int i = 0; i < 4; ++i) {
+        to[i] = (unsigned char)(value >> (24 - 8 * i));
+    }
+}
+
+static size_t put_chunk(unsigned char *to, const char *type, const unsigned char *bytes, size_t size)
+{
+    big_endian(to, (uint32_t)size);
+    memcpy(to + 4, type, 4);
+    if (size > 0) {
+        memcpy(to + 8, bytes, size);
+    }
+    big_endian(to + 8 + size, crc32_of(to + 4, size + 4));
+    return size + 12;
+}
+
+/* `rows`: height x (1 filter byte + pixels); RGBA of `depth` bits. */
+static size_t make_png(unsigned char *to, uint32_t width, uint32_t height, unsigned char depth,
+                       const unsigned char *rows, size_t size)
+{
+    static const unsigned char magic[8] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10};
+    unsigned char header[13] = {0}, packed[256] = {0x78, 1, 1};
+    memcpy(to, magic, 8);
+    big_endian(header, width);
+    big_endian(header + 4, height);
+    header[8] = depth;
+    header[9] = 6;
+    size_t used = 8 + put_chunk(to + 8, "IHDR", header, 13);
+    packed[3] = (unsigned char)size;
+    packed[5] = (unsigned char)~size;
+    packed[6] = 0xff;
+    memcpy(packed + 7, rows, size);
+    uint32_t a = 1, b = 0;
+    for (size_t i = 0; i < size; ++i) {
+        a = (a + rows[i]) % 65521;
+        b = (b + a) % 65521;
+    }
+    big_endian(packed + 7 + size, b << 16 | a);
+    used += put_chunk(to + used, "IDAT", packed, size + 11);
+    return used + put_chunk(to + used, "IEND", packed, 0);
+}
+
+static void test_materials(void)
+{
+    const unsigned char rows8[18] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 9, 10, 11, 12, 13, 14, 15, 255};
+    const unsigned char rows16[9] = {0, 0xff, 0xff, 0x80, 0x00, 0x00, 0xc0, 0x00, 0x7f};
+    unsigned char png[512];
+    size_t size = make_png(png, 2, 2, 8, rows8, sizeof rows8);
+    CHECK(write_bytes("two by two.png", png, size), "png");
+    size = make_png(png, 1, 1, 16, rows16, sizeof rows16);
+    CHECK(write_bytes("wide.png", png, size), "png");
+    lmb_scene *const s = load_text(
+        "materials",
+        HEAD "'extensionsUsed':['KHR_texture_transform'],"
+             "'images':[{'uri':'nowhere.png'},{'uri':'two%20by%20two.png'},{'uri':'wide.png'}],"
+             "'samplers':[{'magFilter':9728,'wrapS':33071,'wrapT':33648}],"
+             "'textures':[{'source':0},{'source':1,'sampler':0},{'source':2}],'materials':["
+             "{'name':'a','pbrMetallicRoughness':{'baseColorFactor':[0.1,0.2,0.3,0.4],'baseColorTexture':{'index':1,"
+             "'texCoord':0,'extensions':{'KHR_texture_transform':{'offset':[0.5,0.25],'scale':[2,4],"
+             "'rotation':1.5707963267948966,'texCoord':1}}},'metallicRoughnessTexture':{'index':0}},"
+             "'emissiveFactor':[1,0.5,0],'emissiveTexture':{'index':2},'normalTexture':{'index':2,'scale':0.7},"
+             "'alphaMode':'MASK','alphaCutoff':0.3,'doubleSided':true,"
+             "'extensions':{'KHR_materials_emissive_strength':{'emissiveStrength':8}}},"
+             "{'alphaMode':'BLEND','extensions':{'KHR_materials_unlit':{},"
+             "'KHR_materials_transmission':{'transmissionFactor':0.75}}},"
+             "{'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':[0.5,0.6,0.7,0.8],"
+             "'diffuseTexture':{'index':1}}}}]}");
+    if (!s) {
+        return;
+    }
+    CHECK(s->material_count == 4 && s->image_count == 2, "%u materials, %u images", s->material_count, s->image_count);
+    const lmb_material *const a = &s->materials[0], *const b = &s->materials[1], *const c = &s->materials[2];
+    CHECK(strcmp(a->name, "a") == 0 && a->base_color[1] == 0.2f && a->base_color[3] == 0.4f, "base colour");
+    CHECK(a->emissive.c[0] == 8.0f && a->emissive.c[1] == 4.0f && a->emissive.c[2] == 0.0f, "emissive strength");
+    CHECK(a->alpha_mode == LMB_ALPHA_MASK && a->alpha_cutoff == 0.3f && a->double_sided && !a->unlit, "flags");
+    CHECK(a->normal_scale == 0.7f && a->normal_texture.image == a->emissive_texture.image, "normal map");
+    const lmb_texture *const t = &a->base_color_texture;
+    CHECK(t->uv_set == 1 && t->nearest && t->wrap_u == LMB_WRAP_CLAMP && t->wrap_v == LMB_WRAP_MIRROR, "sampler");
+    CHECK(!a->emissive_texture.nearest && a->emissive_texture.wrap_u == LMB_WRAP_REPEAT, "default sampler");
+    /* The extension's matrices, transposed from its GLSL columns: translation x rotation x scale with
+     * R = [[cos, sin], [-sin, cos]]. (1, 0) -> (0.5, 0.25 - 2), (0, 1) -> (0.5 + 4, 0.25). */
+    static const double expected[6] = {0, 4, 0.5, -2, 0, 0.25};
+    for (int k = 0; k < 6; ++k) {
+        CHECK_NEAR(t->transform[k / 3][k % 3], expected[k], 1e-6, "transform %d", k);
+    }
+    const lmb_texture_image *const two = &s->images[t->image];
+    CHECK(two->width == 2 && two->height == 2 && two->rgba[4] == 5 && two->rgba[15] == 255, "8 bits");
+    CHECK(strcmp(two->name, "two%20by%20two.png") == 0, "%s", two->name);
+    const uint8_t *const wide = s->images[a->emissive_texture.image].rgba;
+    CHECK(wide[0] == 255 && wide[1] == 128 && wide[2] == 1 && wide[3] == 0, "16 bits are rounded: %d %d %d %d", wide[0],
+          wide[1], wide[2], wide[3]);
+    CHECK(b->alpha_mode == LMB_ALPHA_BLEND && b->unlit && b->transmission == 0.75f && b->alpha_cutoff == 0.5f, "b");
+    CHECK(c->base_color[2] == 0.7f && c->base_color_texture.image == t->image, "specular-glossiness");
+    CHECK(!lmb_scene_has_light(s), "emissive materials that nothing wears give no light");
+    lmb_scene_destroy(s);
+}
+
+static void test_lights(void)
+{
+    lmb_scene *const s = load_text(
+        "lights", HEAD
+        "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point','color':[1,0.5,0],'intensity':10,'range':3,"
+        "'name':'lamp'},{'type':'spot','spot':{'innerConeAngle':0.5,'outerConeAngle':1}},{'type':'directional'},"
+        "{'type':'spot','spot':{}}]}},'nodes':["
+        "{'translation':[1,2,3],'scale':[2,2,2],'extensions':{'KHR_lights_punctual':{'light':0}}},"
+        "{'rotation':[0,0.70710678118,0,0.70710678118],'extensions':{'KHR_lights_punctual':{'light':1}}},"
+        "{'rotation':[-0.70710678118,0,0,0.70710678118],'extensions':{'KHR_lights_punctual':{'light':2}}},"
+        "{'extensions':{'KHR_lights_punctual':{'light':3}}}]}");
+    if (!s) {
+        return;
+    }
+    CHECK(s->light_count == 4, "%u", s->light_count);
+    const lmb_light *const l = s->lights;
+    CHECK(l[0].type == LMB_LIGHT_POINT && strcmp(l[0].name, "lamp") == 0 && l[0].range == 3.0f, "point");
+    CHECK(l[0].intensity.c[0] == 10.0f && l[0].intensity.c[1] == 5.0f && l[0].intensity.c[2] == 0.0f, "colour");
+    check_vec3(l[0].position, 1, 2, 3, "position");
+    CHECK(l[1].type == LMB_LIGHT_SPOT && l[1].intensity.c[2] == 1.0f && l[1].range == 0.0f, "defaults");
+    check_vec3(l[1].direction, -1, 0, 0, "-Z turned a quarter about Y");
+    CHECK_NEAR(l[1].cos_inner, cos(0.5), 1e-7, "inner");
+    CHECK_NEAR(l[1].cos_outer, cos(1.0), 1e-7, "outer");
+    CHECK(l[2].type == LMB_LIGHT_DIRECTIONAL && strcmp(l[2].name, "node 2") == 0, "sun");
+    check_vec3(l[2].direction, 0, -1, 0, "-Z turned down");
+    CHECK_NEAR(l[3].cos_inner, 1.0, 1e-7, "default inner cone");
+    CHECK_NEAR(l[3].cos_outer, sqrt(0.5), 1e-7, "default outer cone");
+    CHECK(lmb_scene_has_light(s), "light");
+    lmb_scene_destroy(s);
+}
+
+static void test_marks_and_exclusion(void)
+{
+    static const char text[] =
+        QUAD "'scene':1,'scenes':[{'nodes':[0]},{'nodes':[1,5]}],'nodes':[{'mesh':0,'name':'other scene'},"
+             "{'name':'lift','mesh':0,'children':[2,3],'extras':{'lambent':{'static':false}},'translation':[0,0,50]},"
+             "{'name':'liftDoor','mesh':0},{'name':'frame','mesh':0,'extras':{'lambent':{'static':true}}},"
+             "{'name':'unused','mesh':0},"
+             "{'name':'marks','children':[6,7,8,9]},{'extras':{'lambent':{'seed':true}},'translation':[1,2,3]},"
+             "{'extras':{'lambent':{'path':2}},'translation':[0,0,2]},{'extras':{'lambent':{'path':1}},'translation':["
+             "0,0,1]},"
+             "{'extras':{'lambent':{'seed':false,'path':1.5}},'translation':[4,4,4]}]}";
+    lmb_scene *s = load_text("marks", text);
+    if (!s) {
+        return;
+    }
+    CHECK(s->instance_count == 3, "the default scene only: %u", s->instance_count);
+    CHECK(s->instances[0].dynamic && s->instances[1].dynamic && !s->instances[2].dynamic, "static and its heirs");
+    check_vec3(s->bounds_max, 1, 1, 50, "bounds");
+    CHECK(s->seed_point_count == 1 && s->path_point_count == 3, "%u %u", s->seed_point_count, s->path_point_count);
+    check_vec3(s->seed_points[0], 1, 2, 3, "seed");
+    check_vec3(s->path_points[0], 0, 0, 1, "path 1");
+    check_vec3(s->path_points[1], 4, 4, 4, "path 1.5");
+    check_vec3(s->path_points[2], 0, 0, 2, "path 2");
+    const uint64_t whole = s->content_hash;
+    lmb_scene_destroy(s);
+    static const struct {
+        const char *pattern;
+        uint32_t instances;
+    } cases[] = {{"lift", 0},   {"liftD*", 2}, {"*oor", 2},  {"f?ame", 2}, {"frame?", 3}, {"*", 0},
+                 {"node 6", 3}, {"", 3},       {"l*D*r", 2}, {"Lift", 3},  {"**", 0},     {"other*", 3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const lmb_gltf_options options = {&cases[i].pattern, 1, false};
+        if (load_text_with("marks", text, &options, &s) == LMB_OK) {
+            CHECK(s->instance_count == cases[i].instances, "%s: %u", cases[i].pattern, s->instance_count);
+            CHECK(s->content_hash != whole, "%s: the hash knows", cases[i].pattern);
+            lmb_scene_destroy(s);
+        } else {
+            CHECK(false, "%s", error.message);
+        }
+    }
+}
+
+static void test_repairs(void)
+{
+    /* 0 good, 1 two corners alike, 2 on a line, 3 NaN, 4 infinite, 5 thin but real. */
+    const float z = 0, nan_value = NAN, inf = INFINITY;
+    float data[18 * 6];
+    const float p[18][3] = {{0, 0, z}, {1, 0, z},   {0, 1, z}, {0, 0, z}, {0, 0, z},         {0, 1, z},
+                            {0, 0, z}, {1, 1, 1},   {2, 2, 2}, {0, 0, z}, {nan_value, 0, z}, {0, 1, z},
+                            {0, 0, z}, {inf, 0, z}, {0, 1, z}, {0, 0, z}, {1, 0, z},         {0, 1e-6f, z}};
+    for (int v = 0; v < 18; ++v) {
+        memcpy(data + 3 * v, p[v], 12);
+        const float normal[3] = {0, v == 0 ? 3.0f : 0.0f, v == 1 ? nan_value : 0.0f};
+        memcpy(data + 54 + 3 * v, normal, 12);
+    }
+    CHECK(write_bytes("broken.bin", data, sizeof data), "broken.bin");
+    lmb_scene *const s =
+        load_text("repairs",
+                  HEAD "'buffers':[{'uri':'broken.bin','byteLength':432}],'bufferViews':[{'buffer':0,'byteLength':216},"
+                       "{'buffer':0,'byteOffset':216,'byteLength':216}],'accessors':["
+                       "{'bufferView':0,'componentType':5126,'count':18,'type':'VEC3'},"
+                       "{'bufferView':1,'componentType':5126,'count':18,'type':'VEC3'}],"
+                       "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':1}}]}],"
+                       "'nodes':[{'mesh':0},{'mesh':0,'scale':[0,0,0]},{'mesh':0,'scale':[1e-5,1e-5,1e-5]}]}");
+    if (!s) {
+        return;
+    }
+    const lmb_mesh *const m = &s->meshes[0];
+    CHECK(m->triangle_count == 2 && m->source_triangle[0] == 0 && m->source_triangle[1] == 5, "kept: %u",
+          m->triangle_count);
+    CHECK(s->dropped_triangle_count == 4 + 2, "%u", s->dropped_triangle_count);
+    CHECK(s->instance_count == 2, "nothing is scaled to nothing: %u", s->instance_count);
+    check_vec3(m->normal[0], 0, 1, 0, "made unit");
+    check_vec3(m->normal[1], 0, 0, 1, "NaN becomes the face's");
+    check_vec3(m->normal[2], 0, 0, 1, "zero becomes the face's");
+    lmb_scene_destroy(s);
+}
+
+static void test_empty_levels(void)
+{
+    static const char *const texts[] = {HEAD "'nodes':[]}", "{'asset':{'version':'2.0'}}",
+                                        HEAD "'scenes':[{}],'nodes':[{}]}",
+                                        HEAD "'scenes':[],'meshes':[{'primitives':[]}],'nodes':[{'mesh':0}]}"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
+        lmb_scene *const s = load_text("empty", texts[i]);
+        if (s) {
+            CHECK(s->bounds_min.x > s->bounds_max.x, "empty bounds");
+            CHECK(!lmb_scene_has_light(s), "dark");
+            lmb_scene_destroy(s);
+        }
+    }
+    lmb_scene_destroy(NULL);
+}
+
+static void test_hash_covers_buffers(void)
+{
+    static const char text[] = QUAD "'nodes':[{'mesh':0}]}";
+    lmb_scene *const before = load_text("hash", text);
+    unsigned char bytes[92] = {0};
+    CHECK(write_bytes("quad.bin", bytes, sizeof bytes), "quad.bin");
+    lmb_scene *const after = load_text("hash", text);
+    write_quad_buffer();
+    lmb_scene *const again = load_text("hash", text);
+    if (before && after && again) {
+        CHECK(before->content_hash != after->content_hash, "another buffer");
+        CHECK(before->content_hash == again->content_hash, "the same level");
+        CHECK(after->instance_count == 1 && after->dropped_triangle_count == 2, "all degenerate");
+    }
+    lmb_scene_destroy(before);
+    lmb_scene_destroy(after);
+    lmb_scene_destroy(again);
+}
+
+typedef struct bad_case {
+    const char *text;
+    lmb_result result;
+    const char *message; /* what the message must contain */
+} bad_case;
+
+#define VIEW4 "'buffers':[{'uri':'data:,abcd','byteLength':4}],"
+
+static const bad_case bad_cases[] = {
+    {"", LMB_ERROR_FORMAT, "line 1: not JSON"},
+    {"[]", LMB_ERROR_FORMAT, "not a JSON object"},
+    {"{\n\n'asset':}", LMB_ERROR_FORMAT, "line 3: not JSON"},
+    {HEAD "'nodes':[]} x", LMB_ERROR_FORMAT, "not JSON"},
+    {"{}", LMB_ERROR_FORMAT, "asset: missing"},
+    {"{'asset':{'version':'1.0'}}", LMB_ERROR_UNSUPPORTED, "asset.version: glTF 1.0"},
+    {"{'asset':{'version':'3.0'}}", LMB_ERROR_UNSUPPORTED, "glTF 3.0"},
+    {"{'asset':{'version':'two'}}", LMB_ERROR_FORMAT, "asset.version: \"two\""},
+    {"{'asset':{'version':2.0}}", LMB_ERROR_FORMAT, "asset.version: not a string"},
+    {"{'asset':{'version':'2.1','minVersion':'2.1'}}", LMB_ERROR_UNSUPPORTED, "asset.minVersion"},
+    {HEAD "'extensionsRequired':['KHR_draco_mesh_compression']}", LMB_ERROR_UNSUPPORTED, "KHR_draco_mesh_compression"},
+    {HEAD "'extensionsRequired':['EXT_meshopt_compression']}", LMB_ERROR_UNSUPPORTED, "EXT_meshopt_compression"},
+    {HEAD "'extensionsRequired':[3]}", LMB_ERROR_FORMAT, "extensionsRequired[0]: not a string"},
+    {HEAD "'nodes':[],'nodes':[]}", LMB_ERROR_FORMAT, "\"nodes\" twice"},
+    {HEAD "'nodes':{}}", LMB_ERROR_FORMAT, "nodes: not an array"},
+    {HEAD "'nodes':[3]}", LMB_ERROR_FORMAT, "nodes[0]: not an object"},
+    {HEAD "'nodes':[{},{'mesh':0}]}", LMB_ERROR_FORMAT, "nodes[1].mesh: 0, but there are 0 meshes"},
+    {HEAD "'nodes':[{'mesh':-1}]}", LMB_ERROR_FORMAT, "nodes[0].mesh: not an index"},
+    {HEAD "'nodes':[{'mesh':'a'}]}", LMB_ERROR_FORMAT, "nodes[0].mesh: not an index"},
+    {HEAD "'nodes':[{'children':[0]}]}", LMB_ERROR_FORMAT, "nodes[0]: is its own ancestor"},
+    {HEAD "'nodes':[{'children':[1]},{'children':[2]},{'children':[1]}]}", LMB_ERROR_FORMAT, "two parents"},
+    {HEAD "'nodes':[{'children':[1]},{}],'scenes':[{'nodes':[1]}]}", LMB_ERROR_FORMAT, "node 1 is not a root"},
+    {HEAD "'nodes':[{}],'scenes':[{'nodes':[0,0]}]}", LMB_ERROR_FORMAT, "node 0 is listed twice"},
+    {HEAD "'nodes':[{'matrix':[1,2]}]}", LMB_ERROR_FORMAT, "nodes[0].matrix: 2 numbers, not 16"},
+    {HEAD "'nodes':[{'translation':[1e999,0,0]}]}", LMB_ERROR_FORMAT, "translation[0]: not a finite number"},
+    {HEAD "'nodes':[{'scale':[1e30,1,1]}]}", LMB_ERROR_FORMAT, "nodes[0]: its transform"},
+    {HEAD "'nodes':[{'skin':0}],'skins':[{'joints':[0]}]}", LMB_ERROR_FORMAT, "nodes[0]: a skin without a mesh"},
+    {HEAD "'scene':0}", LMB_ERROR_FORMAT, "scene: 0, but there are 0 scenes"},
+    {HEAD "'buffers':[{'byteLength':-5}]}", LMB_ERROR_FORMAT, "buffers[0].byteLength: not an integer"},
+    {HEAD "'buffers':[{'byteLength':1e12}]}", LMB_ERROR_FORMAT, "buffers[0].byteLength: not an integer"},
+    {HEAD "'buffers':[{'uri':'data:,abcd','byteLength':5}]}", LMB_ERROR_FORMAT, "buffers[0]: byteLength 5, but 4"},
+    {HEAD "'buffers':[{'uri':'data:;base64,AA!A','byteLength':1}]}", LMB_ERROR_FORMAT, "buffers[0]: broken base64"},
+    {HEAD "'buffers':[{'uri':'data:abc','byteLength':1}]}", LMB_ERROR_FORMAT, "without a comma"},
+    {HEAD "'buffers':[{'uri':'nowhere.bin','byteLength':1}]}", LMB_ERROR_IO, "buffers[0]: \"nowhere.bin\""},
+    {HEAD "'buffers':[{'uri':'../gltf/quad.bin','byteLength':1}]}", LMB_ERROR_UNSUPPORTED, "leaves the level's folder"},
+    {HEAD "'buffers':[{'uri':'%2e%2e/gltf/quad.bin','byteLength':1}]}", LMB_ERROR_UNSUPPORTED, "leaves the"},
+    {HEAD "'buffers':[{'uri':'a/../../x','byteLength':1}]}", LMB_ERROR_UNSUPPORTED, "leaves the level's folder"},
+    {HEAD "'buffers':[{'uri':'/etc/passwd','byteLength':1}]}", LMB_ERROR_UNSUPPORTED, "leaves the level's folder"},
+    {HEAD "'buffers':[{'uri':'file:///etc/passwd','byteLength':1}]}", LMB_ERROR_UNSUPPORTED, "not a file's name"},
+    {HEAD "'buffers':[{'uri':'C:/x.bin','byteLength':1}]}", LMB_ERROR_UNSUPPORTED, "not a file's name"},
+    {HEAD "'buffers':[{'uri':'a%00b','byteLength':1}]}", LMB_ERROR_FORMAT, "buffers[0]: not a file's name"},
+    {HEAD "'buffers':[{'uri':'.','byteLength':1}]}", LMB_ERROR_IO, "not a plain file"},
+    {HEAD VIEW4 "'bufferViews':[{'buffer':0,'byteOffset':2,'byteLength':3}]}", LMB_ERROR_FORMAT,
+     "bufferViews[0]: bytes 2"},
+    {HEAD VIEW4 "'bufferViews':[{'buffer':0,'byteOffset':2147483647,'byteLength':2147483647}]}", LMB_ERROR_FORMAT,
+     "bufferViews[0]"},
+    {HEAD VIEW4 "'bufferViews':[{'buffer':0,'byteLength':4}],'accessors':[{'bufferView':0,'componentType':5126,"
+                "'count':2,'type':'SCALAR'}]}",
+     LMB_ERROR_FORMAT, "accessors[0]: 2 elements of 4 bytes"},
+    {HEAD VIEW4 "'bufferViews':[{'buffer':0,'byteLength':4}],'accessors':[{'bufferView':0,'componentType':5126,"
+                "'count':2147483647,'type':'MAT4'}]}",
+     LMB_ERROR_FORMAT, "accessors[0]: 2147483647 elements"},
+    {HEAD VIEW4 "'bufferViews':[{'buffer':0,'byteLength':4,'byteStride':4}],'accessors':[{'bufferView':0,"
+                "'componentType':5126,'count':1,'type':'VEC2'}]}",
+     LMB_ERROR_FORMAT, "accessors[0]: byteStride 4 is below"},
+    {HEAD VIEW4 "'bufferViews':[{'buffer':0,'byteLength':4,'byteStride':300}]}", LMB_ERROR_FORMAT, "byteStride: not"},
+    {HEAD "'accessors':[{'componentType':5124,'count':1,'type':'VEC2'}]}", LMB_ERROR_FORMAT,
+     "accessors[0]: a component"},
+    {HEAD "'accessors':[{'componentType':5126,'count':1,'type':'VEC5'}]}", LMB_ERROR_FORMAT, "accessors[0].type"},
+    {HEAD "'accessors':[{'componentType':5126,'count':2000000000,'type':'VEC3'}]}", LMB_ERROR_UNSUPPORTED,
+     "without a buffer view"},
+    {HEAD VIEW4 "'bufferViews':[{'buffer':0,'byteLength':4}],'accessors':[{'componentType':5121,'count':3,"
+                "'type':'SCALAR','sparse':{'count':4,'indices':{'bufferView':0,'componentType':5121},"
+                "'values':{'bufferView':0}}}]}",
+     LMB_ERROR_FORMAT, "accessors[0].sparse: count 4"},
+    {HEAD VIEW4 "'bufferViews':[{'buffer':0,'byteLength':4}],'accessors':[{'componentType':5121,'count':3,"
+                "'type':'SCALAR','sparse':{'count':1,'indices':{'bufferView':0,'componentType':5121},"
+                "'values':{'bufferView':0}}}]}",
+     LMB_ERROR_FORMAT, "accessors[0].sparse.indices: element 0 is 97, of 3"},
+    {HEAD VIEW4 "'bufferViews':[{'buffer':0,'byteLength':4}],'accessors':[{'componentType':5126,'count':99,"
+                "'type':'VEC4','sparse':{'count':1,'indices':{'bufferView':0,'componentType':5121},"
+                "'values':{'bufferView':0}}}]}",
+     LMB_ERROR_FORMAT, "accessors[0].sparse.values: leaves"},
+    {HEAD QUAD_DATA "'meshes':[{'primitives':[{'attributes':{'POSITION':2}}]}]}", LMB_ERROR_FORMAT,
+     "meshes[0].primitives[0].attributes.POSITION: accessors[2] is of a wrong type"},
+    {HEAD QUAD_DATA "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':1}}]}]}", LMB_ERROR_FORMAT,
+     "attributes.TEXCOORD_0: 6 elements for 4 vertices"},
+    {HEAD QUAD_DATA "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':0}]}]}", LMB_ERROR_FORMAT,
+     "indices: accessors[0] is not of unsigned integers"},
+    {HEAD QUAD_DATA "'meshes':[{'primitives':[{'attributes':{'POSITION':9}}]}]}", LMB_ERROR_FORMAT,
+     "attributes.POSITION: 9, but there are 3 accessors"},
+    {HEAD QUAD_DATA "'meshes':[{'primitives':[{'mode':7,'attributes':{}}]}]}", LMB_ERROR_FORMAT, "primitives[0].mode"},
+    {HEAD QUAD_DATA "'meshes':[{}]}", LMB_ERROR_FORMAT, "meshes[0].primitives: missing"},
+    {HEAD "'buffers':[{'uri':'quad.bin','byteLength':92}],'bufferViews':[{'buffer':0,'byteLength':36},"
+          "{'buffer':0,'byteOffset':48,'byteLength':12}],'accessors':[{'bufferView':0,'componentType':5126,'count':3,"
+          "'type':'VEC3'},{'bufferView':1,'componentType':5123,'count':6,'type':'SCALAR'}],'meshes':[{'primitives':["
+          "{'attributes':{'POSITION':0},'indices':1}]}],'nodes':[{'mesh':0}]}",
+     LMB_ERROR_FORMAT, "meshes[0].primitives[0].indices: element 5 is vertex 3 of 3"},
+    {HEAD "'images':[{'uri':'nowhere.png'}],'textures':[{'source':0}],'materials':[{'emissiveTexture':{'index':0}}]}",
+     LMB_ERROR_IO, "images[0]: \"nowhere.png\""},
+    {HEAD "'images':[{'uri':'quad.bin'}],'textures':[{'source':0}],'materials':[{'emissiveTexture':{'index':0}}]}",
+     LMB_ERROR_FORMAT, "images[0]: quad.bin: neither PNG nor JPEG"},
+    {HEAD "'images':[{}]}", LMB_ERROR_FORMAT, "images[0]: needs either"},
+    {HEAD
+     "'textures':[{'extensions':{'KHR_texture_basisu':{'source':0}}}],'materials':[{'normalTexture':{'index':0}}]}",
+     LMB_ERROR_UNSUPPORTED, "textures[0]: KHR_texture_basisu"},
+    {HEAD "'textures':[{}],'materials':[{'normalTexture':{'index':0,'texCoord':2}}]}", LMB_ERROR_UNSUPPORTED,
+     "TEXCOORD_2"},
+    {HEAD "'materials':[{'alphaMode':'SOMETIMES'}]}", LMB_ERROR_FORMAT, "materials[0].alphaMode: \"SOMETIMES\""},
+    {HEAD "'materials':[{'emissiveFactor':[1,2]}]}", LMB_ERROR_FORMAT, "materials[0].emissiveFactor: 2 numbers"},
+    {HEAD "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'area'}]}}}", LMB_ERROR_FORMAT, "lights[0].type"},
+    {HEAD "'nodes':[{'extensions':{'KHR_lights_punctual':{'light':0}}}]}", LMB_ERROR_FORMAT, "there are 0 lights"},
+};
+
+static void test_bad_levels(void)
+{
+    write_quad_buffer();
+    for (size_t i = 0; i < sizeof bad_cases / sizeof *bad_cases; ++i) {
+        lmb_scene *scene;
+        const lmb_result result = load_text_with("bad", bad_cases[i].text, NULL, &scene);
+        CHECK(result == bad_cases[i].result, "%s: %d %s", bad_cases[i].text, result, error.message);
+        CHECK(strstr(error.message, bad_cases[i].message) != NULL, "%s: %s", bad_cases[i].text, error.message);
+        CHECK(strncmp(error.message, FOLDER "/bad.gltf: ", sizeof FOLDER + 10) == 0, "names the file: %s",
+              error.message);
+        lmb_scene_destroy(scene);
+    }
+    lmb_scene *scene = NULL;
+    CHECK(lmb_gltf_load(FOLDER "/no such.gltf", NULL, &scene, &error) == LMB_ERROR_IO, "%s", error.message);
+    CHECK(lmb_gltf_load(FOLDER, NULL, &scene, &error) == LMB_ERROR_IO, "%s", error.message);
+    CHECK(lmb_gltf_load(FOLDER "/no such.gltf", NULL, &scene, NULL) == LMB_ERROR_IO, "no error wanted");
+}
+
+static void test_deep_json(void)
+{
+    enum { DEPTH = 200000 };
+    char *const text = malloc(2 * DEPTH + 64);
+    if (!text) {
+        return;
+    }
+    const int head = sprintf(text, "{'asset':{'version':'2.0'},'extras':");
+    memset(text + head, '[', DEPTH);
+    memset(text + head + DEPTH, ']', DEPTH);
+    strcpy(text + head + 2 * DEPTH, "}");
+    lmb_scene *scene;
+    CHECK(load_text_with("deep", text, NULL, &scene) == LMB_ERROR_FORMAT, "%s", error.message);
+    lmb_scene_destroy(scene);
+    free(text);
+}
+
+/* A chain of nodes as long as no stack is deep. */
+static void test_long_chain(void)
+{
+    enum { LENGTH = 100000 };
+    char *const text = malloc((size_t)LENGTH * 64 + 256);
+    if (!text) {
+        return;
+    }
+    size_t used = (size_t)sprintf(text, HEAD "'nodes':[");
+    for (int i = 0; i + 1 < LENGTH; ++i) {
+        used += (size_t)sprintf(text + used, "{'children':[%d],'translation':[0,0,1]},", i + 1);
+    }
+    strcpy(text + used, "{'extras':{'lambent':{'seed':true}}}]}");
+    lmb_scene *const s = load_text("chain", text);
+    if (s) {
+        CHECK(s->seed_point_count == 1, "%u", s->seed_point_count);
+        check_vec3(s->seed_points[0], 0, 0, LENGTH - 1, "the chain's end");
+        lmb_scene_destroy(s);
+    }
+    free(text);
+}
+
+static void test_uris(void)
+{
+    lmb_scene *s;
+    write_quad_buffer();
+    CHECK(write_bytes("sp ace \xc3\xa9+.bin", quad, sizeof quad), "bin");
+    static const char *const uris[] = {"sp ace \xc3\xa9+.bin", "sp%20ace%20%C3%A9+.bin", "./sp%20ace \xc3\xa9%2b.bin",
+                                       "x/../sp ace \xc3\xa9+.bin"};
+    mkdir(FOLDER "/x", 0777);
+    for (size_t i = 0; i < sizeof uris / sizeof *uris; ++i) {
+        char text[256];
+        snprintf(text, sizeof text, HEAD "'buffers':[{'uri':'%s','byteLength':48}]}", uris[i]);
+        lmb_scene_destroy(load_text("spaces \xc3\xa9", text));
+    }
+    const lmb_gltf_options anywhere = {NULL, 0, true};
+    static const char outside[] = HEAD "'buffers':[{'uri':'../gltf/quad.bin','byteLength':92}]}";
+    CHECK(load_text_with("outside", outside, &anywhere, &s) == LMB_OK, "%s", error.message);
+    lmb_scene_destroy(s);
+    char text[1200];
+    snprintf(text, sizeof text, HEAD "'buffers':[{'uri':'%s/quad.bin','byteLength':92}]}", FOLDER);
+    if (FOLDER[0] == '/') {
+        CHECK(load_text_with("outside", text, &anywhere, &s) == LMB_OK, "%s", error.message);
+        lmb_scene_destroy(s);
+    }
+}
+
+/* --- GLB --- */
+
+static void little_endian(unsigned char *to, size_t value)
+{
+    for (int i = 0; i < 4; ++i) {
+        to[i] = (unsigned char)(value >> 8 * i);
+    }
+}
+
+static size_t make_glb(unsigned char *to, const char *text, const void *bin, size_t bin_size)
+{
+    char *const json = json_of(text);
+    const size_t padded = (strlen(text) + 3) / 4 * 4;
+    memcpy(to, "glTF", 4);
+    little_endian(to + 4, 2);
+    little_endian(to + 12, padded);
+    memcpy(to + 16, "JSON", 4);
+    memset(to + 20, ' ', padded);
+    if (json) {
+        memcpy(to + 20, json, strlen(text));
+    }
+    free(json);
+    size_t size = 20 + padded;
+    if (bin_size > 0) {
+        little_endian(to + size, bin_size);
+        memcpy(to + size + 4, "BIN\0", 4);
+        memcpy(to + size + 8, bin, bin_size);
+        size += 8 + bin_size;
+    }
+    little_endian(to + 8, size);
+    return size;
+}
+
+static const char glb_text[] = HEAD
+    "'buffers':[{'byteLength':92}],'bufferViews':[{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':48,"
+    "'byteLength':12},{'buffer':0,'byteOffset':60,'byteLength':32}],'accessors':[{'bufferView':0,"
+    "'componentType':5126,'count':4,'type':'VEC3'},{'bufferView':1,'componentType':5123,'count':6,'type':'SCALAR'},"
+    "{'bufferView':2,'componentType':5126,'count':4,'type':'VEC2'}],'materials':[{'emissiveFactor':[1,1,1]}],"
+    "'skins':[{'joints':[0]}],'meshes':[{'weights':[1],'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':2},"
+    "'indices':1,'material':0,'targets':[{'POSITION':0}]}]}],'nodes':[{'mesh':0,'children':[1]},"
+    "{'mesh':0,'scale':[1,-1,1]}],'scenes':[{'nodes':[0]}],'scene':0}";
+
+static size_t make_quad_glb(unsigned char *glb)
+{
+    unsigned char bin[92];
+    memcpy(bin, quad, 48);
+    memcpy(bin + 48, quad_indices, 12);
+    memcpy(bin + 60, quad_uvs, 32);
+    return make_glb(glb, glb_text, bin, sizeof bin);
+}
+
+static lmb_result load_bytes(const unsigned char *bytes, size_t size, lmb_scene **scene)
+{
+    CHECK(write_bytes("bytes.glb", bytes, size), "bytes.glb");
+    *scene = NULL;
+    const lmb_result result = lmb_gltf_load(FOLDER "/bytes.glb", NULL, scene, &error);
+    lmb_error fault = {""};
+    CHECK(!*scene || lmb_scene_validate(*scene, &fault) == LMB_OK, "%s", fault.message);
+    return result;
+}
+
+static void test_glb_truncations(void)
+{
+    unsigned char glb[4096];
+    const size_t size = make_quad_glb(glb);
+    lmb_scene *s;
+    CHECK(load_bytes(glb, size, &s) == LMB_OK, "%s", error.message);
+    if (s) {
+        CHECK(s->instance_count == 2 && s->instances[1].mirrored && lmb_scene_has_light(s), "whole");
+    }
+    lmb_scene_destroy(s);
+    for (size_t cut = 0; cut < size; ++cut) {
+        CHECK(load_bytes(glb, cut, &s) == LMB_ERROR_FORMAT, "%zu of %zu bytes: %s", cut, size, error.message);
+        lmb_scene_destroy(s);
+    }
+    /* The same with a header that admits to the cut. */
+    for (size_t cut = 12; cut < size; ++cut) {
+        little_endian(glb + 8, cut);
+        CHECK(load_bytes(glb, cut, &s) == LMB_ERROR_FORMAT, "%zu of %zu bytes: %s", cut, size, error.message);
+        lmb_scene_destroy(s);
+    }
+}
+
+/* Whatever the bytes are, loading returns, and what it returns is sound. */
+static void test_glb_mutations(void)
+{
+    unsigned char glb[4096], mutated[4096];
+    const size_t size = make_quad_glb(glb);
+    uint32_t random = 12345;
+    unsigned loaded = 0;
+    for (int round = 0; round < 1500; ++round) {
+        memcpy(mutated, glb, size);
+        for (int change = 0; change < 1 + round % 3; ++change) {
+            random = random * 1664525u + 1013904223u;
+            const size_t at = (random >> 8) % size;
+            random = random * 1664525u + 1013904223u;
+            static const unsigned char likely[] = "0123456789-.,:[]{}\"e";
+            mutated[at] = round % 2 ? likely[(random >> 8) % (sizeof likely - 1)] : (unsigned char)(random >> 16);
+        }
+        lmb_scene *s;
+        loaded += load_bytes(mutated, size, &s) == LMB_OK;
+        lmb_scene_destroy(s);
+    }
+    CHECK(loaded > 50 && loaded < 1450, "%u of 1500 loaded", loaded);
+}
+
+/* --- writing UVs --- */
+
+/* Corner UVs that differ between the corners of one vertex. */
+static lmb_vec2 *make_corner_uvs(const lmb_mesh *mesh)
+{
+    lmb_vec2 *const uvs = calloc((size_t)mesh->triangle_count * 3 + 1, sizeof *uvs);
+    for (uint32_t c = 0; uvs && c < 3 * mesh->triangle_count; ++c) {
+        uvs[c].x = (float)(c % 7) / 8.0f;
+        uvs[c].y = (float)(c / 2) / (float)(2 * mesh->triangle_count);
+    }
+    return uvs;
+}
+
+static void check_same_mesh(const lmb_mesh *a, const lmb_mesh *b, const lmb_vec2 *uvs, const char *name)
+{
+    CHECK(a->triangle_count == b->triangle_count, "%s: %u and %u", name, a->triangle_count, b->triangle_count);
+    CHECK(b->uv[1] != NULL || b->triangle_count == 0, "%s", name);
+    unsigned differences = 0;
+    for (uint32_t t = 0; t < a->triangle_count && t < b->triangle_count && b->uv[1]; ++t) {
+        differences += a->material[t] != b->material[t] || a->source_primitive[t] != b->source_primitive[t];
+        for (int c = 0; c < 3; ++c) {
+            const uint32_t v = a->triangle[t][c], w = b->triangle[t][c];
+            const lmb_vec2 uv = b->uv[1][w];
+            differences += memcmp(&a->position[v], &b->position[w], sizeof a->position[v]) != 0;
+            differences += memcmp(&a->normal[v], &b->normal[w], sizeof a->normal[v]) != 0;
+            differences += a->uv[0] && memcmp(&a->uv[0][v], &b->uv[0][w], sizeof(lmb_vec2)) != 0;
+            differences += a->color && memcmp(a->color[v], b->color[w], sizeof a->color[v]) != 0;
+            differences += uv.x != uvs[3 * t + (uint32_t)c].x || uv.y != uvs[3 * t + (uint32_t)c].y;
+        }
+    }
+    CHECK(differences == 0, "%s: %u differences", name, differences);
+}
+
+static void check_rewrite(const char *name)
+{
+    char source[1024];
+    snprintf(source, sizeof source, FOLDER "/%s.gltf", name);
+    lmb_scene *before = NULL, *after = NULL;
+    CHECK(lmb_gltf_load(source, NULL, &before, &error) == LMB_OK, "%s: %s", name, error.message);
+    if (!before) {
+        return;
+    }
+    lmb_gltf_uv *const uvs = calloc((size_t)before->mesh_count + 1, sizeof *uvs);
+    for (uint32_t m = 0; uvs && m < before->mesh_count; ++m) {
+        uvs[m] = (lmb_gltf_uv){&before->meshes[m], make_corner_uvs(&before->meshes[m])};
+    }
+    const lmb_result result =
+        lmb_gltf_write_with_uvs(source, NULL, uvs, before->mesh_count, FOLDER "/rewritten.glb", &error);
+    CHECK(result == LMB_OK, "%s: %s", name, error.message);
+    CHECK(lmb_gltf_load(FOLDER "/rewritten.glb", NULL, &after, &error) == LMB_OK, "%s: %s", name, error.message);
+    if (after) {
+        CHECK(lmb_scene_validate(after, &error) == LMB_OK, "%s: %s", name, error.message);
+        CHECK(before->mesh_count == after->mesh_count && before->instance_count == after->instance_count &&
+                  before->image_count == after->image_count && before->light_count == after->light_count &&
+                  before->dropped_triangle_count == after->dropped_triangle_count,
+              "%s: counts", name);
+        for (uint32_t m = 0; uvs && m < before->mesh_count && m < after->mesh_count; ++m) {
+            check_same_mesh(&before->meshes[m], &after->meshes[m], uvs[m].corner_uv, name);
+        }
+        for (uint32_t i = 0; i < before->image_count && i < after->image_count; ++i) {
+            const lmb_texture_image *const a = &before->images[i], *const b = &after->images[i];
+            CHECK(a->width == b->width && a->height == b->height &&
+                      memcmp(a->rgba, b->rgba, (size_t)a->width * (size_t)a->height * 4) == 0,
+                  "%s: image %u", name, i);
+        }
+    }
+    for (uint32_t m = 0; uvs && m < before->mesh_count; ++m) {
+        free((void *)uvs[m].corner_uv);
+    }
+    free(uvs);
+    lmb_scene_destroy(before);
+    lmb_scene_destroy(after);
+}
+
+static void test_rewrite(void)
+{
+    /* The levels of the cases above; "materials" names an image that is not there, which nobody but a copy misses. */
+    static const char *const names[] = {"one quad", "transforms", "modes",  "quantized", "sparse", "morph",
+                                        "skin",     "instances",  "lights", "marks",     "repairs"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        check_rewrite(names[i]);
+    }
+    CHECK(lmb_gltf_write_with_uvs(FOLDER "/materials.gltf", NULL, NULL, 0, FOLDER "/rewritten.glb", &error) ==
+              LMB_ERROR_IO,
+          "%s", error.message);
+    CHECK(strstr(error.message, "images[0]") != NULL, "%s", error.message);
+}
+
+/* What nobody here understands comes through untouched. */
+static void test_rewrite_keeps_the_rest(void)
+{
+    static const char text[] =
+        QUAD "'extensionsUsed':['X_one'],'nodes':[{'mesh':0,'extras':{'a':{},'b':[],'c':null,'d':12345678901,'e':1.5},"
+             "'extensions':{'X_one':{'deep':[{'er':true}]}}}],'extras':'text','unknown':{'u':[]},"
+             "'animations':[{'name':'turn'}]}";
+    lmb_scene *const s = load_text("rest", text);
+    if (!s) {
+        return;
+    }
+    lmb_vec2 *const corners = make_corner_uvs(&s->meshes[0]);
+    const lmb_gltf_uv uv = {&s->meshes[0], corners};
+    CHECK(lmb_gltf_write_with_uvs(FOLDER "/rest.gltf", NULL, &uv, 1, FOLDER "/rest.glb", &error) == LMB_OK, "%s",
+          error.message);
+    unsigned char *bytes = NULL;
+    size_t size = 0;
+    CHECK(lmb_file_read(FOLDER "/rest.glb", &bytes, &size, &error) == LMB_OK, "%s", error.message);
+    static const char *const kept[] = {
+        "\"extras\":{\"a\":{},\"b\":[],\"c\":null,\"d\":12345678901,\"e\":1.5}",
+        "\"extensions\":{\"X_one\":{\"deep\":[{\"er\":true}]}}",
+        "\"extras\":\"text\"",
+        "\"unknown\":{\"u\":[]}",
+        "\"animations\":[{\"name\":\"turn\"}]",
+    };
+    if (bytes && size > 20) {
+        bytes[size - 1] = 0;
+        for (size_t i = 0; i < sizeof kept / sizeof *kept; ++i) {
+            CHECK(strstr((const char *)bytes + 20, kept[i]) != NULL, "%s", kept[i]);
+        }
+    }
+    const lmb_gltf_uv twice[2] = {uv, uv};
+    CHECK(lmb_gltf_write_with_uvs(FOLDER "/rest.gltf", NULL, twice, 2, FOLDER "/twice.glb", &error) ==
+              LMB_ERROR_ARGUMENT,
+          "%s", error.message);
+    free(bytes);
+    free(corners);
+    lmb_scene_destroy(s);
+}
+
+static void test_validate_finds(void)
+{
+    lmb_scene *const s = load_text("one quad", QUAD "'nodes':[{'mesh':0}]}");
+    if (!s) {
+        return;
+    }
+    lmb_mesh *const m = &s->meshes[0];
+#define BREAK(type, place, value, text)                                                                                \
+    do {                                                                                                               \
+        const type saved = place;                                                                                      \
+        place = value;                                                                                                 \
+        CHECK(lmb_scene_validate(s, &error) == LMB_ERROR_FORMAT, "%s", text);                                          \
+        CHECK(strstr(error.message, text) != NULL, "%s: %s", text, error.message);                                     \
+        place = saved;                                                                                                 \
+    } while (0)
+    BREAK(float, m->position[1].y, NAN, "mesh 0: vertex 1: position");
+    BREAK(float, m->normal[2].z, 0.5f, "vertex 2: normal");
+    BREAK(float, m->uv[0][3].x, INFINITY, "vertex 3: UV");
+    BREAK(uint32_t, m->triangle[1][2], 6, "triangle 1: corner");
+    BREAK(uint32_t, m->material[0], 1, "triangle 0: material");
+    BREAK(uint32_t, s->instances[0].mesh, 1, "instance 0: mesh");
+    BREAK(bool, s->instances[0].mirrored, true, "instance 0: mirrored");
+    BREAK(double, s->instances[0].to_world.m[0][0], (double)NAN, "instance 0: transform");
+    BREAK(double, s->instances[0].normal_to_world.m[0][0], 2.0, "instance 0: normal transform");
+    BREAK(int32_t, s->materials[0].base_color_texture.image, 0, "material 0: image");
+    BREAK(float, s->materials[0].base_color[1], 1.5f, "material 0: base colour");
+    BREAK(float, s->materials[0].emissive.c[1], -1.0f, "material 0: emissive");
+    CHECK(lmb_scene_validate(s, &error) == LMB_OK, "%s", error.message);
+    lmb_scene_destroy(s);
+}
+
+static const test_case cases[] = {
+    {"one quad", test_quad},
+    {"transforms", test_transforms},
+    {"modes", test_modes},
+    {"quantised accessors", test_quantized},
+    {"sparse accessors", test_sparse},
+    {"morph targets", test_morph},
+    {"skin", test_skin},
+    {"instancing", test_instancing},
+    {"materials", test_materials},
+    {"lights", test_lights},
+    {"marks and exclusion", test_marks_and_exclusion},
+    {"repairs", test_repairs},
+    {"empty levels", test_empty_levels},
+    {"hash", test_hash_covers_buffers},
+    {"bad levels", test_bad_levels},
+    {"deep JSON", test_deep_json},
+    {"long chain", test_long_chain},
+    {"URIs", test_uris},
+    {"GLB truncations", test_glb_truncations},
+    {"GLB mutations", test_glb_mutations},
+    {"rewrite", test_rewrite},
+    {"rewrite keeps the rest", test_rewrite_keeps_the_rest},
+    {"validate finds", test_validate_finds},
+};
+
+TEST_MAIN(cases)
