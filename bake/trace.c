@@ -134,9 +134,24 @@ static bool geometry_build(lmb_tracer *tracer)
     return good && rtcGetDeviceError(tracer->device) == RTC_ERROR_NONE;
 }
 
+/* Embree falls back without a word on names that it does not know. */
+static bool isa_is_known(const char *isa)
+{
+    static const char *const names[] = {"sse2", "sse4.2", "avx", "avx2", "avx512"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (strcmp(isa, names[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 lmb_result lmb_tracer_create(const lmb_scene *scene, const char *isa, int threads, lmb_tracer **tracer,
                              lmb_error *error)
 {
+    if (isa && !isa_is_known(isa)) {
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "there is no instruction set '%s'", isa);
+    }
     char config[128];
     snprintf(config, sizeof config, "%s%s%sthreads=%d", isa ? "isa=" : "", isa ? isa : "", isa ? "," : "",
              threads > 0 ? threads : 0);

@@ -1,0 +1,304 @@
+/* The `lambent` command from outside: exit statuses, JSON keys, files, and the same bytes for any thread count. */
+#define _POSIX_C_SOURCE 200809L
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cjson/cJSON.h>
+
+#include <lambent/file.h>
+
+#include "harness.h"
+#include "scenes/levels.h"
+
+#define OUTPUT LMB_TEST_OUTPUT_DIR "/command"
+#define LEVEL OUTPUT "/cornell box é.glb" /* a space and a letter beyond ASCII, on purpose */
+#define QUOTED "'" LEVEL "'"
+#define BAKE_OPTIONS " --spacing 0.25 --samples 16 --lightmaps --texels-per-m 6 --quiet "
+
+/* Runs a shell command and keeps the first part of what it prints on standard output and error together. */
+static int run(char *printed, size_t size, const char *command)
+{
+    char line[2048];
+    snprintf(line, sizeof line, "%s 2>&1", command);
+    FILE *pipe = popen(line, "r");
+    if (!pipe) {
+        return -1;
+    }
+    const size_t got = fread(printed, 1, size - 1, pipe);
+    printed[got] = '\0';
+    char rest[4096];
+    while (fread(rest, 1, sizeof rest, pipe) > 0) {
+    }
+    const int status = pclose(pipe);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static bool level_make(void)
+{
+    lmb_error error = {{0}};
+    mkdir(OUTPUT, 0777);
+    const lmb_result result = lmb_level_cornell(LEVEL, &error);
+    CHECK(result == LMB_OK, "%s", error.message);
+    return result == LMB_OK;
+}
+
+static void exit_statuses(void)
+{
+    static const struct {
+        const char *arguments;
+        int status;
+        const char *says;
+    } table[] = {
+        {"", 2, "usage"},
+        {"--help", 0, "bake"},
+        {"--version", 0, "lambent 0."},
+        {"frobnicate", 2, "no command 'frobnicate'"},
+        {"bake --help", 0, "--spacing"},
+        {"check --help", 0, "usage"},
+        {"render --help", 0, "--camera"},
+        {"bake", 2, "LEVEL"},
+        {"bake " QUOTED, 2, "-o DIR"},
+        {"bake " QUOTED " -o " OUTPUT "/x --spacing -1", 2, "--spacing takes"},
+        {"bake " QUOTED " -o " OUTPUT "/x --spacing", 2, "--spacing"},
+        {"bake " QUOTED " -o " OUTPUT "/x --quality best", 2, "draft"},
+        {"bake " QUOTED " -o " OUTPUT "/x --colour", 2, "--colour"},
+        {"bake " OUTPUT "/missing.glb -o " OUTPUT "/x", 3, "missing.glb"},
+        {"bake " OUTPUT " -o " OUTPUT "/x", 3, "command"},
+        {"bake " QUOTED " -o " OUTPUT "/x --env missing.hdr", 3, "missing.hdr"},
+        {"bake " QUOTED " -o " OUTPUT "/x --quiet --exclude '*'", 3, "no static triangles"},
+        {"bake " QUOTED " -o /dev/null/x --samples 1 --spacing 1", 3, "/dev/null"},
+        {"bake " QUOTED " -o " OUTPUT "/x --isa z80", 3, "z80"},
+        {"bake " QUOTED " -o " OUTPUT "/x --spacing 0.000001", 3, "too fine"},
+        {"info " QUOTED, 3, "cornell"},
+        {"info " OUTPUT "/missing.lmb", 3, "missing.lmb"},
+        {"sample " QUOTED " --at 0,0,0", 3, "cornell"},
+        {"sample x.lmb --at 0,0", 2, "--at takes"},
+        {"probe " QUOTED " --at 0,1,0 --vertex-normal 0,1,0", 2, "--normal"},
+        {"check " QUOTED " " OUTPUT "/missing", 3, "missing"},
+        {"render " QUOTED " " OUTPUT "/missing -o x.png", 3, "missing"},
+    };
+    if (!level_make()) {
+        return;
+    }
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
+        char command[1024], printed[8192];
+        snprintf(command, sizeof command, LMB_COMMAND " %s", table[i].arguments);
+        const int status = run(printed, sizeof printed, command);
+        CHECK(status == table[i].status, "lambent %s: exits with %d, not %d: %s", table[i].arguments, status,
+              table[i].status, printed);
+        CHECK(strstr(printed, table[i].says), "lambent %s: does not say '%s' but: %s", table[i].arguments,
+              table[i].says, printed);
+        CHECK(table[i].status != 3 || (strchr(printed, '\n') && !strchr(strchr(printed, '\n') + 1, '\n')),
+              "lambent %s: more than one line: %s", table[i].arguments, printed);
+    }
+    CHECK(access(OUTPUT "/x", F_OK) != 0, "a failed bake left a folder");
+}
+
+static bool has_keys(const cJSON *json, const char *const *keys, const char *where)
+{
+    bool all = true;
+    for (; *keys; ++keys) {
+        const bool has = cJSON_HasObjectItem(json, *keys);
+        CHECK(has, "%s: no key '%s'", where, *keys);
+        all = all && has;
+    }
+    return all;
+}
+
+static cJSON *file_json(const char *path)
+{
+    unsigned char *text;
+    size_t size;
+    lmb_error error;
+    const lmb_result result = lmb_file_read(path, &text, &size, &error);
+    CHECK(result == LMB_OK, "%s", error.message);
+    cJSON *json = result == LMB_OK ? cJSON_ParseWithLength((const char *)text, size) : NULL;
+    if (result == LMB_OK) {
+        free(text);
+    }
+    return json;
+}
+
+/* bake.json without what may differ from run to run. */
+static char *record_text(const char *directory)
+{
+    static const char *const keys[] = {
+        "probes",    "levels", "cells_crossed",       "rays",  "seconds",  "threads", "mrays_per_s", "peak_rss_mb",
+        "estimator", "seed",   "estimated_rel_error", "bytes", "settings", NULL};
+    static const char *const phases[] = {"load",      "bvh",   "surface", "place", "probes",
+                                         "lightmaps", "write", "total",   NULL};
+    static const char *const free_keys[] = {"seconds", "mrays_per_s", "peak_rss_mb", "threads"};
+    char path[512];
+    snprintf(path, sizeof path, "%s/bake.json", directory);
+    cJSON *json = file_json(path);
+    has_keys(json, keys, path);
+    has_keys(cJSON_GetObjectItem(json, "seconds"), phases, path);
+    for (size_t i = 0; i < sizeof free_keys / sizeof free_keys[0]; ++i) {
+        cJSON_DeleteItemFromObject(json, free_keys[i]);
+    }
+    char *text = cJSON_PrintUnformatted(json);
+    cJSON_Delete(json);
+    return text;
+}
+
+static void threads_give_equal_bytes(void)
+{
+    static const int threads[] = {1, 2, 7};
+    char printed[4096];
+    if (!level_make()) {
+        return;
+    }
+    for (int i = 0; i < 3; ++i) {
+        char command[1024];
+        snprintf(command, sizeof command, LMB_COMMAND " bake " QUOTED " -o " OUTPUT "/t%d --threads %d" BAKE_OPTIONS,
+                 threads[i], threads[i]);
+        CHECK(run(printed, sizeof printed, command) == 0, "%d threads: %s", threads[i], printed);
+    }
+    char *one = record_text(OUTPUT "/t1");
+    for (int i = 1; i < 3; ++i) {
+        char command[1024], directory[512];
+        snprintf(command, sizeof command, "diff -r --exclude=bake.json " OUTPUT "/t1 " OUTPUT "/t%d", threads[i]);
+        CHECK(run(printed, sizeof printed, command) == 0, "%d threads: %s", threads[i], printed);
+        snprintf(directory, sizeof directory, OUTPUT "/t%d", threads[i]);
+        char *text = record_text(directory);
+        CHECK(one && text && strcmp(one, text) == 0, "%d threads: bake.json differs:\n%s\n%s", threads[i], one, text);
+        free(text);
+    }
+    free(one);
+}
+
+static bool baked(char *printed, size_t size)
+{
+    if (!level_make()) {
+        return false;
+    }
+    const int status = run(printed, size, LMB_COMMAND " bake " QUOTED " -o " OUTPUT "/b" BAKE_OPTIONS);
+    CHECK(status == 0, "%s", printed);
+    return status == 0;
+}
+
+static void json_outputs(void)
+{
+    static const struct {
+        const char *command;
+        const char *keys[20];
+    } table[] = {
+        {" info --json " OUTPUT "/b/probes.lmb", {"kind", "probes", "spacing", "bytes", NULL}},
+        {" info --json " OUTPUT "/b/probes.vdb", {"kind", "probes", "settings", "scene_hash", NULL}},
+        {" info --json " OUTPUT "/b/lightmap/lightmap_0.exr", {"kind", "width", "height", "channels", NULL}},
+        {" sample --json " OUTPUT "/b/probes.lmb --at 0,1,0 --normal 0,1,0",
+         {"position", "normal", "irradiance", "sh3", "outside", NULL}},
+        {" probe --json " QUOTED " --at 0,1,0 --normal 0,1,0 --samples 64",
+         {"position", "sh3", "std_error", "rays", "seconds", "irradiance", "traced_irradiance", NULL}},
+        {" check --json --quiet --points 64 --samples 16 " QUOTED " " OUTPUT "/b",
+         {"points", "probe_vs_reference", "lightmap_vs_reference", "probe_vs_lightmap", "coincident_probe_vs_lightmap",
+          "coincident_probe_vs_reference", "unoccluded_probe_vs_lightmap", "probe_hlsh_vs_reference",
+          "volume_vs_reference", "probe_cone_vs_lightmap", "reference_std_error", "leak", NULL}},
+    };
+    static char printed[65536];
+    if (!baked(printed, sizeof printed)) {
+        return;
+    }
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
+        char command[1024];
+        snprintf(command, sizeof command, LMB_COMMAND "%s", table[i].command);
+        CHECK(run(printed, sizeof printed, command) == 0, "%s: %s", table[i].command, printed);
+        cJSON *json = cJSON_Parse(printed);
+        CHECK(json, "%s: not JSON: %s", table[i].command, printed);
+        has_keys(json, table[i].keys, table[i].command);
+        cJSON_Delete(json);
+    }
+}
+
+static void many_points_on_standard_input(void)
+{
+    char printed[8192];
+    if (!baked(printed, sizeof printed)) {
+        return;
+    }
+    const char *good =
+        "printf '0 1 0\\n\\n0 1 0 0 1 0\\n0 1 0 0 1 0 0.5\\n0 1 0 0 1 0 0 0 1 0\\n9 9 9\\n' | " LMB_COMMAND
+        " sample --json " OUTPUT "/b/probes.lmb";
+    CHECK(run(printed, sizeof printed, good) == 0, "%s", printed);
+    int lines = 0;
+    for (const char *at = printed; (at = strchr(at, '\n')); ++at) {
+        ++lines;
+    }
+    CHECK(lines == 5, "%d lines: %s", lines, printed);
+    CHECK(strstr(printed, "\"outside\":true"), "%s", printed);
+    const char *bad = "printf '0 1 0\\n0 1\\n' | " LMB_COMMAND " sample " OUTPUT "/b/probes.lmb";
+    CHECK(run(printed, sizeof printed, bad) == 3, "%s", printed);
+    CHECK(strstr(printed, "standard input:2:"), "%s", printed);
+}
+
+static void pictures(void)
+{
+    char printed[8192];
+    if (!baked(printed, sizeof printed)) {
+        return;
+    }
+    CHECK(run(printed, sizeof printed,
+              LMB_COMMAND " render " QUOTED " " OUTPUT "/b -o " OUTPUT "/shot.png --size 64x36 --quiet"
+                          " --object-at 0,0.5,0") == 0,
+          "%s", printed);
+    CHECK(run(printed, sizeof printed,
+              LMB_COMMAND " render " QUOTED " " OUTPUT "/b -o " OUTPUT "/shot.exr --size 64x36 --quiet"
+                          " --mode reference --samples 4") == 0,
+          "%s", printed);
+    CHECK(run(printed, sizeof printed, "file " OUTPUT "/shot.png || true") == 0, "%s", printed);
+    CHECK(access(OUTPUT "/shot.exr", R_OK) == 0, "no EXR");
+}
+
+/* The level must be the one that was baked. */
+static void another_level_is_refused(void)
+{
+    char printed[8192];
+    lmb_error error;
+    if (!baked(printed, sizeof printed)) {
+        return;
+    }
+    CHECK(lmb_level_open_ground(OUTPUT "/other.glb", 4.0f, 0.5f, &error) == LMB_OK, "%s", error.message);
+    CHECK(run(printed, sizeof printed, LMB_COMMAND " check " OUTPUT "/other.glb " OUTPUT "/b") == 3, "%s", printed);
+    CHECK(strstr(printed, "bake again"), "%s", printed);
+}
+
+static void interruption_writes_nothing(void)
+{
+    if (!level_make()) {
+        return;
+    }
+    char printed[4096];
+    const int status = run(printed, sizeof printed,
+                           "timeout --signal=INT --preserve-status 1 " LMB_COMMAND " bake " QUOTED " -o " OUTPUT
+                           "/interrupted --spacing 0.05 --samples 100000 --quiet");
+    CHECK(status == 4, "exits with %d: %s", status, printed);
+    CHECK(access(OUTPUT "/interrupted", F_OK) != 0, "an interrupted bake left a folder");
+}
+
+static void example_runs(void)
+{
+    char printed[8192];
+    if (!baked(printed, sizeof printed)) {
+        return;
+    }
+    CHECK(run(printed, sizeof printed, LMB_EXAMPLE " " OUTPUT "/b/probes.lmb") == 0, "%s", printed);
+    CHECK(strstr(printed, "inside") && strstr(printed, "HHD"), "%s", printed);
+    CHECK(run(printed, sizeof printed, LMB_EXAMPLE " " OUTPUT "/missing.lmb") == 1, "%s", printed);
+}
+
+static const test_case cases[] = {
+    {"exit_statuses", exit_statuses},
+    {"threads_give_equal_bytes", threads_give_equal_bytes},
+    {"json_outputs", json_outputs},
+    {"many_points_on_standard_input", many_points_on_standard_input},
+    {"pictures", pictures},
+    {"another_level_is_refused", another_level_is_refused},
+    {"interruption_writes_nothing", interruption_writes_nothing},
+    {"example_runs", example_runs},
+};
+
+TEST_MAIN(cases)
