@@ -276,41 +276,36 @@ static bool punctual_evaluate(const lmb_light *light, lmb_vec3 position, lmb_pun
 }
 
 /* Unshadowed weight of one light at a point: what the choice is in proportion to. */
-static float punctual_weight(const lmb_light *light, lmb_vec3 position, const lmb_vec3 *normal,
-                             lmb_punctual_sample *sample)
+static float punctual_weight(const lmb_light *light, const lmb_punctual_query *query, lmb_punctual_sample *sample)
 {
-    if (!punctual_evaluate(light, position, sample)) {
+    if ((light->indirect_only && query->skip_indirect_only) || !punctual_evaluate(light, query->position, sample)) {
         return 0.0f;
     }
-    const float cosine = normal ? fmaxf(vec3_dot(*normal, sample->direction), 0.0f) : 1.0f;
+    const float cosine = query->normal ? fmaxf(vec3_dot(*query->normal, sample->direction), 0.0f) : 1.0f;
     const float weight = lmb_luminance(sample->irradiance) * cosine;
     return isfinite(weight) ? weight : 0.0f;
 }
 
-bool lmb_emitters_sample_punctual(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal, float choice,
+bool lmb_emitters_sample_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice,
                                   lmb_punctual_sample *sample)
 {
     const lmb_scene *scene = lmb_tracer_scene(emitters->tracer);
+    lmb_punctual_sample candidate;
     double total = 0.0;
     for (uint32_t i = 0; i < scene->light_count; ++i) {
-        total += (double)punctual_weight(&scene->lights[i], position, normal, sample);
+        total += (double)punctual_weight(&scene->lights[i], query, &candidate);
     }
     if (!(total > 0.0)) {
         return false;
     }
     double left = (double)choice * total;
     float chosen_weight = 0.0f;
-    lmb_punctual_sample candidate;
-    for (uint32_t i = 0; i < scene->light_count; ++i) {
-        const float weight = punctual_weight(&scene->lights[i], position, normal, &candidate);
-        if (!(weight > 0.0f)) {
-            continue;
-        }
-        *sample = candidate;
-        chosen_weight = weight;
-        left -= (double)weight;
-        if (left < 0.0) {
-            break;
+    for (uint32_t i = 0; i < scene->light_count && left >= 0.0; ++i) {
+        const float weight = punctual_weight(&scene->lights[i], query, &candidate);
+        if (weight > 0.0f) {
+            *sample = candidate;
+            chosen_weight = weight;
+            left -= (double)weight;
         }
     }
     sample->irradiance = rgb_scale(sample->irradiance, (float)(total / (double)chosen_weight));

@@ -113,7 +113,7 @@ class loader {
     void visit_node(uint32_t index, bool dynamic);
     bool is_excluded(const std::string &name) const;
     void read_marks(const Value &marks, const lmb_affine &to_world);
-    void add_light(uint32_t light, const lmb_affine &to_world, uint32_t node);
+    void add_light(uint32_t light, const lmb_affine &to_world, uint32_t node, bool indirect_only);
     void add_mesh_node(uint32_t index, bool dynamic);
     uint32_t mesh_for(uint32_t node);
     uint32_t build_mesh(uint32_t number, int32_t node, const lmb_gltf_pose &pose);
@@ -566,13 +566,14 @@ void loader::read_marks(const Value &marks, const lmb_affine &to_world)
     }
 }
 
-void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node)
+void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node, bool indirect_only)
 {
     const tinygltf::Light &source = model_.lights[index];
     lmb_light light{};
     light.type = source.type == "spot"          ? LMB_LIGHT_SPOT
                  : source.type == "directional" ? LMB_LIGHT_DIRECTIONAL
                                                 : LMB_LIGHT_POINT;
+    light.indirect_only = indirect_only;
     light.position = origin_of(to_world);
     double away[3], length = 0.0;
     for (int i = 0; i < 3; ++i) {
@@ -762,8 +763,13 @@ void loader::visit_node(uint32_t index, bool dynamic)
     const tinygltf::Node &node = model_.nodes[index];
     read_marks(member(node.extras, "lambent"), nodes_[index].to_world);
     const int light = index_of(member(find_extension(node.extensions, "KHR_lights_punctual"), "light"));
-    if (light >= 0) {
-        add_light(uint32_t(light), nodes_[index].to_world, index);
+    const Value &part = member(member(node.extras, "lambent"), "light");
+    const std::string baked = part.IsString() ? part.Get<std::string>() : "baked";
+    if (baked != "baked" && baked != "indirect" && baked != "off") {
+        fail(LMB_ERROR_FORMAT, "nodes[%u].extras.lambent.light: neither baked, indirect nor off", index);
+    }
+    if (light >= 0 && baked != "off") {
+        add_light(uint32_t(light), nodes_[index].to_world, index, baked == "indirect");
     }
     if (node.mesh >= 0) {
         add_mesh_node(index, dynamic);

@@ -12,9 +12,9 @@ enum { AROUND_COUNT = 8, SEARCH_COUNT = AROUND_COUNT + 1 };
 #define REACH_TEXELS 1.42f
 
 /* A point is inside a solid when at least this many of the directions below see back faces first. Half of them do
- * beside a wall without thickness, seen from its back, and three quarters in a corner of two such walls: those are no
- * solids. */
-enum { INSIDE_COUNT = 20, INSIDE_MIN_BACK = 17 };
+ * beside a wall without thickness, seen from its back, seven eighths in a dead end of three such walls, and those above
+ * the plane under a sheet close by: those are no solids. */
+enum { INSIDE_COUNT = 20, INSIDE_MIN_BACK = 18 };
 
 /* Cosine and sine of k pi/4. */
 static const float AROUND[AROUND_COUNT][2] = {
@@ -25,7 +25,7 @@ static const float AROUND[AROUND_COUNT][2] = {
 static const struct {
     float height;
     int step;
-} INSIDE_ROWS[] = {{0.15f, 1}, {0.5f, 1}, {0.85f, 2}};
+} INSIDE_ROWS[] = {{0.0f, 1}, {0.4f, 1}, {0.8f, 2}};
 
 typedef struct lmb_frame {
     lmb_vec3 tangent, bitangent, normal;

@@ -153,8 +153,10 @@ static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiv
     float choice[2];
     path_numbers(path, PAIR_CHOICE, choice);
     lmb_punctual_sample sample;
-    const lmb_vec3 *normal = receiver->kind == RECEIVE_SPHERE ? NULL : &receiver->normal;
-    if (!lmb_emitters_sample_punctual(transport->emitters, receiver->position, normal, choice[1], &sample) ||
+    const lmb_punctual_query query = {.position = receiver->position,
+                                      .normal = receiver->kind == RECEIVE_SPHERE ? NULL : &receiver->normal,
+                                      .skip_indirect_only = receiver->kind != RECEIVE_DIFFUSE};
+    if (!lmb_emitters_sample_punctual(transport->emitters, &query, choice[1], &sample) ||
         !receiver_sees(receiver, sample.direction)) {
         return;
     }

@@ -475,7 +475,8 @@ static void test_lights(void)
         "{'translation':[1,2,3],'scale':[2,2,2],'extensions':{'KHR_lights_punctual':{'light':0}}},"
         "{'rotation':[0,0.70710678118,0,0.70710678118],'extensions':{'KHR_lights_punctual':{'light':1}}},"
         "{'rotation':[-0.70710678118,0,0,0.70710678118],'extensions':{'KHR_lights_punctual':{'light':2}}},"
-        "{'extensions':{'KHR_lights_punctual':{'light':3}}}]}");
+        "{'extras':{'lambent':{'light':'indirect'}},'extensions':{'KHR_lights_punctual':{'light':3}}},"
+        "{'extras':{'lambent':{'light':'off'}},'extensions':{'KHR_lights_punctual':{'light':3}}}]}");
     if (!s) {
         return;
     }
@@ -492,6 +493,7 @@ static void test_lights(void)
     check_vec3(l[2].direction, 0, -1, 0, "-Z turned down");
     CHECK_NEAR(l[3].cos_inner, 1.0, 1e-7, "default inner cone");
     CHECK_NEAR(l[3].cos_outer, sqrt(0.5), 1e-7, "default outer cone");
+    CHECK(!l[2].indirect_only && l[3].indirect_only, "what of a light is baked");
     CHECK(lmb_scene_has_light(s), "light");
     lmb_scene_destroy(s);
 }
@@ -720,6 +722,7 @@ static const bad_case bad_cases[] = {
     {HEAD "'materials':[{'emissiveFactor':[1,2]}]}", LMB_ERROR_FORMAT, "materials[0].emissiveFactor: 2 numbers"},
     {HEAD "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'area'}]}}}", LMB_ERROR_FORMAT, "lights[0].type"},
     {HEAD "'nodes':[{'extensions':{'KHR_lights_punctual':{'light':0}}}]}", LMB_ERROR_FORMAT, "there are 0 lights"},
+    {HEAD "'nodes':[{'extras':{'lambent':{'light':'dim'}}}]}", LMB_ERROR_FORMAT, "nodes[0].extras.lambent.light"},
 };
 
 static void test_bad_levels(void)

@@ -133,6 +133,25 @@ static void sun_on_plane(void)
     }
 }
 
+/* A light marked `indirect` gives the ground nothing, but what the ground reflects of it still arrives from below. */
+static void indirect_lights_only_bounce(void)
+{
+    lmb_error error;
+    traced_level level;
+    CHECK(lmb_level_sun_plane(output_path("indirect"), 0.5f, (lmb_vec3){0.0f, -1.0f, 0.0f}, 10.0f, &error) == LMB_OK,
+          "%s", error.message);
+    if (!traced_level_open(&level, output_path("indirect"), NULL, 1)) {
+        return;
+    }
+    level.scene->lights[0].indirect_only = true;
+    const lmb_vec3 above = {0.1f, 0.01f, 0.2f};
+    const lmb_rgb up = traced_irradiance(&level, above, (lmb_vec3){0.0f, 1.0f, 0.0f}, 256);
+    const lmb_rgb down = traced_irradiance(&level, above, (lmb_vec3){0.0f, -1.0f, 0.0f}, 1024);
+    CHECK_NEAR(up.c[0], 0.0, 1e-6, "direct");
+    CHECK_NEAR(down.c[0], 0.5 * 10.0 / PI, 0.02, "reflected");
+    traced_level_close(&level);
+}
+
 /* Form factor from a point to a parallel square of side 2a at height h centred above it, by the corner formula of
  * Howell's catalogue: 4 corners of an a x a rectangle. */
 static void quad_light_form_factor(void)
@@ -345,6 +364,7 @@ static const test_case cases[] = {
     {"sky_lights_open_ground", sky_lights_open_ground},
     {"point_light_in_sphere", point_light_in_sphere},
     {"sun_on_plane", sun_on_plane},
+    {"indirect_lights_only_bounce", indirect_lights_only_bounce},
     {"quad_light_form_factor", quad_light_form_factor},
     {"threads_do_not_matter", threads_do_not_matter},
     {"analytic_references", analytic_references},

@@ -52,9 +52,16 @@ typedef struct lmb_punctual_sample {
     lmb_rgb irradiance; /* on a surface that faces the light, unshadowed, divided by the choice's probability */
 } lmb_punctual_sample;
 
-/* One punctual light, chosen in proportion to the unshadowed light that it gives at `position`. `normal` (NULL: a point
- * in space) leaves out lights behind that plane. Returns false when none gives light. */
-bool lmb_emitters_sample_punctual(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal, float choice,
+/* Who asks for a punctual light. */
+typedef struct lmb_punctual_query {
+    lmb_vec3 position;
+    const lmb_vec3 *normal;  /* leaves out lights behind this plane; NULL: a point in space */
+    bool skip_indirect_only; /* the point is baked, not a reflection on the way to it */
+} lmb_punctual_query;
+
+/* One punctual light, chosen in proportion to the unshadowed light that it gives there. Returns false when none gives
+ * light. */
+bool lmb_emitters_sample_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice,
                                   lmb_punctual_sample *sample);
 
 #ifdef __cplusplus

@@ -107,6 +107,8 @@ typedef struct lmb_light {
     float range;        /* metres; 0: unlimited */
     float cos_inner;    /* spot: full intensity inside */
     float cos_outer;    /* spot: none outside */
+    bool indirect_only; /* extras {"lambent": {"light": "indirect"}}: only its bounces are baked, the game adds the rest
+                         */
 } lmb_light;
 
 typedef struct lmb_environment {
