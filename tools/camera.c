@@ -75,7 +75,7 @@ lmb_camera camera_default(const lmb_tracer *tracer, float fov_deg)
     const lmb_vec3 middle = vector_mad(low, size, 0.5f);
     const lmb_vec3 target = {middle.x, low.y + 0.4f * size.y, middle.z};
     /* From outside, in front: what is left when nothing inside faces the camera. */
-    lmb_camera best = camera_look_at(vector_mad(middle, (lmb_vec3){0.4f, 0.3f, 0.8f}, diagonal), middle, fov_deg);
+    lmb_camera best = camera_look_at(vector_mad(middle, (lmb_vec3){0.3f, 0.25f, 0.6f}, diagonal), middle, fov_deg);
     float best_score = 0.0f;
     for (int corner = 0; corner < 4; ++corner) {
         for (size_t h = 0; h < sizeof heights / sizeof heights[0]; ++h) {
