@@ -348,7 +348,7 @@ static void charts_do_not_bleed(void)
     baked_close(&bake);
 }
 
-/* A floor with a solid block that stands in it, and a wall without thickness. */
+/* A floor with a solid block that stands in it, a wall without thickness, and a sheet just above the floor. */
 static lmb_result write_block_on_floor(const char *path, lmb_error *error)
 {
     lmb_level_builder *builder = lmb_level_builder_create(0.1f);
@@ -364,6 +364,10 @@ static lmb_result write_block_on_floor(const char *path, lmb_error *error)
     const int wall = lmb_level_builder_add_mesh(builder, "wall");
     lmb_level_builder_add_quad(builder, wall, material, (lmb_vec3){3, 0, 4}, (lmb_vec3){0, 0, -8}, (lmb_vec3){0, 3, 0});
     lmb_level_builder_place(builder, "wall", wall, (lmb_vec3){0, 0, 0});
+    const int sheet = lmb_level_builder_add_mesh(builder, "sheet");
+    lmb_level_builder_add_quad(builder, sheet, material, (lmb_vec3){-3.5f, 0.02f, 1}, (lmb_vec3){1, 0, 0},
+                               (lmb_vec3){0, 0, -2});
+    lmb_level_builder_place(builder, "sheet", sheet, (lmb_vec3){0, 0, 0});
     add_sun(builder, 1.0f);
     const lmb_result result = lmb_level_builder_write(builder, path, error);
     lmb_level_builder_destroy(builder);
@@ -377,12 +381,18 @@ static void texels_leave_solids(void)
         bool pushed;
         float expected_x;
     } CASES[] = {
-        {0.95f, 0.0f, true, 1.0f},   /* just inside the block */
-        {-0.9f, 0.3f, true, -1.0f},  /* the same on the other side */
-        {0.0f, 0.0f, false, 0.0f},   /* deep inside: nothing shows it */
-        {1.05f, 0.0f, false, 1.05f}, /* outside, beside its front */
-        {3.05f, 0.0f, false, 3.05f}, /* either side of the wall */
+        /* Just inside the block, on two sides. */
+        {0.95f, 0.0f, true, 1.0f},
+        {-0.9f, 0.3f, true, -1.0f},
+        /* Deep inside, where nothing shows it, and outside beside its front. */
+        {0.0f, 0.0f, false, 0.0f},
+        {1.05f, 0.0f, false, 1.05f},
+        /* Either side of the wall. */
+        {3.05f, 0.0f, false, 3.05f},
         {2.95f, 0.0f, false, 2.95f},
+        /* Under the sheet. */
+        {-3.0f, 0.0f, false, -3.0f},
+        {-3.45f, 0.9f, false, -3.45f},
     };
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_solids.glb");
