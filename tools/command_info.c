@@ -167,7 +167,7 @@ int command_info(int count, char **values)
     if (arguments.failed || arguments.help) {
         return arguments_status(&arguments);
     }
-    cJSON *object;
+    cJSON *object = NULL;
     lmb_error error = {{0}};
     const lmb_result result = file_info(path, &object, &error);
     if (result != LMB_OK) {
