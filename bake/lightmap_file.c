@@ -61,7 +61,7 @@ static lmb_result size_add(const char *path, uint64_t *bytes, lmb_error *error)
         fclose(file);
     }
     if (size < 0) {
-        return lmb_error_set(error, LMB_ERROR_IO, "%s: cannot be read back", path);
+        return lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot be read back", path);
     }
     *bytes += (uint64_t)size;
     return LMB_OK;

@@ -10,7 +10,9 @@ const char *lmb_result_text(lmb_result result)
     case LMB_ERROR_MEMORY:
         return "out of memory";
     case LMB_ERROR_IO:
-        return "cannot be read or written";
+        return "cannot be read";
+    case LMB_ERROR_WRITE:
+        return "cannot be written";
     case LMB_ERROR_FORMAT:
         return "not a valid file of this kind";
     case LMB_ERROR_TRUNCATED:

@@ -115,12 +115,18 @@ static void test_names(void)
     free(here);
 }
 
-/* A failing write keeps the old contents, leaves nothing else, and says which file in one line. */
-static void check_failed_write(lmb_result result, const lmb_error *error, const char *path)
+/* A failure says which file in one line. */
+static void check_failure(lmb_result result, lmb_result expected, const lmb_error *error, const char *path)
 {
-    CHECK(result == LMB_ERROR_IO, "%s: result is %d", path, result);
+    CHECK(result == expected, "%s: result is %d", path, result);
     CHECK(strstr(error->message, path), "'%s' does not name %s", error->message, path);
     CHECK(!strchr(error->message, '\n'), "'%s' is more than a line", error->message);
+}
+
+/* A failing write keeps the old contents and leaves nothing else. */
+static void check_failed_write(lmb_result result, const lmb_error *error, const char *path)
+{
+    check_failure(result, LMB_ERROR_WRITE, error, path);
 }
 
 static void test_full_disk(void)
@@ -168,7 +174,7 @@ static void test_unreadable(void)
         unsigned char *data = (unsigned char *)1;
         size_t size = 77;
         lmb_error error = {""};
-        check_failed_write(lmb_file_read(paths[i], &data, &size, &error), &error, paths[i]);
+        check_failure(lmb_file_read(paths[i], &data, &size, &error), LMB_ERROR_IO, &error, paths[i]);
         CHECK(data == (unsigned char *)1 && size == 77, "'%s': outputs were touched", paths[i]);
     }
 }

@@ -365,7 +365,7 @@ static void exr_values_are_rounded_and_clamped(void)
     const lmb_exr_channel bad_channel = {"w", wrong};
     CHECK(lmb_exr_write(OUT("nan.exr"), 2, 1, &bad_channel, 1, NULL, 0, NULL, &error) == LMB_ERROR_ARGUMENT, "NaN");
     CHECK(strstr(error.message, "'w'") && !is_there(OUT("nan.exr")), "%s", error.message);
-    CHECK(lmb_exr_write(OUT("no/such/folder.exr"), 1, 1, &channel, 1, NULL, 0, NULL, &error) == LMB_ERROR_IO, "folder");
+    CHECK(lmb_exr_write(OUT("no/such/folder.exr"), 1, 1, &channel, 1, NULL, 0, NULL, &error) == LMB_ERROR_WRITE, "folder");
 }
 
 /* Writes channels R (uint), G (half), B (float) in every layout that the library can write, with its own packing. */
@@ -648,7 +648,7 @@ static void png_is_what_was_given(void)
     CHECK(read && width == WIDTH && height == HEIGHT && channels == 3, "%d x %d x %d", width, height, channels);
     CHECK(read && memcmp(read, pixels, sizeof pixels) == 0, "pixels");
     stbi_image_free(read);
-    CHECK(lmb_png_write(OUT("no/such/folder.png"), WIDTH, HEIGHT, pixels, &error) == LMB_ERROR_IO, "folder");
+    CHECK(lmb_png_write(OUT("no/such/folder.png"), WIDTH, HEIGHT, pixels, &error) == LMB_ERROR_WRITE, "folder");
     CHECK(strstr(error.message, "folder.png"), "%s", error.message);
 }
 

@@ -288,7 +288,7 @@ static void equal_calls_give_equal_bytes(void)
 static void unwritable_path_is_an_error(void)
 {
     lmb_error error = {0};
-    CHECK(lmb_level_cornell("/nonexistent/folder/cornell.glb", &error) == LMB_ERROR_IO, "%s", error.message);
+    CHECK(lmb_level_cornell("/nonexistent/folder/cornell.glb", &error) == LMB_ERROR_WRITE, "%s", error.message);
     CHECK(strstr(error.message, "/nonexistent/folder/cornell.glb") != NULL, "%s", error.message);
 }
 

@@ -132,7 +132,7 @@ static void files_read_back(void)
         CHECK(count_state(lightmap, LMB_TEXEL_EMPTY) ==
                   (uint64_t)lightmap->image[0].width * (uint64_t)lightmap->image[0].height,
               "a failed read left texels");
-        CHECK(lmb_lightmap_write(lightmap, OUTPUT("nowhere"), NULL, &bytes, &error) == LMB_ERROR_IO, "%s",
+        CHECK(lmb_lightmap_write(lightmap, OUTPUT("nowhere"), NULL, &bytes, &error) == LMB_ERROR_WRITE, "%s",
               error.message);
         lmb_lightmap_destroy(lightmap);
     }

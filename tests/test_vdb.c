@@ -260,7 +260,7 @@ static void test_failed_writes(void)
     const int32_t min[3] = {0, 0, 0}, size[3] = {20, 20, 20};
     lmb_grid *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 7);
     lmb_error error = {""};
-    CHECK(lmb_vdb_write(FOLDER "/missing/a.vdb", grid, &metadata, &error) == LMB_ERROR_IO, "no such folder");
+    CHECK(lmb_vdb_write(FOLDER "/missing/a.vdb", grid, &metadata, &error) == LMB_ERROR_WRITE, "no such folder");
     CHECK(strstr(error.message, FOLDER "/missing/a.vdb") && strstr(error.message, "No such file"), "'%s'",
           error.message);
 
@@ -274,7 +274,7 @@ static void test_failed_writes(void)
     const lmb_result result = lmb_vdb_write(PATH, grid, &metadata, &error);
     setrlimit(RLIMIT_FSIZE, &limit);
     signal(SIGXFSZ, previous);
-    CHECK(result == LMB_ERROR_IO, "a full disk: %d", result);
+    CHECK(result == LMB_ERROR_WRITE, "a full disk: %d", result);
     CHECK(strstr(error.message, PATH ": cannot write: ") && !strchr(error.message, '\n'), "'%s'", error.message);
     CHECK(count_entries() == 1, "%d entries are left", count_entries());
     unsigned char *data = NULL;

@@ -124,6 +124,7 @@ int exit_of_result(lmb_result result)
     case LMB_ERROR_INTERRUPTED:
         return EXIT_INTERRUPTED;
     case LMB_ERROR_MEMORY:
+    case LMB_ERROR_WRITE:
     case LMB_ERROR_ARGUMENT:
         return EXIT_FAILED;
     default:

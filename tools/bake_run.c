@@ -31,7 +31,7 @@ static lmb_result path_make(const char *directory, const char *name, char path[P
 {
     const int length = snprintf(path, PATH_SIZE, "%s/%s", directory, name);
     if (length < 0 || length >= PATH_SIZE) {
-        return lmb_error_set(error, LMB_ERROR_IO, "%.100s...: path is too long", directory);
+        return lmb_error_set(error, LMB_ERROR_WRITE, "%.100s...: path is too long", directory);
     }
     return LMB_OK;
 }
@@ -48,7 +48,7 @@ static lmb_result directory_make(const char *directory, lmb_error *error)
         if (*at == '/') {
             *at = '\0';
             if (mkdir(path, 0777) != 0 && errno != EEXIST) {
-                return lmb_error_set(error, LMB_ERROR_IO, "%s: %s", path, strerror(errno));
+                return lmb_error_set(error, LMB_ERROR_WRITE, "%s: %s", path, strerror(errno));
             }
             *at = '/';
         }

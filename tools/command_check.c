@@ -115,7 +115,7 @@ static lmb_result report_print_json(const check_options *options, const check_re
     }
     const int printed = puts(text);
     cJSON_free(text);
-    return printed < 0 ? lmb_error_set(error, LMB_ERROR_IO, "standard output: cannot write") : LMB_OK;
+    return printed < 0 ? lmb_error_set(error, LMB_ERROR_WRITE, "standard output: cannot write") : LMB_OK;
 }
 
 static void print_percent(double value)

@@ -120,7 +120,7 @@ lmb_result lmb_file_commit(const char *temporary_path, const char *path, lmb_err
     struct stat status;
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) {
         unlink(temporary_path);
-        return lmb_error_set(error, LMB_ERROR_IO, "%s: cannot replace: not a regular file", path);
+        return lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot replace: not a regular file", path);
     }
     int reason = flush_to_disk(temporary_path);
     if (reason == 0 && rename(temporary_path, path) != 0) {
@@ -128,7 +128,7 @@ lmb_result lmb_file_commit(const char *temporary_path, const char *path, lmb_err
     }
     if (reason != 0) {
         unlink(temporary_path);
-        return lmb_error_set(error, LMB_ERROR_IO, "%s: cannot write: %s", path, strerror(reason));
+        return lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot write: %s", path, strerror(reason));
     }
     flush_folder(path);
     return LMB_OK;
@@ -144,7 +144,7 @@ lmb_result lmb_file_write(const char *path, const void *data, size_t size, lmb_e
     lmb_result result;
     FILE *const stream = fopen(temporary, "wb");
     if (!stream) {
-        result = lmb_error_set(error, LMB_ERROR_IO, "%s: cannot write: %s", path, strerror(errno));
+        result = lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot write: %s", path, strerror(errno));
         goto cleanup;
     }
     errno = 0;
@@ -156,7 +156,7 @@ lmb_result lmb_file_write(const char *path, const void *data, size_t size, lmb_e
     }
     if (!written) {
         unlink(temporary);
-        result = lmb_error_set(error, LMB_ERROR_IO, "%s: cannot write: %s", path, strerror(reason));
+        result = lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot write: %s", path, strerror(reason));
         goto cleanup;
     }
     result = lmb_file_commit(temporary, path, error);

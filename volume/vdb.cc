@@ -91,14 +91,14 @@ void overwrite_uuid(const std::string &path)
     std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
     const std::string uuid = content_uuid(file);
     if (file.bad() || !file.eof()) {
-        fail(LMB_ERROR_IO, std::string("cannot write: ") + std::strerror(errno));
+        fail(LMB_ERROR_WRITE, std::string("cannot write: ") + std::strerror(errno));
     }
     file.clear();
     file.seekp(kUuidOffset);
     file.write(uuid.data(), static_cast<std::streamsize>(uuid.size()));
     file.close();
     if (!file) {
-        fail(LMB_ERROR_IO, std::string("cannot write: ") + std::strerror(errno));
+        fail(LMB_ERROR_WRITE, std::string("cannot write: ") + std::strerror(errno));
     }
 }
 
@@ -217,7 +217,7 @@ void write_temporary(const std::string &path, const lmb_grid &grid, const lmb_vd
     }
     file.close();
     if (!file) {
-        fail(LMB_ERROR_IO, std::string("cannot write: ") + std::strerror(errno));
+        fail(LMB_ERROR_WRITE, std::string("cannot write: ") + std::strerror(errno));
     }
     overwrite_uuid(path);
 }
@@ -479,7 +479,7 @@ lmb_result lmb_vdb_write(const char *path, const lmb_grid *grid, const lmb_vdb_m
     if (!temporary) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", path);
     }
-    lmb_result result = guarded(path, LMB_ERROR_IO, error, [&] { write_temporary(temporary, *grid, *metadata); });
+    lmb_result result = guarded(path, LMB_ERROR_WRITE, error, [&] { write_temporary(temporary, *grid, *metadata); });
     if (result == LMB_OK) {
         result = lmb_file_commit(temporary, path, error);
     } else {

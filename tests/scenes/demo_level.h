@@ -27,11 +27,11 @@ static const lmb_vec3 lmb_demo_dark_room_max = {10.0f, 2.8f, 3.0f};
  * there is nothing to light. Sun 60 lux through the windows, one of them half behind a lattice (alpha MASK); a lamp
  * with radiance 15; a brick wall with a normal map. Path points 0 to 6 run from the window to the lamp, 7 is in the
  * dark room; seeds are in the sunny and in the dark room. Cameras: overview, colour_wall, dark_room, stairs, upper.
- * @return LMB_ERROR_MEMORY, _IO */
+ * @return LMB_ERROR_MEMORY, _WRITE */
 lmb_result lmb_demo_level_write(const char *path, lmb_error *error);
 
 /* Writes a ball on a foot with a ring around it, 0.4 m high, albedo 0.8, around the origin.
- * @return LMB_ERROR_MEMORY, _IO */
+ * @return LMB_ERROR_MEMORY, _WRITE */
 lmb_result lmb_demo_object_write(const char *path, lmb_error *error);
 
 #endif

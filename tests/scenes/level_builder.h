@@ -35,7 +35,7 @@ lmb_level_builder *lmb_level_builder_create(float lightmap_gutter_m);
 void lmb_level_builder_destroy(lmb_level_builder *builder);
 
 /* Writes everything as .glb: to a file beside, which is then renamed.
- * @return LMB_ERROR_MEMORY, _IO, _UNSUPPORTED (more than 4 GB) */
+ * @return LMB_ERROR_MEMORY, _WRITE, _UNSUPPORTED (more than 4 GB) */
 lmb_result lmb_level_builder_write(lmb_level_builder *builder, const char *path, lmb_error *error);
 
 /* --- materials ----------------------------------------------------------------------------------------------- */

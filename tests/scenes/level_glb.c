@@ -565,14 +565,14 @@ static lmb_result save(const glb *out, const char *json, const char *path, lmb_e
     snprintf(part, size, "%s.part", path);
     FILE *file = fopen(part, "wb");
     if (!file) {
-        result = lmb_error_set(error, LMB_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
+        result = lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot be written: %s", path, strerror(errno));
         goto cleanup;
     }
     const bool written = write_file(file, out, json);
     const int write_errno = errno;
     const bool closed = fclose(file) == 0;
     if (!written || !closed || rename(part, path) != 0) {
-        result = lmb_error_set(error, LMB_ERROR_IO, "%s: cannot be written: %s", path,
+        result = lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot be written: %s", path,
                                strerror(written ? errno : write_errno));
         remove(part);
     }

@@ -1,5 +1,5 @@
 /* Small levels whose light is known or easy to reason about, written as .glb. All are in metres, +Y up.
- * @return of each: LMB_ERROR_MEMORY, _IO */
+ * @return of each: LMB_ERROR_MEMORY, _WRITE */
 #ifndef LAMBENT_LEVELS_H
 #define LAMBENT_LEVELS_H
 

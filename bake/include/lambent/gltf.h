@@ -29,7 +29,7 @@ typedef struct lmb_gltf_uv {
 
 /* Writes the level at `source_path` again to `path` (.glb, everything embedded) with the given UVs as TEXCOORD_1 of
  * their meshes: vertices are split where corners disagree, all other attributes (skins and morph targets too) follow.
- * Writes beside, then renames. @return as lmb_gltf_load */
+ * Writes beside, then renames. @return as lmb_gltf_load, and LMB_ERROR_WRITE */
 lmb_result lmb_gltf_write_with_uvs(const char *source_path, const lmb_gltf_options *options, const lmb_gltf_uv *uvs,
                                    size_t uv_count, const char *path, lmb_error *error);
 

@@ -36,7 +36,7 @@ lmb_result lmb_image_read(const char *path, lmb_image *image, lmb_latlong_axes *
 /* Frees the pixels; the struct may then be reused. */
 void lmb_image_free(lmb_image *image);
 
-/* 8-bit sRGB PNG of 3 bytes a pixel. Writes beside, then renames. @return LMB_ERROR_IO, _MEMORY, _ARGUMENT */
+/* 8-bit sRGB PNG of 3 bytes a pixel. Writes beside, then renames. @return LMB_ERROR_WRITE, _MEMORY, _ARGUMENT */
 lmb_result lmb_png_write(const char *path, int32_t width, int32_t height, const uint8_t *srgb, lmb_error *error);
 
 /* One named channel of an EXR: width x height floats, tightly packed. */
@@ -54,7 +54,7 @@ typedef struct lmb_exr_attribute {
 
 /* Half-float scanline EXR, ZIP compressed, written beside and renamed; equal input gives equal bytes. Values beyond
  * fp16 are the caller's business (scale first): they are clamped to +-65504 here and counted in `*overflow_count`
- * (may be NULL); NaN is LMB_ERROR_ARGUMENT. @return LMB_ERROR_IO, _MEMORY, _ARGUMENT */
+ * (may be NULL); NaN is LMB_ERROR_ARGUMENT. @return LMB_ERROR_WRITE, _MEMORY, _ARGUMENT */
 lmb_result lmb_exr_write(const char *path, int32_t width, int32_t height, const lmb_exr_channel *channels,
                          size_t channel_count, const lmb_exr_attribute *attributes, size_t attribute_count,
                          size_t *overflow_count, lmb_error *error);

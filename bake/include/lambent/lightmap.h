@@ -85,7 +85,7 @@ lmb_irradz lmb_lightmap_sample(const lmb_lightmap *lightmap, uint32_t instance, 
 
 /* Writes lightmap_N.exr for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the
  * new UVs, through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.
- * @return LMB_ERROR_IO, _MEMORY */
+ * @return LMB_ERROR_WRITE, _MEMORY */
 struct lmb_gltf_options;
 lmb_result lmb_lightmap_write(const lmb_lightmap *lightmap, const char *directory,
                               const struct lmb_gltf_options *options, uint64_t *bytes, lmb_error *error);

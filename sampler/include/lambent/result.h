@@ -12,7 +12,8 @@ typedef enum lmb_result {
     LMB_OK = 0,
     LMB_ERROR_ARGUMENT,    /* the caller broke the function's contract */
     LMB_ERROR_MEMORY,      /* an allocation failed */
-    LMB_ERROR_IO,          /* the operating system refused: missing, unreadable, disk full */
+    LMB_ERROR_IO,          /* cannot be read: missing, unreadable */
+    LMB_ERROR_WRITE,       /* cannot be written: no such folder, no permission, disk full */
     LMB_ERROR_FORMAT,      /* not a file of this kind, or one that contradicts itself */
     LMB_ERROR_TRUNCATED,   /* the file ends before its own contents do */
     LMB_ERROR_VERSION,     /* written by a newer version */

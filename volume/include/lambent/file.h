@@ -20,10 +20,10 @@ lmb_result lmb_file_read(const char *path, unsigned char **data, size_t *size, l
 char *lmb_file_temporary_path(const char *path);
 
 /* Renames a finished temporary file over `path`, after its bytes are on the disk. On failure removes the temporary
- * file. @return LMB_ERROR_IO */
+ * file. @return LMB_ERROR_WRITE */
 lmb_result lmb_file_commit(const char *temporary_path, const char *path, lmb_error *error);
 
-/* Writes beside, then renames: `path` holds either its old contents or all of the new ones. @return LMB_ERROR_IO,
+/* Writes beside, then renames: `path` holds either its old contents or all of the new ones. @return LMB_ERROR_WRITE,
  * _MEMORY */
 lmb_result lmb_file_write(const char *path, const void *data, size_t size, lmb_error *error);
 

@@ -18,7 +18,7 @@ typedef struct lmb_vdb_metadata {
 } lmb_vdb_metadata;
 
 /* Writes beside, then renames. The file's UUID is a hash of its content: equal grids give equal bytes.
- * @return LMB_ERROR_IO, _MEMORY, _ARGUMENT */
+ * @return LMB_ERROR_WRITE, _MEMORY, _ARGUMENT */
 lmb_result lmb_vdb_write(const char *path, const lmb_grid *grid, const lmb_vdb_metadata *metadata, lmb_error *error);
 
 /* Reads a file of ours back, edited or not. `*settings` and `*scene_hash` are malloc'ed strings; either pointer may be
