@@ -245,7 +245,8 @@ lmb_rgb lmb_emitters_environment_radiance(const lmb_emitters *emitters, lmb_vec3
 }
 
 /* KHR_lights_punctual: inverse square with the range's window, and the spot's angular fall-off. */
-static bool punctual_evaluate(const lmb_light *light, lmb_vec3 position, lmb_punctual_sample *sample)
+static bool punctual_evaluate(const lmb_light *light, lmb_vec3 position, float min_distance,
+                              lmb_punctual_sample *sample)
 {
     sample->at_infinity = light->type == LMB_LIGHT_DIRECTIONAL;
     if (sample->at_infinity) {
@@ -260,7 +261,8 @@ static bool punctual_evaluate(const lmb_light *light, lmb_vec3 position, lmb_pun
     }
     sample->direction = vec3_scale(towards, 1.0f / distance);
     sample->end = light->position;
-    float factor = 1.0f / distance / distance;
+    const float counted = fmaxf(distance, min_distance);
+    float factor = 1.0f / counted / counted;
     if (light->range > 0.0f) {
         const float ratio = distance / light->range;
         factor *= fminf(fmaxf(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
@@ -278,7 +280,8 @@ static bool punctual_evaluate(const lmb_light *light, lmb_vec3 position, lmb_pun
 /* Unshadowed weight of one light at a point: what the choice is in proportion to. */
 static float punctual_weight(const lmb_light *light, const lmb_punctual_query *query, lmb_punctual_sample *sample)
 {
-    if ((light->indirect_only && query->skip_indirect_only) || !punctual_evaluate(light, query->position, sample)) {
+    if ((light->indirect_only && query->skip_indirect_only) ||
+        !punctual_evaluate(light, query->position, query->min_distance, sample)) {
         return 0.0f;
     }
     const float cosine = query->normal ? fmaxf(vec3_dot(*query->normal, sample->direction), 0.0f) : 1.0f;

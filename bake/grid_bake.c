@@ -6,6 +6,9 @@
 
 enum { PROBES_PER_TASK = 4 };
 
+/* A probe speaks for the space within half a spacing of it. */
+#define LIGHT_DISTANCE_SPACINGS 0.5f
+
 typedef struct lmb_grid_work {
     lmb_grid *grid;
     const lmb_transport *transport;
@@ -24,7 +27,8 @@ static void grid_task(void *context, size_t task, int worker)
         if (grid->validity[i] < LMB_GRID_MIN_VALIDITY) {
             continue;
         }
-        const lmb_gather_point point = {.position = lmb_grid_position(grid, i)};
+        const lmb_gather_point point = {.position = lmb_grid_position(grid, i),
+                                        .min_light_distance = LIGHT_DISTANCE_SPACINGS * grid->spacing};
         lmb_gathered gathered;
         lmb_gather_sh3(work->transport, &point, work->samples, &gathered);
         grid->radiance[i] = gathered.moments;

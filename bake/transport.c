@@ -28,6 +28,7 @@ typedef struct lmb_receiver {
     lmb_vec3 position;         /* on the surface, or in space */
     lmb_vec3 geometric_normal; /* on the lit side; unused in space */
     lmb_vec3 normal;           /* shading normal; unused for a sphere */
+    float min_light_distance;
     enum { RECEIVE_SPHERE, RECEIVE_HEMISPHERE, RECEIVE_DIFFUSE } kind;
 } lmb_receiver;
 
@@ -155,6 +156,7 @@ static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiv
     lmb_punctual_sample sample;
     const lmb_punctual_query query = {.position = receiver->position,
                                       .normal = receiver->kind == RECEIVE_SPHERE ? NULL : &receiver->normal,
+                                      .min_distance = receiver->min_light_distance,
                                       .skip_indirect_only = receiver->kind != RECEIVE_DIFFUSE};
     if (!lmb_emitters_sample_punctual(transport->emitters, &query, choice[1], &sample) ||
         !receiver_sees(receiver, sample.direction)) {
@@ -251,10 +253,11 @@ static lmb_landing leg_follow(const lmb_path *path, lmb_leg *leg)
             place.geometric_normal = vec3_scale(place.geometric_normal, -1.0f);
             place.shading_normal = vec3_scale(place.shading_normal, -1.0f);
         }
-        return (lmb_landing){.hit = true,
-                             .at = {place.position, place.geometric_normal, place.shading_normal, RECEIVE_DIFFUSE},
-                             .albedo = surface.albedo,
-                             .emitted = rgb_scale(surface.emission, mis)};
+        return (lmb_landing){
+            .hit = true,
+            .at = {place.position, place.geometric_normal, place.shading_normal, 0.0f, RECEIVE_DIFFUSE},
+            .albedo = surface.albedo,
+            .emitted = rgb_scale(surface.emission, mis)};
     }
 }
 
@@ -315,7 +318,7 @@ static void contribution_give(lmb_gather_sink sink, void *context, lmb_vec3 dire
 void lmb_gather(const lmb_transport *transport, const lmb_gather_point *point, uint64_t stream, uint32_t first,
                 uint32_t count, lmb_gather_sink sink, void *context, uint64_t *rays)
 {
-    const lmb_receiver receiver = {point->position, point->normal, point->normal,
+    const lmb_receiver receiver = {point->position, point->normal, point->normal, point->min_light_distance,
                                    point->hemisphere ? RECEIVE_HEMISPHERE : RECEIVE_SPHERE};
     for (uint32_t i = 0; i < count; ++i) {
         lmb_path path = {transport, stream, first + i, 0, rays};

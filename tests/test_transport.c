@@ -133,6 +133,31 @@ static void sun_on_plane(void)
     }
 }
 
+/* For a probe, a light nearer than half a spacing counts as that far; the very point sees the inverse square. */
+static void near_lights_stay_finite(void)
+{
+    lmb_error error;
+    traced_level level;
+    CHECK(lmb_level_sphere_room(output_path("near"), 2.0f, 8, 0.0f, 10.0f, &error) == LMB_OK, "%s", error.message);
+    if (!traced_level_open(&level, output_path("near"), NULL, 1)) {
+        return;
+    }
+    static const float distances[] = {0.0f, 0.01f, 0.25f, 1.0f};
+    for (size_t i = 0; i < sizeof distances / sizeof distances[0]; ++i) {
+        lmb_gather_point point = {.position = {distances[i], 0.0f, 0.0f}, .min_light_distance = 0.5f};
+        lmb_gathered gathered;
+        lmb_gather_sh3(&level.transport, &point, 8, &gathered);
+        const double counted = fmax((double)distances[i], 0.5);
+        const double expected = distances[i] > 0.0f ? 0.28209479 * 10.0 / (counted * counted) : 0.0;
+        CHECK_NEAR(gathered.moments.channel[0].c[0], expected, 1e-3 * expected, "%g m", (double)distances[i]);
+        point.min_light_distance = 0.0f;
+        lmb_gather_sh3(&level.transport, &point, 8, &gathered);
+        const double exact = distances[i] > 0.0f ? 0.28209479 * 10.0 / pow((double)distances[i], 2.0) : 0.0;
+        CHECK_NEAR(gathered.moments.channel[0].c[0], exact, 1e-3 * exact, "%g m, exact", (double)distances[i]);
+    }
+    traced_level_close(&level);
+}
+
 /* A light marked `indirect` gives the ground nothing, but what the ground reflects of it still arrives from below. */
 static void indirect_lights_only_bounce(void)
 {
@@ -364,6 +389,7 @@ static const test_case cases[] = {
     {"sky_lights_open_ground", sky_lights_open_ground},
     {"point_light_in_sphere", point_light_in_sphere},
     {"sun_on_plane", sun_on_plane},
+    {"near_lights_stay_finite", near_lights_stay_finite},
     {"indirect_lights_only_bounce", indirect_lights_only_bounce},
     {"quad_light_form_factor", quad_light_form_factor},
     {"threads_do_not_matter", threads_do_not_matter},

@@ -56,6 +56,7 @@ typedef struct lmb_punctual_sample {
 typedef struct lmb_punctual_query {
     lmb_vec3 position;
     const lmb_vec3 *normal;  /* leaves out lights behind this plane; NULL: a point in space */
+    float min_distance;      /* nearer point and spot lights count as this far */
     bool skip_indirect_only; /* the point is baked, not a reflection on the way to it */
 } lmb_punctual_query;
 

@@ -28,9 +28,11 @@ typedef struct lmb_transport {
 
 /* Where light is gathered. */
 typedef struct lmb_gather_point {
-    lmb_vec3 position; /* where rays start: already off the surface, for a texel */
-    bool hemisphere;   /* only light with direction . normal > 0, else the whole sphere */
-    lmb_vec3 normal;   /* unit; the hemisphere's axis */
+    lmb_vec3 position;        /* where rays start: already off the surface, for a texel */
+    bool hemisphere;          /* only light with direction . normal > 0, else the whole sphere */
+    lmb_vec3 normal;          /* unit; the hemisphere's axis */
+    float min_light_distance; /* metres: point and spot lights nearer than this count as this far. A probe stands for a
+                                 volume around it, over which the inverse square is finite; 0: the very point */
 } lmb_gather_point;
 
 /* Receives one contribution: `weight` = radiance x solid angle that arrives from unit `direction`. */
