@@ -59,7 +59,7 @@ static inline bool traced_level_open(traced_level *level, const char *path, cons
 static inline lmb_rgb traced_irradiance(const traced_level *level, lmb_vec3 position, lmb_vec3 normal,
                                         uint32_t samples)
 {
-    const lmb_gather_point point = {position, true, normal};
+    const lmb_gather_point point = {.position = position, .hemisphere = true, .normal = normal};
     lmb_rgb irradiance;
     uint64_t rays = 0;
     lmb_gather_irradiance(&level->transport, &point, 0, samples, &normal, 1, &irradiance, &rays);

@@ -34,7 +34,8 @@ static void truth_task(void *context, size_t task, int worker)
 {
     (void)worker;
     lmb_truth_work *work = context;
-    const lmb_gather_point point = {work->query->position, true, work->query->vertex_normal};
+    const lmb_gather_point point = {
+        .position = work->query->position, .hemisphere = true, .normal = work->query->vertex_normal};
     lmb_gather_irradiance(work->transport, &point, (uint32_t)task, work->samples, &work->query->normal, 1,
                           &work->irradiance[task], &work->rays[task]);
 }

@@ -68,7 +68,7 @@ static lmb_gather_point seen_point(const lmb_shader *shader, const seen_surface 
     if (seen->object) {
         const lmb_vec3 position =
             lmb_trace_offset(seen->place.position, seen->place.geometric_normal, seen->place.geometric_normal);
-        return (lmb_gather_point){position, true, seen->place.shading_normal};
+        return (lmb_gather_point){.position = position, .hemisphere = true, .normal = seen->place.shading_normal};
     }
     const float texel =
         shader->lightmap ? lmb_lightmap_texel_size(shader->lightmap, seen->hit.instance) : shader->default_texel;
