@@ -17,7 +17,7 @@ static lmb_error error;
 
 static bool write_bytes(const char *name, const void *bytes, size_t size)
 {
-    char path[2048];
+    char path[1024];
     mkdir(LMB_TEST_OUTPUT_DIR, 0777);
     mkdir(FOLDER, 0777);
     snprintf(path, sizeof path, FOLDER "/%s", name);
@@ -39,10 +39,10 @@ static char *json_of(const char *text)
 
 static lmb_result load_text_with(const char *name, const char *text, const lmb_gltf_options *options, lmb_scene **scene)
 {
-    char path[2048];
+    char file[64], path[1024];
     char *const json = json_of(text);
-    snprintf(path, sizeof path, "%s.gltf", name);
-    CHECK(json && write_bytes(path, json, strlen(json)), "%s", name);
+    snprintf(file, sizeof file, "%s.gltf", name);
+    CHECK(json && write_bytes(file, json, strlen(json)), "%s", name);
     free(json);
     snprintf(path, sizeof path, FOLDER "/%s.gltf", name);
     *scene = NULL;
