@@ -280,7 +280,8 @@ static bool punctual_evaluate(const lmb_light *light, lmb_vec3 position, float m
 /* Unshadowed weight of one light at a point: what the choice is in proportion to. */
 static float punctual_weight(const lmb_light *light, const lmb_punctual_query *query, lmb_punctual_sample *sample)
 {
-    if ((light->indirect_only && query->skip_indirect_only) ||
+    if ((light->type == LMB_LIGHT_DIRECTIONAL) != query->at_infinity ||
+        (light->indirect_only && query->skip_indirect_only) ||
         !punctual_evaluate(light, query->position, query->min_distance, sample)) {
         return 0.0f;
     }
@@ -289,28 +290,35 @@ static float punctual_weight(const lmb_light *light, const lmb_punctual_query *q
     return isfinite(weight) ? weight : 0.0f;
 }
 
+/* Share of the choices that any light that gives light has the same chance of. What is chosen by strength alone never
+ * finds a candle in a room whose walls keep the sun out; this bounds how much rarer than any other it is chosen. */
+#define PUNCTUAL_EVEN_SHARE 0.1
+
 bool lmb_emitters_sample_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice,
                                   lmb_punctual_sample *sample)
 {
     const lmb_scene *scene = lmb_tracer_scene(emitters->tracer);
     lmb_punctual_sample candidate;
     double total = 0.0;
+    uint32_t giving = 0;
     for (uint32_t i = 0; i < scene->light_count; ++i) {
-        total += (double)punctual_weight(&scene->lights[i], query, &candidate);
+        const float weight = punctual_weight(&scene->lights[i], query, &candidate);
+        total += (double)weight;
+        giving += weight > 0.0f;
     }
-    if (!(total > 0.0)) {
+    if (giving == 0) {
         return false;
     }
-    double left = (double)choice * total;
-    float chosen_weight = 0.0f;
+    double left = (double)choice;
+    double probability = 1.0;
     for (uint32_t i = 0; i < scene->light_count && left >= 0.0; ++i) {
         const float weight = punctual_weight(&scene->lights[i], query, &candidate);
         if (weight > 0.0f) {
             *sample = candidate;
-            chosen_weight = weight;
-            left -= (double)weight;
+            probability = (1.0 - PUNCTUAL_EVEN_SHARE) * ((double)weight / total) + PUNCTUAL_EVEN_SHARE / giving;
+            left -= probability;
         }
     }
-    sample->irradiance = rgb_scale(sample->irradiance, (float)(total / (double)chosen_weight));
+    sample->irradiance = rgb_scale(sample->irradiance, (float)(1.0 / probability));
     return true;
 }

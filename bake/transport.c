@@ -98,10 +98,10 @@ static float balance(float mine, float other)
     return mine / (mine + other);
 }
 
-/* What next-event estimation found: up to three contributions. */
+/* What next-event estimation found: up to four contributions. */
 typedef struct lmb_direct_light {
-    lmb_vec3 direction[3];
-    lmb_rgb weight[3]; /* radiance x solid angle, times the receiver's response */
+    lmb_vec3 direction[4];
+    lmb_rgb weight[4]; /* radiance x solid angle, times the receiver's response */
     int count;
 } lmb_direct_light;
 
@@ -148,13 +148,15 @@ static void direct_add_environment(const lmb_path *path, const lmb_receiver *rec
     direct_add(direct, sample.direction, rgb_scale(rgb_mul(sample.radiance, share), factor));
 }
 
-static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
+static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiver, bool at_infinity,
+                                lmb_direct_light *direct)
 {
     const lmb_transport *transport = path->transport;
     float choice[2];
     path_numbers(path, PAIR_CHOICE, choice);
     lmb_punctual_sample sample;
     const lmb_punctual_query query = {.position = receiver->position,
+                                      .at_infinity = at_infinity,
                                       .normal = receiver->kind == RECEIVE_SPHERE ? NULL : &receiver->normal,
                                       .min_distance = receiver->min_light_distance,
                                       .skip_indirect_only = receiver->kind != RECEIVE_DIFFUSE};
@@ -182,7 +184,8 @@ static void direct_collect(const lmb_path *path, const lmb_receiver *receiver, l
         direct_add_environment(path, receiver, direct);
     }
     if (lmb_tracer_scene(path->transport->tracer)->light_count > 0) {
-        direct_add_punctual(path, receiver, direct);
+        direct_add_punctual(path, receiver, false, direct);
+        direct_add_punctual(path, receiver, true, direct);
     }
 }
 

@@ -55,13 +55,15 @@ typedef struct lmb_punctual_sample {
 /* Who asks for a punctual light. */
 typedef struct lmb_punctual_query {
     lmb_vec3 position;
+    bool at_infinity;        /* asks for a directional light; else for a point or spot light */
     const lmb_vec3 *normal;  /* leaves out lights behind this plane; NULL: a point in space */
     float min_distance;      /* nearer point and spot lights count as this far */
     bool skip_indirect_only; /* the point is baked, not a reflection on the way to it */
 } lmb_punctual_query;
 
-/* One punctual light, chosen in proportion to the unshadowed light that it gives there. Returns false when none gives
- * light. */
+/* One punctual light of a kind. Suns and lamps are asked for apart, for what is bright for one is dark for the other;
+ * within a kind the choice is in proportion to the unshadowed light there, with an even share for all, because nobody
+ * knows which of them walls keep away. Returns false when none gives light. */
 bool lmb_emitters_sample_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice,
                                   lmb_punctual_sample *sample);
 
