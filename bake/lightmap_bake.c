@@ -35,7 +35,6 @@ typedef struct bake_work {
     uint32_t samples;
     size_t texel_count;
     bake_texel *texels;
-    float *texel_size;  /* [instance] metres */
     bake_count *counts; /* [task] */
 } bake_work;
 
@@ -79,7 +78,6 @@ static lmb_result texels_list(bake_work *work)
     }
     for (uint32_t i = 0; i < work->lightmap->scene->instance_count; ++i) {
         if (work->lightmap->region[i].image >= 0) {
-            work->texel_size[i] = lmb_lightmap_texel_size(work->lightmap, i);
             instance_list(work, i, source);
         }
     }
@@ -93,7 +91,7 @@ static void texel_bake(const bake_work *work, const bake_texel *texel, bake_coun
     const lmb_place place = lmb_trace_place(tracer, texel->instance, texel->triangle, texel->u, texel->v);
     bool pushed_out;
     const lmb_gather_point point =
-        lmb_surface_gather_point(tracer, &place, work->texel_size[texel->instance], &pushed_out);
+        lmb_surface_gather_point(tracer, &place, work->lightmap->region[texel->instance].texel_size, &pushed_out);
     lmb_gathered gathered;
     lmb_gather_sh3(work->transport, &point, work->samples, &gathered);
     lmb_sh3_rgb radiance;
@@ -152,11 +150,10 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
         .transport = transport,
         .samples = samples,
         .texels = malloc((texels + 1u) * sizeof(bake_texel)),
-        .texel_size = calloc((size_t)lightmap->scene->instance_count + 1u, sizeof(float)),
         .counts = calloc(tasks + 1u, sizeof(bake_count)),
     };
     lmb_result result = LMB_ERROR_MEMORY;
-    if (work.texels && work.texel_size && work.counts) {
+    if (work.texels && work.counts) {
         result = texels_list(&work);
     }
     if (result == LMB_OK) {
@@ -172,7 +169,6 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
         }
     }
     free(work.texels);
-    free(work.texel_size);
     free(work.counts);
     return result;
 }

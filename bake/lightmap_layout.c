@@ -322,6 +322,23 @@ static lmb_result covered_count(lmb_lightmap *lightmap)
     return enough ? LMB_OK : LMB_ERROR_MEMORY;
 }
 
+/* A texel's side in metres, as the mean over each instance. */
+static void texel_sizes_find(const layout_work *work)
+{
+    const lmb_lightmap *lightmap = work->lightmap;
+    const lmb_scene *scene = lightmap->scene;
+    for (uint32_t m = 0; m < scene->mesh_count; ++m) {
+        work->uv_area[m] = mesh_uv_area(&scene->meshes[m], lightmap->corner_uv[m]);
+    }
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        if (lightmap->region[i].image >= 0) {
+            const double uv_area = work->uv_area[scene->instances[i].mesh];
+            const double size = sqrt(work->instance_area[i] / uv_area) / lmb_lightmap_grid(lightmap, i).density;
+            lightmap->region[i].texel_size = isfinite(size) ? (float)size : 0.0f;
+        }
+    }
+}
+
 static lmb_result layout_run(layout_work *work, lmb_texel_grid *grids)
 {
     lmb_lightmap *lightmap = work->lightmap;
@@ -352,6 +369,7 @@ static lmb_result layout_run(layout_work *work, lmb_texel_grid *grids)
         return out_of_memory(work->error);
     }
     regions_place(lightmap, grids);
+    texel_sizes_find(work);
     return covered_count(lightmap) == LMB_OK ? LMB_OK : out_of_memory(work->error);
 }
 
@@ -426,16 +444,4 @@ void lmb_lightmap_destroy(lmb_lightmap *lightmap)
     free(lightmap->corner_uv);
     free(lightmap->fault);
     free(lightmap);
-}
-
-float lmb_lightmap_texel_size(const lmb_lightmap *lightmap, uint32_t instance)
-{
-    if (lightmap->region[instance].image < 0) {
-        return 0.0f;
-    }
-    const uint32_t mesh = lightmap->scene->instances[instance].mesh;
-    const double uv_area = mesh_uv_area(&lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh]);
-    const double density = lmb_lightmap_grid(lightmap, instance).density;
-    const double size = sqrt(lmb_instance_area(lightmap->scene, instance) / uv_area) / density;
-    return isfinite(size) ? (float)size : 0.0f;
 }

@@ -239,8 +239,8 @@ static void instances_have_own_places(void)
     CHECK_NEAR(lmb_lightmap_sample(lightmap, covered, 0, 0.3f, 0.3f).irradiance_z.c[0], 0.0, 0.0, "covered");
     CHECK_NEAR(lmb_lightmap_sample(lightmap, moving, 0, 0.3f, 0.3f).irradiance_z.c[0], 0.0, 0.0, "moving");
     CHECK_NEAR(lightmap->region[large].width, 3 * lightmap->region[open].width, 3, "three times the size");
-    CHECK_NEAR(lmb_lightmap_texel_size(lightmap, open), 0.25, 0.03, "metres a texel");
-    CHECK_NEAR(lmb_lightmap_texel_size(lightmap, large), 0.25, 0.03, "metres a texel");
+    CHECK_NEAR(lightmap->region[open].texel_size, 0.25, 0.03, "metres a texel");
+    CHECK_NEAR(lightmap->region[large].texel_size, 0.25, 0.03, "metres a texel");
     check_filled(lightmap, 200);
     baked_close(&bake);
 }

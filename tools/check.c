@@ -159,8 +159,7 @@ static surface_sample sample_make(const check_work *work, size_t task)
     const surface_point at =
         opaque_surface_point(&work->surface, lmb_mix(seed, STREAM_SURFACE), (uint32_t)task, work->settings.points);
     const lmb_place place = lmb_trace_place(subject->transport->tracer, at.instance, at.triangle, at.u, at.v);
-    const float texel =
-        subject->lightmap ? lmb_lightmap_texel_size(subject->lightmap, at.instance) : work->default_texel;
+    const float texel = subject->lightmap ? subject->lightmap->region[at.instance].texel_size : work->default_texel;
     surface_sample sample = {.number = task};
     bool pushed_out;
     sample.point = lmb_surface_gather_point(subject->transport->tracer, &place, texel, &pushed_out);

@@ -71,7 +71,7 @@ static lmb_gather_point seen_point(const lmb_shader *shader, const seen_surface 
         return (lmb_gather_point){.position = position, .hemisphere = true, .normal = seen->place.shading_normal};
     }
     const float texel =
-        shader->lightmap ? lmb_lightmap_texel_size(shader->lightmap, seen->hit.instance) : shader->default_texel;
+        shader->lightmap ? shader->lightmap->region[seen->hit.instance].texel_size : shader->default_texel;
     bool pushed_out;
     return lmb_surface_gather_point(shader->transport->tracer, &seen->place, texel, &pushed_out);
 }

@@ -29,6 +29,7 @@ typedef struct lmb_lightmap_region {
     int32_t x, y, width, height; /* texels */
     lmb_vec2 offset;
     lmb_vec2 scale;
+    float texel_size; /* metres, the mean over the instance; 0 without a lightmap */
 } lmb_lightmap_region;
 
 /* One image of texels. */
@@ -75,9 +76,6 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
  * gather point of texels, and of checks against them. `radius` is the texel's size in metres. */
 lmb_gather_point lmb_surface_gather_point(const lmb_tracer *tracer, const lmb_place *place, float radius,
                                           bool *pushed_out);
-
-/* Size of a texel of an instance, in metres (the mean over its triangles). */
-float lmb_lightmap_texel_size(const lmb_lightmap *lightmap, uint32_t instance);
 
 /* The stored texels at barycentric (u, v) of a triangle, bilinear; the direction is filtered, not renormalised
  * (lmb_irradz_decode does). Zero light where the instance has none. */
