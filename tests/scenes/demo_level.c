@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static const float gutter_m = 0.2f; /* two texels at 10 texels per metre */
+static const float gutter_m = 0.3f; /* over two texels at 8 texels per metre */
 static const float lux_of_sun = 60;
 static const lmb_vec3 sun_direction = {-0.15f, -0.24f, -1};
 
