@@ -198,7 +198,7 @@ bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 positio
     const float v = root * point[1];
     const lmb_place place = lmb_trace_place(emitters->tracer, chosen->instance, chosen->triangle, u, v);
     const lmb_vec3 back = vec3_sub(position, place.position);
-    sample->end = lmb_trace_offset(place.position, place.geometric_normal, back);
+    sample->end = lmb_trace_offset(place.position, place.geometric_normal, place.rounding, back);
     const lmb_vec3 towards = vec3_sub(place.position, position);
     const float distance = vec3_length(towards);
     if (!(distance > 0.0f)) {

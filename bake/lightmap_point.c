@@ -86,7 +86,7 @@ static int ways_out_find(const lmb_tracer *tracer, lmb_vec3 origin, const lmb_fr
         for (; at > 0 && ways[at - 1].distance > hit.distance; --at) {
             ways[at] = ways[at - 1];
         }
-        const lmb_vec3 beyond = lmb_trace_offset(place.position, place.geometric_normal, direction);
+        const lmb_vec3 beyond = lmb_trace_offset(place.position, place.geometric_normal, place.rounding, direction);
         ways[at] = (lmb_way_out){beyond, hit.distance};
     }
     return count;
@@ -96,7 +96,8 @@ lmb_gather_point lmb_surface_gather_point(const lmb_tracer *tracer, const lmb_pl
                                           bool *pushed_out)
 {
     lmb_gather_point point = {
-        .position = lmb_trace_offset(place->position, place->geometric_normal, place->geometric_normal),
+        .position =
+            lmb_trace_offset(place->position, place->geometric_normal, place->rounding, place->geometric_normal),
         .hemisphere = true,
         .normal = place->shading_normal,
     };
@@ -110,7 +111,8 @@ lmb_gather_point lmb_surface_gather_point(const lmb_tracer *tracer, const lmb_pl
     }
     for (int i = 0; i < count; ++i) {
         /* Off the texel's own plane again: the back face may lean towards it. */
-        const lmb_vec3 candidate = lmb_trace_offset(ways[i].position, place->geometric_normal, place->geometric_normal);
+        const lmb_vec3 candidate =
+            lmb_trace_offset(ways[i].position, place->geometric_normal, place->rounding, place->geometric_normal);
         if (vec3_dot(vec3_sub(candidate, place->position), place->geometric_normal) > 0.0f &&
             back_count(tracer, candidate, &frame) < INSIDE_MIN_BACK) {
             point.position = candidate;

@@ -7,8 +7,9 @@
 #include <lambent/sequence.h>
 
 #include "bake_internal.h"
+#include "trace_internal.h"
 
-enum { RAYS_PER_POINT = 64, WINDING_RAYS = 32, WINDING_MAX_CROSSINGS = 256, POINTS_PER_TASK = 64 };
+enum { RAYS_PER_POINT = 64, WINDING_RAYS = 32, POINTS_PER_TASK = 64 };
 
 /* Above this share of back faces among the hits a point is looked at twice. */
 #define SUSPICIOUS_BACK_SHARE 0.5f
@@ -21,27 +22,14 @@ typedef struct lmb_classify_work {
     uint64_t *rays; /* [task] */
 } lmb_classify_work;
 
+/* Leaves, glass and other see-through surfaces bound no solid, whichever side they show. */
 static bool hit_is_back(const lmb_tracer *tracer, const lmb_hit *hit, lmb_vec3 direction)
 {
+    if (lmb_tracer_is_see_through(tracer, hit->instance, hit->triangle)) {
+        return false;
+    }
     const lmb_place place = lmb_trace_place(tracer, hit->instance, hit->triangle, hit->u, hit->v);
     return vec3_dot(place.geometric_normal, direction) > 0.0f;
-}
-
-/* Signed surface crossings along a ray to infinity: +1 for leaving by a back face, -1 for entering by a front. */
-static int ray_crossings(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, uint64_t *rays)
-{
-    int crossings = 0;
-    float start = 0.0f;
-    lmb_hit hit;
-    for (int i = 0; i < WINDING_MAX_CROSSINGS; ++i) {
-        ++*rays;
-        if (!lmb_trace_nearest(tracer, origin, direction, start, FLT_MAX, &hit)) {
-            break;
-        }
-        crossings += hit_is_back(tracer, &hit, direction) ? 1 : -1;
-        start = nextafterf(hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
-    }
-    return crossings;
 }
 
 /* The same directions at every point, turned by the point's own stream: no pattern, and no state. */
@@ -69,7 +57,8 @@ static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *i
     if (hits > 0 && (float)backs > SUSPICIOUS_BACK_SHARE * (float)hits) {
         int crossings = 0;
         for (uint32_t i = 0; i < WINDING_RAYS; ++i) {
-            crossings += ray_crossings(tracer, position, point_direction(position, i), rays);
+            ++*rays;
+            crossings += lmb_trace_crossings(tracer, position, point_direction(position, i));
         }
         *is_free = (float)crossings < ROOM_WINDING * (float)WINDING_RAYS;
     }

@@ -33,6 +33,8 @@ lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, ui
         facing = vec3_scale(facing, -1.0f);
     }
     place.geometric_normal = facing;
+    place.rounding =
+        fmaxf(lmb_trace_epsilon(corner[0]), fmaxf(lmb_trace_epsilon(corner[1]), lmb_trace_epsilon(corner[2])));
     const float w = 1.0f - u - v;
     const lmb_vec3 local = vec3_mad(vec3_mad(vec3_scale(mesh->normal[vertex[0]], w), mesh->normal[vertex[1]], u),
                                     mesh->normal[vertex[2]], v);

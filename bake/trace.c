@@ -66,8 +66,8 @@ static RTCScene scene_new(lmb_tracer *tracer)
 {
     RTCScene scene = rtcNewScene(tracer->device);
     if (scene) {
-        /* Robust: no ray may slip between two triangles that share an edge. */
-        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+        /* Robust: no ray may slip between two triangles that share an edge. The filter counts crossings. */
+        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     }
     return scene;
 }
@@ -253,6 +253,52 @@ bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direc
     return true;
 }
 
+bool lmb_tracer_is_see_through(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
+{
+    const lmb_mesh *mesh = &tracer->scene->meshes[tracer->scene->instances[instance].mesh];
+    return tracer->is_see_through[mesh->material[triangle]];
+}
+
+typedef struct crossing_context {
+    struct RTCIntersectContext embree; /* first: Embree hands it back */
+    const lmb_tracer *tracer;
+    lmb_vec3 direction;
+    int crossings;
+} crossing_context;
+
+/* Counts a hit and sends the ray on. */
+static void crossing_count(const struct RTCFilterFunctionNArguments *arguments)
+{
+    crossing_context *context = (crossing_context *)arguments->context;
+    const struct RTCHit *hit = (const struct RTCHit *)arguments->hit; /* of one ray: N is 1 */
+    const uint32_t instance = hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
+    arguments->valid[0] = 0;
+    if (!lmb_tracer_is_see_through(context->tracer, instance, hit->primID)) {
+        const lmb_place place = lmb_trace_place(context->tracer, instance, hit->primID, 0.0f, 0.0f);
+        context->crossings += vec3_dot(place.geometric_normal, context->direction) > 0.0f ? 1 : -1;
+    }
+}
+
+int lmb_trace_crossings(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction)
+{
+    crossing_context context = {.tracer = tracer, .direction = direction};
+    rtcInitIntersectContext(&context.embree);
+    context.embree.filter = crossing_count;
+    struct RTCRayHit ray = {
+        .ray = {.org_x = origin.x,
+                .org_y = origin.y,
+                .org_z = origin.z,
+                .dir_x = direction.x,
+                .dir_y = direction.y,
+                .dir_z = direction.z,
+                .tfar = FLT_MAX,
+                .mask = ~0u},
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
+    };
+    rtcIntersect1(tracer->world, &context.embree, &ray);
+    return context.crossings;
+}
+
 static bool trace_blocked(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance)
 {
     struct RTCIntersectContext context;
@@ -287,8 +333,7 @@ static lmb_rgb trace_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lm
         if (!lmb_trace_nearest(tracer, origin, direction, start, far_distance, &hit)) {
             return share;
         }
-        const lmb_mesh *mesh = &tracer->scene->meshes[tracer->scene->instances[hit.instance].mesh];
-        if (!tracer->is_see_through[mesh->material[hit.triangle]]) {
+        if (!lmb_tracer_is_see_through(tracer, hit.instance, hit.triangle)) {
             return none;
         }
         share = rgb_mul(share, lmb_trace_surface(tracer, hit.instance, hit.triangle, hit.u, hit.v).pass);
@@ -312,13 +357,14 @@ lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 f
 
 float lmb_trace_epsilon(lmb_vec3 position)
 {
-    /* Interpolated corners are off by a few ulps of the largest coordinate; 32 ulps is safely beyond that. */
+    /* Interpolated corners are off by a few ulps of the largest coordinate. Of 120 000 points on random triangles one
+     * meets its own triangle from 2 ulps off it, none from 4. */
     const float size = fmaxf(fabsf(position.x), fmaxf(fabsf(position.y), fabsf(position.z)));
-    return fmaxf(size * 32.0f * FLT_EPSILON, 1e-12f);
+    return fmaxf(size * 8.0f * FLT_EPSILON, 1e-12f);
 }
 
-lmb_vec3 lmb_trace_offset(lmb_vec3 position, lmb_vec3 geometric_normal, lmb_vec3 direction)
+lmb_vec3 lmb_trace_offset(lmb_vec3 position, lmb_vec3 geometric_normal, float rounding, lmb_vec3 direction)
 {
-    const float step = lmb_trace_epsilon(position);
-    return vec3_mad(position, geometric_normal, vec3_dot(geometric_normal, direction) >= 0.0f ? step : -step);
+    const bool along = vec3_dot(geometric_normal, direction) >= 0.0f;
+    return vec3_mad(position, geometric_normal, along ? rounding : -rounding);
 }

@@ -7,4 +7,11 @@
 /* World-space vertices of an instance that was flattened into the world, or NULL. */
 const lmb_vec3 *lmb_tracer_world_vertices(const lmb_tracer *tracer, uint32_t instance);
 
+/* Whether a triangle's material lets light straight through, wholly or in part: MASK, BLEND or transmission. */
+bool lmb_tracer_is_see_through(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle);
+
+/* Signed crossings of all surfaces that are not see-through along a ray to infinity: +1 for leaving by a back face, -1
+ * for entering by a front. Coincident faces all count. */
+int lmb_trace_crossings(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction);
+
 #endif

@@ -28,6 +28,7 @@ typedef struct lmb_receiver {
     lmb_vec3 position;         /* on the surface, or in space */
     lmb_vec3 geometric_normal; /* on the lit side; unused in space */
     lmb_vec3 normal;           /* shading normal; unused for a sphere */
+    float rounding;            /* lmb_place's; unused for a gather point */
     float min_light_distance;
     enum { RECEIVE_SPHERE, RECEIVE_HEMISPHERE, RECEIVE_DIFFUSE } kind;
 } lmb_receiver;
@@ -88,7 +89,7 @@ static lmb_vec3 receiver_ray_origin(const lmb_receiver *receiver, lmb_vec3 direc
     case RECEIVE_HEMISPHERE:
         return receiver->position;
     default:
-        return lmb_trace_offset(receiver->position, receiver->geometric_normal, direction);
+        return lmb_trace_offset(receiver->position, receiver->geometric_normal, receiver->rounding, direction);
     }
 }
 
@@ -258,7 +259,7 @@ static lmb_landing leg_follow(const lmb_path *path, lmb_leg *leg)
         }
         return (lmb_landing){
             .hit = true,
-            .at = {place.position, place.geometric_normal, place.shading_normal, 0.0f, RECEIVE_DIFFUSE},
+            .at = {place.position, place.geometric_normal, place.shading_normal, place.rounding, 0.0f, RECEIVE_DIFFUSE},
             .albedo = surface.albedo,
             .emitted = rgb_scale(surface.emission, mis)};
     }
@@ -321,7 +322,11 @@ static void contribution_give(lmb_gather_sink sink, void *context, lmb_vec3 dire
 void lmb_gather(const lmb_transport *transport, const lmb_gather_point *point, uint64_t stream, uint32_t first,
                 uint32_t count, lmb_gather_sink sink, void *context, uint64_t *rays)
 {
-    const lmb_receiver receiver = {point->position, point->normal, point->normal, point->min_light_distance,
+    const lmb_receiver receiver = {point->position,
+                                   point->normal,
+                                   point->normal,
+                                   0.0f,
+                                   point->min_light_distance,
                                    point->hemisphere ? RECEIVE_HEMISPHERE : RECEIVE_SPHERE};
     for (uint32_t i = 0; i < count; ++i) {
         lmb_path path = {transport, stream, first + i, 0, rays};

@@ -353,10 +353,10 @@ static void lightmaps_take_part(void)
     lmb_lightmap_stats stats;
     lmb_lightmap *lightmap = NULL;
     const bool baked = lmb_lightmap_create(level.scene, &texels, &lightmap, &error) == LMB_OK &&
-                       lmb_lightmap_bake(lightmap, &level.transport, 256, level.pool, NULL, &stats) == LMB_OK;
+                       lmb_lightmap_bake(lightmap, &level.transport, 1024, level.pool, NULL, &stats) == LMB_OK;
     CHECK(baked, "%s", error.message);
     const check_subject subject = {&level.transport, light.volume, lightmap, level.pool};
-    const check_settings settings = {.points = 100, .samples = 64, .seed = 2};
+    const check_settings settings = {.points = 200, .samples = 128, .seed = 2};
     check_report report;
     if (baked) {
         CHECK(check_run(&subject, &settings, NULL, &report) == LMB_OK, "runs");

@@ -402,7 +402,8 @@ static void texels_leave_solids(void)
     }
     for (size_t i = 0; i < sizeof CASES / sizeof CASES[0]; ++i) {
         const lmb_vec3 up = {0.0f, 1.0f, 0.0f};
-        const lmb_place place = {{CASES[i].x, 0.0f, CASES[i].z}, up, up};
+        const lmb_vec3 position = {CASES[i].x, 0.0f, CASES[i].z};
+        const lmb_place place = {position, up, up, lmb_trace_epsilon(position)};
         bool pushed = false;
         const lmb_gather_point point = lmb_surface_gather_point(level.tracer, &place, 0.2f, &pushed);
         CHECK(pushed == CASES[i].pushed, "case %zu", i);

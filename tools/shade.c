@@ -66,8 +66,9 @@ static void seen_complete(seen_surface *seen, lmb_vec3 direction)
 static lmb_gather_point seen_point(const lmb_shader *shader, const seen_surface *seen)
 {
     if (seen->object) {
-        const lmb_vec3 position =
-            lmb_trace_offset(seen->place.position, seen->place.geometric_normal, seen->place.geometric_normal);
+        const lmb_vec3 normal = seen->place.geometric_normal;
+        const float rounding = fmaxf(seen->place.rounding, lmb_trace_epsilon(seen->place.position));
+        const lmb_vec3 position = lmb_trace_offset(seen->place.position, normal, rounding, normal);
         return (lmb_gather_point){.position = position, .hemisphere = true, .normal = seen->place.shading_normal};
     }
     const float texel =

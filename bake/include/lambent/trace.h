@@ -44,6 +44,7 @@ typedef struct lmb_place {
     lmb_vec3 position;         /* world space, from the triangle's corners: accurate to a few ulps of its coordinates */
     lmb_vec3 geometric_normal; /* unit, towards the side that the triangle's winding calls front */
     lmb_vec3 shading_normal;   /* unit, interpolated vertex normal, turned to the geometric normal's side */
+    float rounding;            /* metres: how far rounding can have moved the position off its triangle */
 } lmb_place;
 
 /* The place of barycentric (u, v) on a triangle of an instance. */
@@ -74,12 +75,12 @@ lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec
 lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction,
                                             uint64_t *rays);
 
-/* How far rounding can have moved a surface point at `position`, in metres. */
+/* How far rounding can have moved a point at `position`, in metres. On a triangle its corners count: lmb_place. */
 float lmb_trace_epsilon(lmb_vec3 position);
 
-/* A ray's origin just off a surface point, on the side of `normal` that `direction` points to: farther than rounding
+/* A ray's origin just off a surface point, on the side of `normal` that `direction` points to: farther than `rounding`
  * can have put the point behind its own surface, and no more. */
-lmb_vec3 lmb_trace_offset(lmb_vec3 position, lmb_vec3 geometric_normal, lmb_vec3 direction);
+lmb_vec3 lmb_trace_offset(lmb_vec3 position, lmb_vec3 geometric_normal, float rounding, lmb_vec3 direction);
 
 #ifdef __cplusplus
 }
