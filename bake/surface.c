@@ -16,6 +16,16 @@ void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance_number, uint3
     }
 }
 
+/* Rounding may put a point near a triangle's edge behind the wall that stands there; its rays would start outside the
+ * room. One rounding step towards the triangle's middle keeps it inside. */
+static lmb_vec3 position_inset(lmb_vec3 position, const lmb_vec3 corner[3], float rounding)
+{
+    const lmb_vec3 middle = vec3_scale(vec3_add(vec3_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
+    const lmb_vec3 inward = vec3_sub(middle, position);
+    const float length = vec3_length(inward);
+    return length > 0.0f ? vec3_mad(position, inward, fminf(rounding / length, 0.5f)) : position;
+}
+
 lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, float u, float v)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
@@ -27,14 +37,14 @@ lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, ui
     const lmb_vec3 edge_u = vec3_sub(corner[1], corner[0]);
     const lmb_vec3 edge_v = vec3_sub(corner[2], corner[0]);
     lmb_place place;
-    place.position = vec3_mad(vec3_mad(corner[0], edge_u, u), edge_v, v);
+    place.rounding =
+        fmaxf(lmb_trace_epsilon(corner[0]), fmaxf(lmb_trace_epsilon(corner[1]), lmb_trace_epsilon(corner[2])));
+    place.position = position_inset(vec3_mad(vec3_mad(corner[0], edge_u, u), edge_v, v), corner, place.rounding);
     lmb_vec3 facing = vec3_normalize_or(vec3_cross(edge_u, edge_v), vec3(0.0f, 1.0f, 0.0f));
     if (instance->mirrored) {
         facing = vec3_scale(facing, -1.0f);
     }
     place.geometric_normal = facing;
-    place.rounding =
-        fmaxf(lmb_trace_epsilon(corner[0]), fmaxf(lmb_trace_epsilon(corner[1]), lmb_trace_epsilon(corner[2])));
     const float w = 1.0f - u - v;
     const lmb_vec3 local = vec3_mad(vec3_mad(vec3_scale(mesh->normal[vertex[0]], w), mesh->normal[vertex[1]], u),
                                     mesh->normal[vertex[2]], v);

@@ -133,6 +133,33 @@ static void sun_on_plane(void)
     }
 }
 
+/* Behind a wall of 1 mm it is exactly dark, in the corners too, where rounding could start rays outside the room. */
+static void sealed_room_is_dark(void)
+{
+    lmb_error error;
+    traced_level level;
+    lmb_two_rooms rooms = lmb_two_rooms_default();
+    rooms.wall_m = 0.001f;
+    rooms.green_radiance = 0.0f;
+    CHECK(lmb_level_two_rooms(output_path("sealed"), &rooms, &error) == LMB_OK, "%s", error.message);
+    if (!traced_level_open(&level, output_path("sealed"), NULL, 2)) {
+        return;
+    }
+    static const lmb_vec3 dark[] = {{2.0f, 1.5f, 0.0f}, {0.01f, 0.01f, 1.99f}, {0.01f, 2.99f, -1.99f}};
+    for (size_t i = 0; i < sizeof dark / sizeof dark[0]; ++i) {
+        const lmb_gather_point point = {.position = dark[i]};
+        lmb_gathered gathered;
+        lmb_gather_sh3_parallel(&level.transport, &point, 100000, level.pool, NULL, &gathered);
+        CHECK(gathered.squared_length <= 0.0, "%g %g %g: %g", (double)dark[i].x, (double)dark[i].y, (double)dark[i].z,
+              gathered.squared_length);
+    }
+    const lmb_gather_point lit = {.position = {-2.0f, 1.5f, 0.0f}};
+    lmb_gathered gathered;
+    lmb_gather_sh3(&level.transport, &lit, 64, &gathered);
+    CHECK(gathered.moments.channel[0].c[0] > 0.1f, "the lit room: %g", (double)gathered.moments.channel[0].c[0]);
+    traced_level_close(&level);
+}
+
 /* For a probe, a light nearer than half a spacing counts as that far; the very point sees the inverse square. */
 static void near_lights_stay_finite(void)
 {
@@ -389,6 +416,7 @@ static const test_case cases[] = {
     {"sky_lights_open_ground", sky_lights_open_ground},
     {"point_light_in_sphere", point_light_in_sphere},
     {"sun_on_plane", sun_on_plane},
+    {"sealed_room_is_dark", sealed_room_is_dark},
     {"near_lights_stay_finite", near_lights_stay_finite},
     {"indirect_lights_only_bounce", indirect_lights_only_bounce},
     {"quad_light_form_factor", quad_light_form_factor},
