@@ -14,12 +14,12 @@
 
 #include "grid_fixture.h"
 #include "scenes/level_builder.h"
-#include "traced_level.h"
+#include "level_fixture.h"
 
 static const lmb_vec3 hard_up = {0.0f, 1.0f, 0.0f};
 
 typedef struct hard_level {
-    traced_level traced;
+    level_fixture traced;
     lmb_grid *grid;
     lmb_placement_stats placement;
     lmb_grid_bake_stats baked;
@@ -50,7 +50,7 @@ static inline void hard_close(hard_level *level)
     free(level->file);
     lmb_grid_destroy(level->grid);
     lmb_lightmap_destroy(level->lightmap);
-    traced_level_close(&level->traced);
+    level_fixture_close(&level->traced);
 }
 
 static inline bool sh_is_finite(const lmb_sh3_rgb *radiance)
@@ -175,7 +175,7 @@ static inline bool hard_bake(hard_level *level, const char *path, const char *en
                              const hard_settings *settings)
 {
     memset(level, 0, sizeof *level);
-    if (!traced_level_open(&level->traced, path, environment, 2)) {
+    if (!level_fixture_load(&level->traced, path, environment, 2)) {
         return false;
     }
     if (hard_bake_volume(level, settings) && hard_bake_lightmap(level, settings)) {

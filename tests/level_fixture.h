@@ -1,10 +1,12 @@
-/* A level built in memory, written, loaded and made ready for tracing, for the tests of what is above the baker. */
+/* A level loaded and made ready for tracing, for the tests of everything that follows light. */
 #ifndef LMB_TESTS_LEVEL_FIXTURE_H
 #define LMB_TESTS_LEVEL_FIXTURE_H
 
 #include <lambent/emitters.h>
 #include <lambent/gltf.h>
 #include <lambent/pool.h>
+#include <lambent/probe.h>
+#include <lambent/trace.h>
 #include <lambent/transport.h>
 
 #include "harness.h"
@@ -17,30 +19,60 @@ typedef struct level_fixture {
     lmb_transport transport;
 } level_fixture;
 
-static inline void level_fixture_close(level_fixture *fixture)
+static inline void level_fixture_close(level_fixture *level)
 {
-    lmb_pool_destroy(fixture->pool);
-    lmb_emitters_destroy(fixture->emitters);
-    lmb_tracer_destroy(fixture->tracer);
-    lmb_scene_destroy(fixture->scene);
+    lmb_pool_destroy(level->pool);
+    lmb_emitters_destroy(level->emitters);
+    lmb_tracer_destroy(level->tracer);
+    lmb_scene_destroy(level->scene);
+    memset(level, 0, sizeof *level);
 }
 
-/* Opens the level at `path`, which `written` says was written; a failure counts as a failed check. */
-static inline bool level_fixture_open(level_fixture *fixture, const char *path, lmb_result written, lmb_error *error,
-                                      int threads)
+/* Loads the level at `path`. `environment` NULL: none. A failure is a failed check, and false. */
+static inline bool level_fixture_load(level_fixture *level, const char *path, const char *environment, int threads)
 {
-    *fixture = (level_fixture){0};
-    const bool opened = written == LMB_OK && lmb_gltf_load(path, NULL, &fixture->scene, error) == LMB_OK &&
-                        lmb_tracer_create(fixture->scene, NULL, threads, &fixture->tracer, error) == LMB_OK &&
-                        lmb_emitters_create(fixture->tracer, &fixture->emitters) == LMB_OK &&
-                        lmb_pool_create(threads, &fixture->pool) == LMB_OK;
-    CHECK(opened, "%s: %s", path, error->message);
-    if (!opened) {
-        level_fixture_close(fixture);
+    lmb_error error = {{0}};
+    memset(level, 0, sizeof *level);
+    lmb_result result = lmb_gltf_load(path, NULL, &level->scene, &error);
+    if (result == LMB_OK && environment) {
+        result = lmb_scene_set_environment(level->scene, environment, &error);
+    }
+    if (result == LMB_OK) {
+        result = lmb_tracer_create(level->scene, NULL, threads, &level->tracer, &error);
+    }
+    if (result == LMB_OK) {
+        result = lmb_emitters_create(level->tracer, &level->emitters);
+    }
+    if (result == LMB_OK) {
+        result = lmb_pool_create(threads, &level->pool);
+    }
+    CHECK(result == LMB_OK, "%s: %s", path, error.message);
+    if (result != LMB_OK) {
+        level_fixture_close(level);
         return false;
     }
-    fixture->transport = (lmb_transport){.tracer = fixture->tracer, .emitters = fixture->emitters, .bounces = -1};
+    level->transport = (lmb_transport){level->tracer, level->emitters, -1, 0};
     return true;
+}
+
+/* The same for a level that was just written to `path`; `written` and `error` say how that went. */
+static inline bool level_fixture_open(level_fixture *level, const char *path, lmb_result written,
+                                      const lmb_error *error, int threads)
+{
+    CHECK(written == LMB_OK, "%s: %s", path, error->message);
+    memset(level, 0, sizeof *level);
+    return written == LMB_OK && level_fixture_load(level, path, NULL, threads);
+}
+
+/* Normalised irradiance on `normal` at a point in the air, by `samples` samples. */
+static inline lmb_rgb traced_irradiance(const level_fixture *level, lmb_vec3 position, lmb_vec3 normal,
+                                        uint32_t samples)
+{
+    const lmb_gather_point point = {.position = position, .hemisphere = true, .normal = normal};
+    lmb_rgb irradiance;
+    uint64_t rays = 0;
+    lmb_gather_irradiance(&level->transport, &point, 0, samples, &normal, 1, &irradiance, &rays);
+    return irradiance;
 }
 
 #endif

@@ -20,7 +20,7 @@ static void empty_scene(void)
     FILE *const file = fopen(path, "wb");
     CHECK(file && fputs("{\"asset\":{\"version\":\"2.0\"}}", file) >= 0 && fclose(file) == 0, "%s", path);
     hard_level level = {0};
-    if (!traced_level_open(&level.traced, path, WHITE_SKY, 1)) {
+    if (!level_fixture_load(&level.traced, path, WHITE_SKY, 1)) {
         return;
     }
     const lmb_placement_settings settings = lmb_placement_settings_default();
@@ -37,7 +37,7 @@ static void empty_scene(void)
     hard_close(&level);
 }
 
-static bool gathered_is_dark(const traced_level *level, lmb_vec3 position)
+static bool gathered_is_dark(const level_fixture *level, lmb_vec3 position)
 {
     const lmb_gather_point point = {.position = position};
     lmb_gathered gathered;
@@ -320,7 +320,7 @@ static void large_triangles(void)
                            "{'pbrMetallicRoughness':{'baseColorFactor':[0,0,0,1]}}"};
     hard_level level = {0};
     if (!raw_write("slope", &part, 1, 0.0f) ||
-        !traced_level_open(&level.traced, hard_path("slope", "gltf"), WHITE_SKY, 1)) {
+        !level_fixture_load(&level.traced, hard_path("slope", "gltf"), WHITE_SKY, 1)) {
         return;
     }
     /* The parallelogram's middle is on the edge between the two triangles, near the origin. */
@@ -459,17 +459,17 @@ static void glass(void)
         {(const float(*)[3])panes, NULL, 4,
          "{'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[0,0,0,0.5]}}"},
     };
-    traced_level level;
+    level_fixture level;
     const lmb_vec3 at = {0.3f, 0.001f, -0.2f};
-    if (!raw_write("glass", parts, 2, 100.0f) || !traced_level_open(&level, hard_path("glass", "gltf"), NULL, 1)) {
+    if (!raw_write("glass", parts, 2, 100.0f) || !level_fixture_load(&level, hard_path("glass", "gltf"), NULL, 1)) {
         return;
     }
     CHECK_NEAR(traced_irradiance(&level, at, hard_up, 64).c[0], 0.25 * 100.0 / PI, 1e-4, "sun");
     CHECK(lmb_scene_set_environment(level.scene, WHITE_SKY, &error) == LMB_OK, "%s", error.message);
-    traced_level_close(&level);
-    if (raw_write("glass", parts, 2, 0.0f) && traced_level_open(&level, hard_path("glass", "gltf"), WHITE_SKY, 1)) {
+    level_fixture_close(&level);
+    if (raw_write("glass", parts, 2, 0.0f) && level_fixture_load(&level, hard_path("glass", "gltf"), WHITE_SKY, 1)) {
         CHECK_NEAR(traced_irradiance(&level, at, hard_up, 4096).c[0], 0.25, 0.01, "sky");
-        traced_level_close(&level);
+        level_fixture_close(&level);
     }
 }
 
@@ -645,7 +645,7 @@ static void many_instances(void)
     }
     const double wrote = seconds_now() - at;
     at = seconds_now();
-    if (!traced_level_open(&level.traced, path, WHITE_SKY, 2)) {
+    if (!level_fixture_load(&level.traced, path, WHITE_SKY, 2)) {
         return;
     }
     const double loaded = seconds_now() - at;

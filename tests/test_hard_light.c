@@ -81,16 +81,16 @@ static void strong_lamp_behind_a_wall(void)
     hard_add_box(builder, "weak", black, (lmb_vec3){0.05f, 0, -1}, (lmb_vec3){2.05f, 2, 1}, true);
     hard_add_light(builder, LMB_LEVEL_LIGHT_POINT, 1e6f, (lmb_vec3){-1.05f, 1, 0});
     hard_add_light(builder, LMB_LEVEL_LIGHT_POINT, 1.0f, (lmb_vec3){1.05f, 1, 0});
-    traced_level level;
+    level_fixture level;
     const char *path = hard_path("lamps", "glb");
-    if (!hard_write(builder, path) || !traced_level_open(&level, path, NULL, 1)) {
+    if (!hard_write(builder, path) || !level_fixture_load(&level, path, NULL, 1)) {
         return;
     }
     const lmb_rgb weak = traced_irradiance(&level, (lmb_vec3){1.05f, 0.001f, 0}, hard_up, 1024);
     CHECK_NEAR(weak.c[0], 1.0 / PI, 0.1 / PI, "weak");
     const lmb_rgb strong = traced_irradiance(&level, (lmb_vec3){-1.05f, 0.001f, 0}, hard_up, 1024);
     CHECK_NEAR(strong.c[0], 1e6 / PI, 0.02e6 / PI, "strong");
-    traced_level_close(&level);
+    level_fixture_close(&level);
 }
 
 /* Radiance is emission / (1 - albedo) everywhere: in the volume and on the walls. */

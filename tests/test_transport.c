@@ -11,7 +11,7 @@
 
 #include "harness.h"
 #include "scenes/levels.h"
-#include "traced_level.h"
+#include "level_fixture.h"
 
 #define PI 3.14159265358979323846
 
@@ -28,11 +28,11 @@ static void furnace_is_uniform(void)
     static const float albedos[] = {0.0f, 0.5f, 0.8f, 0.99f};
     for (size_t i = 0; i < sizeof albedos / sizeof albedos[0]; ++i) {
         lmb_error error;
-        traced_level level;
+        level_fixture level;
         const lmb_rgb one = {{1.0f, 1.0f, 1.0f}};
         CHECK(lmb_level_furnace(output_path("furnace"), 2.0f, albedos[i], one, false, &error) == LMB_OK, "%s",
               error.message);
-        if (!traced_level_open(&level, output_path("furnace"), NULL, 1)) {
+        if (!level_fixture_load(&level, output_path("furnace"), NULL, 1)) {
             return;
         }
         const double radiance = 1.0 / (1.0 - (double)albedos[i]);
@@ -47,7 +47,7 @@ static void furnace_is_uniform(void)
                 CHECK_NEAR(l[k], 0.0, 4.0 * tolerance, "albedo %g, coefficient %d", (double)albedos[i], k);
             }
         }
-        traced_level_close(&level);
+        level_fixture_close(&level);
     }
 }
 
@@ -55,10 +55,10 @@ static void furnace_is_uniform(void)
 static void bounces_are_counted(void)
 {
     lmb_error error;
-    traced_level level;
+    level_fixture level;
     const lmb_rgb one = {{1.0f, 1.0f, 1.0f}};
     CHECK(lmb_level_furnace(output_path("bounces"), 2.0f, 0.8f, one, true, &error) == LMB_OK, "%s", error.message);
-    if (!traced_level_open(&level, output_path("bounces"), NULL, 1)) {
+    if (!level_fixture_load(&level, output_path("bounces"), NULL, 1)) {
         return;
     }
     for (int bounces = 0; bounces < 6; ++bounces) {
@@ -67,16 +67,16 @@ static void bounces_are_counted(void)
             traced_irradiance(&level, (lmb_vec3){0.0f, 0.0f, 0.0f}, (lmb_vec3){0.0f, 1.0f, 0.0f}, 4096);
         CHECK_NEAR(irradiance.c[1], (1.0 - pow(0.8, bounces + 1)) / 0.2, 0.05, "bounces %d", bounces);
     }
-    traced_level_close(&level);
+    level_fixture_close(&level);
 }
 
 /* Under a constant sky of 1 the open ground receives exactly 1; looking down from above it, albedo. */
 static void sky_lights_open_ground(void)
 {
     lmb_error error;
-    traced_level level;
+    level_fixture level;
     CHECK(lmb_level_open_ground(output_path("ground"), 1000.0f, 0.5f, &error) == LMB_OK, "%s", error.message);
-    if (!traced_level_open(&level, output_path("ground"), "#ffffff", 1)) {
+    if (!level_fixture_load(&level, output_path("ground"), "#ffffff", 1)) {
         return;
     }
     const lmb_vec3 above = {0.0f, 0.01f, 0.0f};
@@ -84,7 +84,7 @@ static void sky_lights_open_ground(void)
     const lmb_rgb down = traced_irradiance(&level, above, (lmb_vec3){0.0f, -1.0f, 0.0f}, 1024);
     CHECK_NEAR(up.c[0], 1.0, 0.01, "from above");
     CHECK_NEAR(down.c[0], 0.5, 0.005, "from the ground");
-    traced_level_close(&level);
+    level_fixture_close(&level);
 }
 
 /* A point light of intensity I in the middle of a diffuse sphere of radius R and albedo a: every wall point receives
@@ -92,12 +92,12 @@ static void sky_lights_open_ground(void)
 static void point_light_in_sphere(void)
 {
     lmb_error error;
-    traced_level level;
+    level_fixture level;
     const double radius = 2.0, albedo = 0.6, intensity = 10.0;
     CHECK(lmb_level_sphere_room(output_path("sphere"), (float)radius, 24, (float)albedo, (float)intensity, &error) ==
               LMB_OK,
           "%s", error.message);
-    if (!traced_level_open(&level, output_path("sphere"), NULL, 1)) {
+    if (!level_fixture_load(&level, output_path("sphere"), NULL, 1)) {
         return;
     }
     const double expected = intensity / (radius * radius) / (1.0 - albedo) / PI;
@@ -110,7 +110,7 @@ static void point_light_in_sphere(void)
         CHECK_NEAR(irradiance.c[2], expected, 0.02 * expected, "direction %g %g %g", (double)d.x, (double)d.y,
                    (double)d.z);
     }
-    traced_level_close(&level);
+    level_fixture_close(&level);
 }
 
 /* A sun of L lux at angle a gives L cos(a) / pi on the ground, without noise. */
@@ -119,17 +119,17 @@ static void sun_on_plane(void)
     static const lmb_vec3 directions[] = {{0.0f, -1.0f, 0.0f}, {3.0f, -4.0f, 0.0f}, {-1.0f, -0.5f, 2.0f}};
     for (size_t i = 0; i < sizeof directions / sizeof directions[0]; ++i) {
         lmb_error error;
-        traced_level level;
+        level_fixture level;
         const lmb_vec3 d = directions[i];
         CHECK(lmb_level_sun_plane(output_path("sun"), 0.5f, d, 100000.0f, &error) == LMB_OK, "%s", error.message);
-        if (!traced_level_open(&level, output_path("sun"), NULL, 1)) {
+        if (!level_fixture_load(&level, output_path("sun"), NULL, 1)) {
             return;
         }
         const double cosine = -(double)d.y / sqrt((double)(d.x * d.x + d.y * d.y + d.z * d.z));
         const lmb_rgb irradiance =
             traced_irradiance(&level, (lmb_vec3){0.1f, 0.001f, 0.2f}, (lmb_vec3){0.0f, 1.0f, 0.0f}, 16);
         CHECK_NEAR(irradiance.c[0], 100000.0 * cosine / PI, 0.1, "sun %g %g %g", (double)d.x, (double)d.y, (double)d.z);
-        traced_level_close(&level);
+        level_fixture_close(&level);
     }
 }
 
@@ -137,12 +137,12 @@ static void sun_on_plane(void)
 static void sealed_room_is_dark(void)
 {
     lmb_error error;
-    traced_level level;
+    level_fixture level;
     lmb_two_rooms rooms = lmb_two_rooms_default();
     rooms.wall_m = 0.001f;
     rooms.green_radiance = 0.0f;
     CHECK(lmb_level_two_rooms(output_path("sealed"), &rooms, &error) == LMB_OK, "%s", error.message);
-    if (!traced_level_open(&level, output_path("sealed"), NULL, 2)) {
+    if (!level_fixture_load(&level, output_path("sealed"), NULL, 2)) {
         return;
     }
     static const lmb_vec3 dark[] = {{2.0f, 1.5f, 0.0f}, {0.01f, 0.01f, 1.99f}, {0.01f, 2.99f, -1.99f}};
@@ -157,16 +157,16 @@ static void sealed_room_is_dark(void)
     lmb_gathered gathered;
     lmb_gather_sh3(&level.transport, &lit, 64, &gathered);
     CHECK(gathered.moments.channel[0].c[0] > 0.1f, "the lit room: %g", (double)gathered.moments.channel[0].c[0]);
-    traced_level_close(&level);
+    level_fixture_close(&level);
 }
 
 /* For a probe, a light nearer than half a spacing counts as that far; the very point sees the inverse square. */
 static void near_lights_stay_finite(void)
 {
     lmb_error error;
-    traced_level level;
+    level_fixture level;
     CHECK(lmb_level_sphere_room(output_path("near"), 2.0f, 8, 0.0f, 10.0f, &error) == LMB_OK, "%s", error.message);
-    if (!traced_level_open(&level, output_path("near"), NULL, 1)) {
+    if (!level_fixture_load(&level, output_path("near"), NULL, 1)) {
         return;
     }
     static const float distances[] = {0.0f, 0.01f, 0.25f, 1.0f};
@@ -182,17 +182,17 @@ static void near_lights_stay_finite(void)
         const double exact = distances[i] > 0.0f ? 0.28209479 * 10.0 / pow((double)distances[i], 2.0) : 0.0;
         CHECK_NEAR(gathered.moments.channel[0].c[0], exact, 1e-3 * exact, "%g m, exact", (double)distances[i]);
     }
-    traced_level_close(&level);
+    level_fixture_close(&level);
 }
 
 /* A light marked `indirect` gives the ground nothing, but what the ground reflects of it still arrives from below. */
 static void indirect_lights_only_bounce(void)
 {
     lmb_error error;
-    traced_level level;
+    level_fixture level;
     CHECK(lmb_level_sun_plane(output_path("indirect"), 0.5f, (lmb_vec3){0.0f, -1.0f, 0.0f}, 10.0f, &error) == LMB_OK,
           "%s", error.message);
-    if (!traced_level_open(&level, output_path("indirect"), NULL, 1)) {
+    if (!level_fixture_load(&level, output_path("indirect"), NULL, 1)) {
         return;
     }
     level.scene->lights[0].indirect_only = true;
@@ -201,7 +201,7 @@ static void indirect_lights_only_bounce(void)
     const lmb_rgb down = traced_irradiance(&level, above, (lmb_vec3){0.0f, -1.0f, 0.0f}, 1024);
     CHECK_NEAR(up.c[0], 0.0, 1e-6, "direct");
     CHECK_NEAR(down.c[0], 0.5 * 10.0 / PI, 0.02, "reflected");
-    traced_level_close(&level);
+    level_fixture_close(&level);
 }
 
 /* Form factor from a point to a parallel square of side 2a at height h centred above it, by the corner formula of
@@ -211,9 +211,9 @@ static void quad_light_form_factor(void)
     static const float heights[] = {0.1f, 0.5f, 2.0f};
     for (size_t i = 0; i < sizeof heights / sizeof heights[0]; ++i) {
         lmb_error error;
-        traced_level level;
+        level_fixture level;
         CHECK(lmb_level_quad_light(output_path("quad"), heights[i], 7.0f, &error) == LMB_OK, "%s", error.message);
-        if (!traced_level_open(&level, output_path("quad"), NULL, 1)) {
+        if (!level_fixture_load(&level, output_path("quad"), NULL, 1)) {
             return;
         }
         level.transport.bounces = 0;
@@ -223,7 +223,7 @@ static void quad_light_form_factor(void)
         const lmb_rgb irradiance =
             traced_irradiance(&level, (lmb_vec3){0.0f, 1e-5f, 0.0f}, (lmb_vec3){0.0f, 1.0f, 0.0f}, 4096);
         CHECK_NEAR(irradiance.c[0], 7.0 * factor, 7.0 * factor * 0.01, "height %g", (double)heights[i]);
-        traced_level_close(&level);
+        level_fixture_close(&level);
     }
 }
 
@@ -241,8 +241,8 @@ static void threads_do_not_matter(void)
     lmb_error error = {{0}};
     CHECK(lmb_level_cornell(output_path("cornell"), &error) == LMB_OK, "%s", error.message);
     for (int i = 0; i < 3; ++i) {
-        traced_level level;
-        if (!traced_level_open(&level, output_path("cornell"), NULL, threads[i])) {
+        level_fixture level;
+        if (!level_fixture_load(&level, output_path("cornell"), NULL, threads[i])) {
             return;
         }
         lmb_placement_settings settings = lmb_placement_settings_default();
@@ -257,7 +257,7 @@ static void threads_do_not_matter(void)
         CHECK(result == LMB_OK, "%d threads: %s", threads[i], error.message);
         CHECK(i == 0 || (grids[0] && grids[i] && same_grid(grids[0], grids[i])), "%d threads differ from 1",
               threads[i]);
-        traced_level_close(&level);
+        level_fixture_close(&level);
     }
     for (int i = 0; i < 3; ++i) {
         lmb_grid_destroy(grids[i]);
@@ -289,16 +289,16 @@ static void analytic_references(void)
         return;
     }
     char path[512];
-    traced_level level;
+    level_fixture level;
     const lmb_vec3 up = {0.0f, 1.0f, 0.0f};
     const cJSON *file;
     cJSON_ArrayForEach(file, cJSON_GetObjectItem(cJSON_GetObjectItem(json, "furnace"), "files"))
     {
         snprintf(path, sizeof path, "%s/references/analytic/%s", LMB_DATA_DIR, file->string);
-        if (traced_level_open(&level, path, NULL, 1)) {
+        if (level_fixture_load(&level, path, NULL, 1)) {
             const lmb_rgb irradiance = traced_irradiance(&level, (lmb_vec3){0.1f, 0.2f, 0.3f}, up, 8192);
             CHECK_NEAR(irradiance.c[0], file->valuedouble, 0.015 * file->valuedouble, "%s", file->string);
-            traced_level_close(&level);
+            level_fixture_close(&level);
         }
     }
     const cJSON *item;
@@ -307,11 +307,11 @@ static void analytic_references(void)
         const char *name = cJSON_GetObjectItem(item, "file")->valuestring;
         const double expected = cJSON_GetObjectItem(item, "irradiance_at_origin_normal_+y")->valuedouble / PI;
         snprintf(path, sizeof path, "%s/references/%s", LMB_DATA_DIR, name);
-        if (traced_level_open(&level, path, NULL, 1)) {
+        if (level_fixture_load(&level, path, NULL, 1)) {
             level.transport.bounces = 0;
             const lmb_rgb irradiance = traced_irradiance(&level, (lmb_vec3){0.0f, 1e-6f, 0.0f}, up, 16384);
             CHECK_NEAR(irradiance.c[0], expected, 0.005 * expected, "%s", name);
-            traced_level_close(&level);
+            level_fixture_close(&level);
         }
     }
     cJSON_Delete(json);
@@ -337,8 +337,8 @@ static void environment_references(void)
         if (!cJSON_IsObject(environment) || access(path, R_OK) != 0) {
             continue;
         }
-        traced_level level;
-        if (!traced_level_open(&level, output_path("speck"), path, 2)) {
+        level_fixture level;
+        if (!level_fixture_load(&level, output_path("speck"), path, 2)) {
             continue;
         }
         const lmb_gather_point point = {.position = {0.0f, 100.0f, 0.0f}};
@@ -353,7 +353,7 @@ static void environment_references(void)
             length += theirs * theirs;
         }
         CHECK_NEAR(sqrt(off / length), 0.0, 0.004, "%s", environment->string);
-        traced_level_close(&level);
+        level_fixture_close(&level);
     }
     cJSON_Delete(json);
 }
@@ -366,8 +366,8 @@ static void cycles_probe_compare(const cJSON *probe)
     if (cJSON_IsString(env)) {
         snprintf(environment, sizeof environment, "%s/%s", LMB_DATA_DIR, env->valuestring);
     }
-    traced_level level;
-    if (!traced_level_open(&level, path, cJSON_IsString(env) ? environment : NULL, 2)) {
+    level_fixture level;
+    if (!level_fixture_load(&level, path, cJSON_IsString(env) ? environment : NULL, 2)) {
         return;
     }
     const cJSON *at = cJSON_GetObjectItem(probe, "position");
@@ -393,7 +393,7 @@ static void cycles_probe_compare(const cJSON *probe)
            (double)point.position.z, relative, noise,
            lmb_relative_error(gathered.squared_error, gathered.squared_length));
     CHECK(relative <= noise + 0.01, "%g from Cycles, allowed %g", relative, noise + 0.01);
-    traced_level_close(&level);
+    level_fixture_close(&level);
 }
 
 static void cycles_probes(void)
