@@ -252,6 +252,9 @@ int lmb_level_builder_add_node(lmb_level_builder *builder, const lmb_level_node 
     }
     nodes[builder->node_count] = *node;
     nodes[builder->node_count].name = name;
+    if (node->parent != LMB_LEVEL_NONE && (size_t)node->parent >= builder->parents_end) {
+        builder->parents_end = (size_t)node->parent + 1;
+    }
     return (int)builder->node_count++;
 }
 

@@ -60,6 +60,7 @@ struct lmb_level_builder {
     size_t camera_count, camera_capacity;
     lmb_level_node *nodes;
     size_t node_count, node_capacity;
+    size_t parents_end; /* nodes from here on have no children */
 };
 
 /* Makes room for `extra` more items in a growing array. Returns the array, or NULL and marks the builder failed. */

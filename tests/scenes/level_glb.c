@@ -455,7 +455,7 @@ static void write_node(glb *out, cJSON *item, const lmb_level_node *node, size_t
         put_number(out, extension, "light", node->light);
     }
     cJSON *children = NULL;
-    for (size_t i = index + 1; i < out->builder->node_count; ++i) {
+    for (size_t i = index + 1; index < out->builder->parents_end && i < out->builder->node_count; ++i) {
         if (out->builder->nodes[i].parent == (int)index) {
             children = children ? children : put(out, item, "children", cJSON_CreateArray());
             push(out, children, cJSON_CreateNumber((double)i));
