@@ -1,5 +1,7 @@
 #include <lambent/grid_bake.h>
 
+#include <lambent/placement.h>
+
 #include <stdlib.h>
 
 #include "bake_internal.h"
@@ -27,12 +29,15 @@ static void grid_task(void *context, size_t task, int worker)
         if (grid->validity[i] < LMB_GRID_MIN_VALIDITY) {
             continue;
         }
-        const lmb_gather_point point = {.position = lmb_grid_position(grid, i),
+        uint64_t rays = 0;
+        const lmb_vec3 position =
+            lmb_placement_relocate(work->transport->tracer, lmb_grid_position(grid, i), grid->spacing, &rays);
+        const lmb_gather_point point = {.position = position,
                                         .min_light_distance = LIGHT_DISTANCE_SPACINGS * grid->spacing};
         lmb_gathered gathered;
         lmb_gather_sh3(work->transport, &point, work->samples, &gathered);
         grid->radiance[i] = gathered.moments;
-        work->stats[i] = (lmb_grid_bake_stats){gathered.rays, gathered.squared_error, gathered.squared_length};
+        work->stats[i] = (lmb_grid_bake_stats){rays + gathered.rays, gathered.squared_error, gathered.squared_length};
     }
 }
 

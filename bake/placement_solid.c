@@ -87,7 +87,9 @@ static void classify_task(void *context, size_t task, int worker)
         const int32_t y = (int32_t)(i / (size_t)lattice->size[0] % (size_t)lattice->size[1]);
         const int32_t z = (int32_t)(i / (size_t)lattice->size[0] / (size_t)lattice->size[1]);
         bool is_free;
-        lattice->validity[i] = point_validity(work->tracer, lattice_position(lattice, x, y, z), &is_free, &rays);
+        const lmb_vec3 position =
+            lmb_placement_relocate(work->tracer, lattice_position(lattice, x, y, z), lattice->spacing, &rays);
+        lattice->validity[i] = point_validity(work->tracer, position, &is_free, &rays);
         lattice->free[i] = is_free;
     }
     work->rays[task] = rays;

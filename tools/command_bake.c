@@ -56,7 +56,7 @@ static bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments,
     } else if (strcmp(argument, "--spacing") == 0) {
         settings->placement.spacing = (float)arguments_number(arguments, argument, 1e-6, 1e6);
     } else if (strcmp(argument, "--max-probes") == 0) {
-        settings->placement.max_probes = (int32_t)arguments_integer(arguments, argument, 8, 1 << 28);
+        settings->placement.max_probes = (int32_t)arguments_integer(arguments, argument, 27, 1 << 28);
     } else if (strcmp(argument, "--seed-point") == 0) {
         seed_point_add(settings, arguments, argument);
     } else if (strcmp(argument, "--quality") == 0) {

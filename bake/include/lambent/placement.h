@@ -12,7 +12,7 @@ extern "C" {
 
 typedef struct lmb_placement_settings {
     float spacing;         /* metres; 0: lmb_placement_default_spacing */
-    int32_t max_probes;    /* the spacing grows until there are no more than this */
+    int32_t max_probes;    /* at least 27; the spacing grows until there are no more than this */
     const lmb_vec3 *seeds; /* free space connected to these is baked; beside the scene's own seed points */
     uint32_t seed_count;   /* no seeds at all: every free point within the bounds */
 } lmb_placement_settings;
@@ -42,6 +42,10 @@ typedef struct lmb_placement_stats {
 lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
                               const lmb_progress *progress, lmb_grid **grid, lmb_placement_stats *stats,
                               lmb_error *error);
+
+/* Where the light of a probe at lattice position `position` is gathered: there, or, when that is on a surface or almost,
+ * a twentieth of the spacing in front of it. Adds to `*rays`. */
+lmb_vec3 lmb_placement_relocate(const lmb_tracer *tracer, lmb_vec3 position, float spacing, uint64_t *rays);
 
 /* Whether a point is in free space rather than in a solid, by the test that placement uses. Adds to `*rays`. */
 bool lmb_placement_is_free(const lmb_tracer *tracer, lmb_vec3 position, uint64_t *rays);

@@ -1,0 +1,200 @@
+/* Where probes go, and that what they hold is what a point of free space sees. */
+#include <stdlib.h>
+
+#include <lambent/grid_bake.h>
+#include <lambent/placement.h>
+
+#include "level_fixture.h"
+#include "scenes/levels.h"
+
+#define PI 3.14159265358979323846
+
+static const char *output_path(const char *name)
+{
+    static char path[512];
+    snprintf(path, sizeof path, "%s/placement_%s.glb", LMB_TEST_OUTPUT_DIR, name);
+    return path;
+}
+
+static lmb_grid *place(const level_fixture *level, const lmb_placement_settings *settings, lmb_placement_stats *stats)
+{
+    lmb_error error = {{0}};
+    lmb_grid *grid = NULL;
+    const lmb_result result = lmb_placement_make(level->tracer, settings, level->pool, NULL, &grid, stats, &error);
+    CHECK(result == LMB_OK, "%s", error.message);
+    CHECK(result != LMB_OK || lmb_grid_validate(grid, &error) == LMB_OK, "%s", error.message);
+    return grid;
+}
+
+/* Walls on lattice planes: each probe there must see the room as one in the middle does, not half of it. */
+static void probes_on_walls_see_the_room(void)
+{
+    const lmb_rgb one = {{1.0f, 1.0f, 1.0f}};
+    lmb_error error;
+    level_fixture level;
+    if (!level_fixture_open(&level, output_path("furnace"),
+                            lmb_level_furnace(output_path("furnace"), 4.0f, 0.5f, one, false, &error), &error, 2)) {
+        return;
+    }
+    lmb_placement_settings settings = lmb_placement_settings_default();
+    settings.spacing = 1.0f;
+    lmb_placement_stats stats;
+    lmb_grid_bake_stats baked;
+    lmb_grid *grid = place(&level, &settings, &stats);
+    if (grid) {
+        CHECK(grid->probe_count == 125 && stats.probes_valid == 125, "%d probes, %d valid", grid->probe_count,
+              stats.probes_valid);
+        CHECK(lmb_grid_bake(grid, &level.transport, 1024, level.pool, NULL, &baked) == LMB_OK, "bake");
+        for (int32_t i = 0; i < grid->probe_count; ++i) {
+            const lmb_vec3 p = lmb_grid_position(grid, i);
+            CHECK_NEAR(grid->radiance[i].channel[1].c[0], 2.0 * sqrt(PI) * 2.0, 0.2, "probe at %g %g %g", (double)p.x,
+                       (double)p.y, (double)p.z);
+        }
+    }
+    lmb_grid_destroy(grid);
+    level_fixture_close(&level);
+}
+
+static void relocation_is_small_and_inward(void)
+{
+    const lmb_rgb one = {{1.0f, 1.0f, 1.0f}};
+    lmb_error error;
+    level_fixture level;
+    if (!level_fixture_open(&level, output_path("relocate"),
+                            lmb_level_furnace(output_path("relocate"), 4.0f, 0.5f, one, false, &error), &error, 1)) {
+        return;
+    }
+    static const struct {
+        lmb_vec3 from, to;
+    } table[] = {
+        {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}},      /* free */
+        {{-2.0f, 0.3f, 0.2f}, {-1.95f, 0.3f, 0.2f}},   /* on a wall */
+        {{-1.98f, 0.3f, 0.2f}, {-1.95f, 0.3f, 0.2f}},  /* almost */
+        {{2.0f, -2.0f, 2.0f}, {1.95f, -1.95f, 1.95f}}, /* in a corner */
+        {{-2.02f, 0.3f, 0.2f}, {-2.02f, 0.3f, 0.2f}},  /* behind the wall: stays, and is no free space */
+    };
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
+        uint64_t rays = 0;
+        const lmb_vec3 moved = lmb_placement_relocate(level.tracer, table[i].from, 1.0f, &rays);
+        CHECK_NEAR(moved.x, table[i].to.x, 1e-4, "case %zu", i);
+        CHECK_NEAR(moved.y, table[i].to.y, 1e-4, "case %zu", i);
+        CHECK_NEAR(moved.z, table[i].to.z, 1e-4, "case %zu", i);
+    }
+    uint64_t rays = 0;
+    CHECK(lmb_placement_is_free(level.tracer, table[0].from, &rays), "the middle");
+    CHECK(!lmb_placement_is_free(level.tracer, table[4].from, &rays), "behind a wall");
+    level_fixture_close(&level);
+}
+
+static void default_spacing_follows_the_size(void)
+{
+    static const float sizes[] = {0.01f, 0.5f, 4.0f, 556.0f, 10000.0f};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+        lmb_scene scene = {.bounds_min = {0.0f, 0.0f, 0.0f}, .bounds_max = {sizes[i], sizes[i], sizes[i]}};
+        const double spacing = (double)lmb_placement_default_spacing(&scene);
+        const double points = pow((double)sizes[i] / spacing, 3.0);
+        CHECK(points > 8000.0 && points <= 32768.0 * 1.001, "%g m: spacing %g, %g points", (double)sizes[i], spacing,
+              points);
+    }
+    const lmb_scene flat = {.bounds_min = {0.0f, 0.0f, 0.0f}, .bounds_max = {100.0f, 0.0f, 100.0f}};
+    CHECK(lmb_placement_default_spacing(&flat) > 0.5f, "a flat level: %g",
+          (double)lmb_placement_default_spacing(&flat));
+}
+
+static void max_probes_is_kept(void)
+{
+    lmb_error error;
+    level_fixture level;
+    if (!level_fixture_open(&level, output_path("cornell"), lmb_level_cornell(output_path("cornell"), &error), &error,
+                            2)) {
+        return;
+    }
+    static const int32_t limits[] = {27, 100, 1000};
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
+        lmb_placement_settings settings = lmb_placement_settings_default();
+        settings.spacing = 0.05f;
+        settings.max_probes = limits[i];
+        lmb_placement_stats stats;
+        lmb_grid *grid = place(&level, &settings, &stats);
+        CHECK(grid && grid->probe_count <= limits[i] && grid->probe_count >= limits[i] / 4, "%d probes of %d",
+              grid ? grid->probe_count : -1, limits[i]);
+        lmb_grid_destroy(grid);
+    }
+    level_fixture_close(&level);
+}
+
+/* Valid probes within one of the two rooms of lmb_level_two_rooms. */
+static int32_t valid_count(const lmb_grid *grid, bool right)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < grid->probe_count; ++i) {
+        const lmb_vec3 p = lmb_grid_position(grid, i);
+        const bool in_rooms = fabsf(p.x) < 4.05f && fabsf(p.z) < 2.0f && p.y > 0.0f && p.y < 3.0f;
+        count += in_rooms && grid->validity[i] >= LMB_GRID_MIN_VALIDITY && (p.x > 0.0f) == right;
+    }
+    return count;
+}
+
+/* A seed in one of two sealed rooms leaves the other one out; a doorway lets the flood through. */
+static void seeds_choose_the_space(void)
+{
+    static const float doors[] = {0.0f, 1.0f};
+    for (int i = 0; i < 2; ++i) {
+        lmb_two_rooms rooms = lmb_two_rooms_default();
+        rooms.door_m = doors[i];
+        lmb_error error;
+        level_fixture level;
+        if (!level_fixture_open(&level, output_path("rooms"), lmb_level_two_rooms(output_path("rooms"), &rooms, &error),
+                                &error, 2)) {
+            return;
+        }
+        const lmb_vec3 seeds[] = {{-1.0f, 1.0f, 1.0f}, {50.0f, 0.0f, 0.0f}};
+        lmb_placement_settings settings = lmb_placement_settings_default();
+        settings.spacing = 0.4f;
+        lmb_placement_stats stats;
+        lmb_grid *all = place(&level, &settings, &stats);
+        settings.seeds = seeds;
+        settings.seed_count = 2;
+        lmb_grid *seeded = place(&level, &settings, &stats);
+        if (all && seeded) {
+            CHECK(stats.seeds_in_solid, "the seed outside the level");
+            CHECK(valid_count(all, true) > 100, "%d", valid_count(all, true));
+            CHECK(valid_count(seeded, false) == valid_count(all, false), "the seed's own room");
+            CHECK((valid_count(seeded, true) > 100) == (doors[i] > 0.0f), "door %g: %d beyond", (double)doors[i],
+                  valid_count(seeded, true));
+        }
+        lmb_grid_destroy(all);
+        lmb_grid_destroy(seeded);
+        level_fixture_close(&level);
+    }
+}
+
+/* A plane of 20 m on y = 0 crosses only the cells that hold it. */
+static void crossed_cells_are_counted(void)
+{
+    lmb_error error;
+    level_fixture level;
+    if (!level_fixture_open(&level, output_path("plane"),
+                            lmb_level_open_ground(output_path("plane"), 19.9f, 0.5f, &error), &error, 1)) {
+        return;
+    }
+    lmb_placement_settings settings = lmb_placement_settings_default();
+    settings.spacing = 2.0f;
+    lmb_placement_stats stats;
+    lmb_grid *grid = place(&level, &settings, &stats);
+    CHECK(stats.cells == 100 && stats.cells_crossed == 100, "%lld cells, %lld crossed", (long long)stats.cells,
+          (long long)stats.cells_crossed);
+    lmb_grid_destroy(grid);
+    level_fixture_close(&level);
+}
+
+static const test_case cases[] = {
+    {"probes_on_walls_see_the_room", probes_on_walls_see_the_room},
+    {"relocation_is_small_and_inward", relocation_is_small_and_inward},
+    {"default_spacing_follows_the_size", default_spacing_follows_the_size},
+    {"max_probes_is_kept", max_probes_is_kept},
+    {"seeds_choose_the_space", seeds_choose_the_space},
+    {"crossed_cells_are_counted", crossed_cells_are_counted},
+};
+
+TEST_MAIN(cases)
