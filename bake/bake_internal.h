@@ -54,7 +54,7 @@ static inline float vec3_length(lmb_vec3 a)
 /* Unit vector along `a`, or `fallback` when `a` has no direction. Safe for very small and very large vectors. */
 static inline lmb_vec3 vec3_normalize_or(lmb_vec3 a, lmb_vec3 fallback)
 {
-    const double x = a.x, y = a.y, z = a.z;
+    const double x = (double)a.x, y = (double)a.y, z = (double)a.z;
     const double length = sqrt(x * x + y * y + z * z);
     if (!(length > 0.0) || !isfinite(length)) {
         return fallback;
@@ -64,7 +64,7 @@ static inline lmb_vec3 vec3_normalize_or(lmb_vec3 a, lmb_vec3 fallback)
 
 static inline lmb_vec3 affine_point(const lmb_affine *t, lmb_vec3 p)
 {
-    const double x = p.x, y = p.y, z = p.z;
+    const double x = (double)p.x, y = (double)p.y, z = (double)p.z;
     return vec3((float)(t->m[0][0] * x + t->m[0][1] * y + t->m[0][2] * z + t->m[0][3]),
                 (float)(t->m[1][0] * x + t->m[1][1] * y + t->m[1][2] * z + t->m[1][3]),
                 (float)(t->m[2][0] * x + t->m[2][1] * y + t->m[2][2] * z + t->m[2][3]));
@@ -72,7 +72,7 @@ static inline lmb_vec3 affine_point(const lmb_affine *t, lmb_vec3 p)
 
 static inline lmb_vec3 affine_vector(const lmb_affine *t, lmb_vec3 v)
 {
-    const double x = v.x, y = v.y, z = v.z;
+    const double x = (double)v.x, y = (double)v.y, z = (double)v.z;
     return vec3((float)(t->m[0][0] * x + t->m[0][1] * y + t->m[0][2] * z),
                 (float)(t->m[1][0] * x + t->m[1][1] * y + t->m[1][2] * z),
                 (float)(t->m[2][0] * x + t->m[2][1] * y + t->m[2][2] * z));

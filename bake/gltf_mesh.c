@@ -130,7 +130,7 @@ static bool blend_joints(const lmb_gltf_pose *pose, const float *joints, const f
 {
     double total = 0.0;
     for (int i = 0; i < 4; ++i) {
-        const double weight = weights[i];
+        const double weight = (double)weights[i];
         if (!(weight > 0.0) || !isfinite(weight)) {
             continue;
         }

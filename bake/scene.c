@@ -65,7 +65,7 @@ static bool is_finite3(lmb_vec3 v)
 
 static bool is_unit(lmb_vec3 v)
 {
-    const double x = v.x, y = v.y, z = v.z;
+    const double x = (double)v.x, y = (double)v.y, z = (double)v.z;
     return fabs(sqrt(x * x + y * y + z * z) - 1.0) <= UNIT_TOLERANCE;
 }
 
