@@ -51,7 +51,7 @@ static inline bool level_fixture_load(level_fixture *level, const char *path, co
         level_fixture_close(level);
         return false;
     }
-    level->transport = (lmb_transport){level->tracer, level->emitters, -1, 0};
+    level->transport = (lmb_transport){.tracer = level->tracer, .emitters = level->emitters, .bounces = -1};
     return true;
 }
 

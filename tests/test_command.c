@@ -65,6 +65,7 @@ static void exit_statuses(void)
         {"bake " QUOTED " -o " OUTPUT "/x --spacing -1", 2, "--spacing takes"},
         {"bake " QUOTED " -o " OUTPUT "/x --spacing", 2, "--spacing"},
         {"bake " QUOTED " -o " OUTPUT "/x --quality best", 2, "draft"},
+        {"bake " QUOTED " -o " OUTPUT "/x --estimator guess", 2, "cached or reference"},
         {"bake " QUOTED " -o " OUTPUT "/x --colour", 2, "--colour"},
         {"bake " OUTPUT "/missing.glb -o " OUTPUT "/x", 3, "missing.glb"},
         {"bake " OUTPUT " -o " OUTPUT "/x", 3, "command"},

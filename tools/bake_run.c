@@ -171,9 +171,22 @@ static lmb_result write_lightmaps(lmb_bake *bake, lmb_error *error)
     return result;
 }
 
-static uint64_t record_rays(const lmb_bake_record *record)
+static uint64_t bake_rays(const lmb_bake *bake)
 {
-    return record->placement.rays + record->probes.rays + record->lightmap.rays;
+    const lmb_bake_record *record = &bake->record;
+    return bake->level->surface_stats.rays + record->placement.rays + record->probes.rays + record->lightmap.rays;
+}
+
+static double bake_seconds_tracing(const lmb_bake *bake)
+{
+    const lmb_bake_record *record = &bake->record;
+    return bake->level->seconds_surface + record->seconds_place + record->seconds_probes + record->seconds_lightmaps;
+}
+
+static double bake_mrays_per_s(const lmb_bake *bake)
+{
+    const double seconds = bake_seconds_tracing(bake);
+    return seconds > 0.0 ? 1e-6 * (double)bake_rays(bake) / seconds : 0.0;
 }
 
 /* Over probes and texels together, relative to their light: dark ones do not count for more than they hold. */
@@ -189,16 +202,26 @@ static void json_add_seconds(cJSON *json, const lmb_bake *bake)
     cJSON *seconds = cJSON_AddObjectToObject(json, "seconds");
     cJSON_AddNumberToObject(seconds, "load", bake->level->seconds_load);
     cJSON_AddNumberToObject(seconds, "bvh", bake->level->seconds_bvh);
-    cJSON_AddNumberToObject(seconds, "surface", 0.0);
+    cJSON_AddNumberToObject(seconds, "surface", bake->level->seconds_surface);
     cJSON_AddNumberToObject(seconds, "place", record->seconds_place);
     cJSON_AddNumberToObject(seconds, "probes", record->seconds_probes);
     cJSON_AddNumberToObject(seconds, "lightmaps", record->seconds_lightmaps);
     cJSON_AddNumberToObject(seconds, "write", record->seconds_write);
     cJSON_AddNumberToObject(seconds, "total",
-                            bake->level->seconds_load + bake->level->seconds_bvh + record->seconds_place +
-                                record->seconds_probes + record->seconds_lightmaps + record->seconds_write);
-    const double tracing = record->seconds_place + record->seconds_probes + record->seconds_lightmaps;
-    cJSON_AddNumberToObject(json, "mrays_per_s", tracing > 0.0 ? 1e-6 * (double)record_rays(record) / tracing : 0.0);
+                            bake->level->seconds_load + bake->level->seconds_bvh + bake_seconds_tracing(bake) +
+                                record->seconds_write);
+    cJSON_AddNumberToObject(json, "mrays_per_s", bake_mrays_per_s(bake));
+}
+
+static void json_add_surface(cJSON *json, const lmb_level *level)
+{
+    cJSON_AddStringToObject(json, "estimator", estimator_name(level->surface ? ESTIMATOR_CACHED : ESTIMATOR_REFERENCE));
+    if (level->surface) {
+        cJSON_AddNumberToObject(json, "surface_bytes", (double)lmb_surface_light_bytes(level->surface));
+        cJSON_AddNumberToObject(json, "surface_cells", level->surface_stats.cells);
+        cJSON_AddNumberToObject(json, "surface_cell_m", (double)lmb_surface_light_cell_size(level->surface));
+        cJSON_AddNumberToObject(json, "surface_passes", level->surface_stats.passes);
+    }
 }
 
 static cJSON *record_json(const lmb_bake *bake, cJSON *settings)
@@ -216,13 +239,13 @@ static cJSON *record_json(const lmb_bake *bake, cJSON *settings)
     cJSON_AddNumberToObject(json, "texels", (double)record->lightmap.texels);
     cJSON_AddNumberToObject(json, "texels_pushed_out", (double)record->lightmap.pushed_out);
     cJSON_AddNumberToObject(json, "triangles_dropped", bake->level->scene->dropped_triangle_count);
-    cJSON_AddNumberToObject(json, "rays", (double)record_rays(record));
+    cJSON_AddNumberToObject(json, "rays", (double)bake_rays(bake));
     json_add_seconds(json, bake);
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     cJSON_AddNumberToObject(json, "peak_rss_mb", (double)usage.ru_maxrss / 1024.0);
     cJSON_AddNumberToObject(json, "threads", lmb_pool_threads(bake->level->pool));
-    cJSON_AddStringToObject(json, "estimator", "reference");
+    json_add_surface(json, bake->level);
     cJSON_AddNumberToObject(json, "seed", (double)bake->settings->level.options.seed);
     cJSON *bytes = cJSON_AddObjectToObject(json, "bytes");
     cJSON_AddNumberToObject(bytes, "vdb", (double)record->bytes_vdb);
@@ -308,6 +331,10 @@ static lmb_result step_dry_run(lmb_bake *bake, lmb_error *error)
         printf("texels  %.0f at %g a metre, in %d images\n", texels, (double)bake->lightmap->settings.texels_per_m,
                bake->lightmap->image_count);
     }
+    if (bake->level->surface) {
+        printf("cells   %u on surfaces, of %.3g m, solved in %.3g s\n", bake->level->surface_stats.cells,
+               (double)lmb_surface_light_cell_size(bake->level->surface), bake->level->seconds_surface);
+    }
     printf("expect  about %.3g s on %d threads, %u samples each\n", seconds, lmb_pool_threads(bake->level->pool),
            bake->settings->samples);
     return LMB_OK;
@@ -316,15 +343,17 @@ static lmb_result step_dry_run(lmb_bake *bake, lmb_error *error)
 static void summary_print(const lmb_bake *bake)
 {
     const lmb_bake_record *record = &bake->record;
-    const double tracing = record->seconds_place + record->seconds_probes + record->seconds_lightmaps;
+    if (bake->level->surface) {
+        printf("surfaces  %u cells of %.3g m, %.1f s\n", bake->level->surface_stats.cells,
+               (double)lmb_surface_light_cell_size(bake->level->surface), bake->level->seconds_surface);
+    }
     printf("probes    %d at %g m, %.1f s\n", bake->grid->probe_count, (double)bake->grid->spacing,
            record->seconds_probes);
     if (bake->lightmap) {
         printf("lightmap  %llu texels in %d images, %.1f s\n", (unsigned long long)record->lightmap.texels,
                bake->lightmap->image_count, record->seconds_lightmaps);
     }
-    printf("rays      %.3g million, %.2f million a second\n", 1e-6 * (double)record_rays(record),
-           tracing > 0.0 ? 1e-6 * (double)record_rays(record) / tracing : 0.0);
+    printf("rays      %.3g million, %.2f million a second\n", 1e-6 * (double)bake_rays(bake), bake_mrays_per_s(bake));
     printf("error     %.2f %% estimated (standard error, relative, of probes and texels)\n",
            100.0 * record_relative_error(record));
     printf("written   %s (probes.vdb %.1f kB, probes.lmb %.1f kB, lightmaps %.1f kB)\n", bake->settings->directory,
@@ -337,6 +366,9 @@ lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const l
     lmb_result result = step_place(&bake, error);
     if (result == LMB_OK) {
         result = step_layout(&bake, error);
+    }
+    if (result == LMB_OK) {
+        result = level_solve(level, settings->estimator, progress, error);
     }
     if (result == LMB_OK && settings->dry_run) {
         result = step_dry_run(&bake, error);

@@ -33,6 +33,7 @@ cJSON *bake_settings_json(const lmb_bake_settings *settings, const lmb_level *le
     cJSON_AddNumberToObject(json, "bounces", options->bounces);
     cJSON_AddNumberToObject(json, "seed", (double)options->seed);
     cJSON_AddNumberToObject(json, "samples", settings->samples);
+    cJSON_AddStringToObject(json, "estimator", estimator_name(settings->estimator));
     cJSON_AddNumberToObject(json, "spacing", (double)spacing);
     cJSON_AddNumberToObject(json, "max_probes", settings->placement.max_probes);
     cJSON *seeds = cJSON_AddArrayToObject(json, "seed_points");

@@ -17,6 +17,7 @@ typedef struct lmb_bake_settings {
     lmb_placement_settings placement;
     lmb_vec3 seeds[BAKE_MAX_SEEDS];
     uint32_t samples; /* at each probe and texel */
+    lmb_estimator estimator;
     bool lightmaps;
     float texels_per_m; /* 0: lmb_lightmap_settings_default */
     bool dry_run;

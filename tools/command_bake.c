@@ -16,6 +16,8 @@ static const char usage[] =
     "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"
     "  --quality NAME        draft, medium or high: 64, 256 or 1024 samples (default medium)\n"
     "  --samples N           samples at each probe and texel, in place of --quality\n"
+    "  --estimator NAME      cached: solve the light on surfaces first, then gather it (default);\n"
+    "                        reference: trace every path to its end, unbiased and slower\n"
     "  --lightmaps           bake lightmaps too\n"
     "  --texels-per-m N      lightmap density (default: from the level's size)\n"
     "  --dry-run             print the number of probes and texels and the expected time, bake nothing\n"
@@ -48,7 +50,8 @@ static void seed_point_add(lmb_bake_settings *settings, lmb_arguments *arguments
 
 static bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument)
 {
-    if (level_argument(&settings->level, arguments, argument)) {
+    if (level_argument(&settings->level, arguments, argument) ||
+        estimator_argument(&settings->estimator, arguments, argument)) {
         return true;
     }
     if (strcmp(argument, "-o") == 0) {

@@ -13,6 +13,7 @@ static const char usage[] =
     "Traces one probe on the spot, without a volume: SH3 radiance, and with a normal the irradiance there by the\n"
     "default lighting model beside the traced truth.\n"
     "\n" QUERY_USAGE "  --samples N           paths from the point (default 4096)\n"
+    "  --estimator NAME      reference: trace every path to its end (default); cached: as the bake does\n"
     "  --json                one JSON object a line\n" LEVEL_USAGE;
 
 typedef struct lmb_probe_answer {
@@ -108,11 +109,13 @@ int command_probe(int count, char **values)
     lmb_arguments arguments = arguments_begin(count, values, "probe", usage);
     lmb_level_arguments level_arguments = {.options = level_options_default()};
     lmb_query_arguments query_arguments = {0};
+    lmb_estimator estimator = ESTIMATOR_REFERENCE;
     uint32_t samples = 4096;
     bool json = false;
     for (const char *argument; (argument = arguments_next(&arguments));) {
         if (level_argument(&level_arguments, &arguments, argument) ||
-            query_argument(&query_arguments, &arguments, argument)) {
+            query_argument(&query_arguments, &arguments, argument) ||
+            estimator_argument(&estimator, &arguments, argument)) {
             continue;
         }
         if (strcmp(argument, "--samples") == 0) {
@@ -143,6 +146,12 @@ int command_probe(int count, char **values)
     }
     lmb_console console;
     const lmb_progress progress = console_progress(&console, level_arguments.options.quiet || json, false);
+    result = level_solve(&level, estimator, &progress, &error);
+    if (result != LMB_OK) {
+        console_finish(&console);
+        level_close(&level);
+        return command_fail(result, &error);
+    }
     lmb_query query = query_arguments.one;
     int line = 0;
     int status = EXIT_DONE;

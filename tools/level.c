@@ -40,6 +40,27 @@ bool level_argument(lmb_level_arguments *level, lmb_arguments *arguments, const 
     return true;
 }
 
+const char *estimator_name(lmb_estimator estimator)
+{
+    return estimator == ESTIMATOR_CACHED ? "cached" : "reference";
+}
+
+bool estimator_argument(lmb_estimator *estimator, lmb_arguments *arguments, const char *option)
+{
+    if (strcmp(option, "--estimator") != 0) {
+        return false;
+    }
+    const char *name = arguments_text(arguments, option);
+    if (strcmp(name, estimator_name(ESTIMATOR_CACHED)) == 0) {
+        *estimator = ESTIMATOR_CACHED;
+    } else if (strcmp(name, estimator_name(ESTIMATOR_REFERENCE)) == 0) {
+        *estimator = ESTIMATOR_REFERENCE;
+    } else {
+        arguments_error(arguments, "--estimator takes cached or reference, not", name);
+    }
+    return true;
+}
+
 static lmb_result environment_open(lmb_level *opened, lmb_error *error)
 {
     const lmb_level_options *options = &opened->options;
@@ -89,8 +110,29 @@ lmb_result level_open(const lmb_level_options *options, lmb_level *opened, lmb_e
 void level_close(lmb_level *closed)
 {
     lmb_pool_destroy(closed->pool);
+    lmb_surface_light_destroy(closed->surface);
     lmb_emitters_destroy(closed->emitters);
     lmb_tracer_destroy(closed->tracer);
     lmb_scene_destroy(closed->scene);
     memset(closed, 0, sizeof *closed);
+}
+
+lmb_result level_solve(lmb_level *level, lmb_estimator estimator, const lmb_progress *progress, lmb_error *error)
+{
+    if (estimator == ESTIMATOR_REFERENCE) {
+        return LMB_OK;
+    }
+    const double start = seconds_now();
+    const lmb_surface_light_settings settings = lmb_surface_light_settings_default();
+    const lmb_result result = lmb_surface_light_solve(&level->transport, &settings, level->pool, progress,
+                                                      &level->surface, &level->surface_stats, error);
+    level->transport.surface = level->surface;
+    level->seconds_surface = seconds_now() - start;
+    if (result != LMB_ERROR_UNSUPPORTED) {
+        return result;
+    }
+    if (!level->options.quiet) {
+        fprintf(stderr, "lambent: warning: %s; tracing every path to its end\n", error->message);
+    }
+    return LMB_OK;
 }

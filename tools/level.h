@@ -5,6 +5,7 @@
 #include <lambent/emitters.h>
 #include <lambent/gltf.h>
 #include <lambent/pool.h>
+#include <lambent/surface_light.h>
 #include <lambent/trace.h>
 #include <lambent/transport.h>
 
@@ -44,20 +45,35 @@ bool level_argument(lmb_level_arguments *level, struct lmb_arguments *arguments,
     "  --allow-outside-uris  let the level refer to files outside its folder\n"                                        \
     "  --quiet               no progress and no warnings\n"
 
+/* How light is found. */
+typedef enum lmb_estimator { ESTIMATOR_CACHED, ESTIMATOR_REFERENCE } lmb_estimator;
+
+const char *estimator_name(lmb_estimator estimator);
+
+/* Takes `option` and its value when it is --estimator. */
+bool estimator_argument(lmb_estimator *estimator, struct lmb_arguments *arguments, const char *option);
+
 typedef struct lmb_level {
     lmb_level_options options;
     lmb_scene *scene;
     lmb_tracer *tracer;
     lmb_emitters *emitters;
     lmb_pool *pool;
-    lmb_transport transport; /* ready to gather with */
+    lmb_transport transport;    /* ready to gather with */
+    lmb_surface_light *surface; /* what `transport` gathers from; NULL: reference */
+    lmb_surface_light_stats surface_stats;
     double seconds_load;
     double seconds_bvh;
+    double seconds_surface;
 } lmb_level;
 
-/* Loads, sets the environment, builds. A level without any light gets a constant sky of 1, and a warning that says so
- * unless quiet. On failure `opened` needs no closing. */
+/* Loads, sets the environment, builds; the estimator is the reference. A level without any light gets a constant sky of
+ * 1, and a warning that says so unless quiet. On failure `opened` needs no closing. */
 lmb_result level_open(const lmb_level_options *options, lmb_level *opened, lmb_error *error);
 void level_close(lmb_level *closed);
+
+/* Solves the light on the level's surfaces and lets `transport` gather from it, for ESTIMATOR_CACHED. A level with too
+ * many triangles for that stays with the reference, with a warning unless quiet. */
+lmb_result level_solve(lmb_level *level, lmb_estimator estimator, const lmb_progress *progress, lmb_error *error);
 
 #endif

@@ -50,6 +50,9 @@ typedef struct lmb_place {
 /* The place of barycentric (u, v) on a triangle of an instance. */
 lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
 
+/* Whether a ray along `direction` meets the side of a triangle that its winding calls front. */
+bool lmb_trace_meets_front(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, lmb_vec3 direction);
+
 /* World-space corners of a triangle. */
 void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, lmb_vec3 corner[3]);
 

@@ -5,10 +5,12 @@
  * times solid angle, such that the expected sum of f(direction) weight over the contributions of one sample is the
  * integral of f L over the point's sphere or hemisphere, for any f. Probes, lightmaps and checks differ only in f.
  *
- * The estimator is the `reference`: an unbiased path tracer with next-event estimation of emissive triangles,
- * environment and punctual lights, multiple importance sampling (balance heuristic, Veach and Guibas 1995) and Russian
- * roulette. Surfaces are Lambertian with their base colour, reflect on both sides, and let light straight through by
- * their opacity. */
+ * Surfaces are Lambertian with their base colour, reflect on both sides, and let light straight through by their
+ * opacity. Two estimators find that light:
+ * - `reference`: an unbiased path tracer with next-event estimation of emissive triangles, environment and punctual
+ *   lights, multiple importance sampling (balance heuristic, Veach and Guibas 1995) and Russian roulette.
+ * - `cached`: the same up to the first surface; what that reflects is its albedo times light that was solved before
+ *   (surface_light.h). Hits nearer than a cell of the solution are traced on. */
 #ifndef LAMBENT_TRANSPORT_H
 #define LAMBENT_TRANSPORT_H
 
@@ -18,12 +20,15 @@
 extern "C" {
 #endif
 
+typedef struct lmb_surface_light lmb_surface_light;
+
 /* What is traced, and how far. The pointers must outlive every call. */
 typedef struct lmb_transport {
     const lmb_tracer *tracer;
     const lmb_emitters *emitters;
     int bounces; /* reflections off surfaces at most; negative: no limit */
     uint64_t seed;
+    const lmb_surface_light *surface; /* solved with the same tracer, emitters and bounces; NULL: `reference` */
 } lmb_transport;
 
 /* Where light is gathered. */

@@ -1,0 +1,154 @@
+#include "direct.h"
+
+#include <lambent/sequence.h>
+
+#include "bake_internal.h"
+
+void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2])
+{
+    lmb_sequence_2d(path->stream, path->sample, path->vertex * PAIRS_PER_VERTEX + pair, point);
+}
+
+lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front)
+{
+    const float side = front ? 1.0f : -1.0f;
+    return (lmb_receiver){.position = place->position,
+                          .geometric_normal = vec3_scale(place->geometric_normal, side),
+                          .normal = vec3_scale(place->shading_normal, side),
+                          .rounding = place->rounding,
+                          .kind = RECEIVE_DIFFUSE};
+}
+
+float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 direction)
+{
+    switch (receiver->kind) {
+    case RECEIVE_SPHERE:
+        return 1.0f / (4.0f * LMB_PI_F);
+    case RECEIVE_HEMISPHERE:
+        return lmb_hemisphere_density(vec3_dot(receiver->normal, direction));
+    default:
+        return fmaxf(vec3_dot(receiver->normal, direction), 0.0f) / LMB_PI_F;
+    }
+}
+
+lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float point[2])
+{
+    switch (receiver->kind) {
+    case RECEIVE_SPHERE:
+        return lmb_sphere_sample(point);
+    case RECEIVE_HEMISPHERE:
+        return lmb_hemisphere_sample(receiver->normal, point);
+    default:
+        return lmb_cosine_sample(receiver->normal, point);
+    }
+}
+
+bool lmb_receiver_sees(const lmb_receiver *receiver, lmb_vec3 direction)
+{
+    if (receiver->kind == RECEIVE_SPHERE) {
+        return true;
+    }
+    return vec3_dot(receiver->normal, direction) > 0.0f &&
+           (receiver->kind == RECEIVE_HEMISPHERE || vec3_dot(receiver->geometric_normal, direction) > 0.0f);
+}
+
+/* The receiver's own factor of light from `direction`: a gather point takes it as it is, a surface by the cosine. */
+static float receiver_response(const lmb_receiver *receiver, lmb_vec3 direction)
+{
+    return receiver->kind == RECEIVE_DIFFUSE ? vec3_dot(receiver->normal, direction) / LMB_PI_F : 1.0f;
+}
+
+lmb_vec3 lmb_receiver_ray_origin(const lmb_receiver *receiver, lmb_vec3 direction)
+{
+    switch (receiver->kind) {
+    case RECEIVE_SPHERE:
+        return vec3_mad(receiver->position, direction, lmb_trace_epsilon(receiver->position));
+    case RECEIVE_HEMISPHERE:
+        return receiver->position;
+    default:
+        return lmb_trace_offset(receiver->position, receiver->geometric_normal, receiver->rounding, direction);
+    }
+}
+
+static void direct_add(lmb_direct_light *direct, lmb_vec3 direction, lmb_rgb weight)
+{
+    if (rgb_max(weight) > 0.0f) {
+        direct->direction[direct->count] = direction;
+        direct->weight[direct->count++] = weight;
+    }
+}
+
+static void direct_add_triangle(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
+{
+    const lmb_transport *transport = path->transport;
+    float point[2], choice[2];
+    lmb_path_numbers(path, PAIR_TRIANGLE, point);
+    lmb_path_numbers(path, PAIR_CHOICE, choice);
+    lmb_light_sample sample;
+    if (!lmb_emitters_sample_triangle(transport->emitters, receiver->position, choice[0], point, &sample) ||
+        !lmb_receiver_sees(receiver, sample.direction)) {
+        return;
+    }
+    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample.direction);
+    const lmb_rgb share = lmb_trace_transmittance(transport->tracer, origin, sample.end, path->rays);
+    const float mis = lmb_balance(sample.density, lmb_receiver_density(receiver, sample.direction));
+    const float factor = receiver_response(receiver, sample.direction) * mis / sample.density;
+    direct_add(direct, sample.direction, rgb_scale(rgb_mul(sample.radiance, share), factor));
+}
+
+static void direct_add_environment(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
+{
+    const lmb_transport *transport = path->transport;
+    float point[2];
+    lmb_path_numbers(path, PAIR_ENVIRONMENT, point);
+    lmb_light_sample sample;
+    if (!lmb_emitters_sample_environment(transport->emitters, point, &sample) ||
+        !lmb_receiver_sees(receiver, sample.direction)) {
+        return;
+    }
+    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample.direction);
+    const lmb_rgb share = lmb_trace_transmittance_to_infinity(transport->tracer, origin, sample.direction, path->rays);
+    const float mis = lmb_balance(sample.density, lmb_receiver_density(receiver, sample.direction));
+    const float factor = receiver_response(receiver, sample.direction) * mis / sample.density;
+    direct_add(direct, sample.direction, rgb_scale(rgb_mul(sample.radiance, share), factor));
+}
+
+static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiver, bool at_infinity,
+                                lmb_direct_light *direct)
+{
+    const lmb_transport *transport = path->transport;
+    float choice[2];
+    lmb_path_numbers(path, PAIR_CHOICE, choice);
+    lmb_punctual_sample sample;
+    const lmb_punctual_query query = {.position = receiver->position,
+                                      .at_infinity = at_infinity,
+                                      .normal = receiver->kind == RECEIVE_SPHERE ? NULL : &receiver->normal,
+                                      .min_distance = receiver->min_light_distance,
+                                      .skip_indirect_only = receiver->kind != RECEIVE_DIFFUSE};
+    if (!lmb_emitters_sample_punctual(transport->emitters, &query, choice[1], &sample) ||
+        !lmb_receiver_sees(receiver, sample.direction)) {
+        return;
+    }
+    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample.direction);
+    const lmb_rgb share =
+        sample.at_infinity
+            ? lmb_trace_transmittance_to_infinity(transport->tracer, origin, sample.direction, path->rays)
+            : lmb_trace_transmittance(transport->tracer, origin, sample.end, path->rays);
+    direct_add(direct, sample.direction,
+               rgb_scale(rgb_mul(sample.irradiance, share), receiver_response(receiver, sample.direction)));
+}
+
+void lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
+{
+    direct->count = 0;
+    if (lmb_emitters_triangle_count(path->transport->emitters) > 0) {
+        direct_add_triangle(path, receiver, direct);
+    }
+    if (lmb_emitters_environment_sampled(path->transport->emitters)) {
+        direct_add_environment(path, receiver, direct);
+    }
+    if (lmb_tracer_scene(path->transport->tracer)->light_count > 0) {
+        direct_add_punctual(path, receiver, false, direct);
+        direct_add_punctual(path, receiver, true, direct);
+    }
+}

@@ -1,0 +1,64 @@
+/* Where a path's random numbers come from, the points that it collects light at, and next-event estimation there. What
+ * every estimator shares. */
+#ifndef LMB_DIRECT_H
+#define LMB_DIRECT_H
+
+#include <lambent/transport.h>
+
+/* Dimension pairs of the sequence: the gather point uses vertex 0's, the k-th reflection vertex k's. */
+enum { PAIR_DIRECTION, PAIR_TRIANGLE, PAIR_CHOICE, PAIR_ENVIRONMENT, PAIR_ROULETTE, PAIRS_PER_VERTEX };
+
+/* One sample of one stream. */
+typedef struct lmb_path {
+    const lmb_transport *transport;
+    uint64_t stream;
+    uint32_t sample;
+    uint32_t vertex; /* reflections so far */
+    uint64_t *rays;
+} lmb_path;
+
+/* Two numbers in [0, 1) of the path's present vertex. */
+void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2]);
+
+/* A point that light is collected at: a gather point or a reflection. */
+typedef struct lmb_receiver {
+    lmb_vec3 position;         /* on the surface, or in space */
+    lmb_vec3 geometric_normal; /* on the lit side; unused in space */
+    lmb_vec3 normal;           /* shading normal; unused for a sphere */
+    float rounding;            /* lmb_place's; unused for a gather point */
+    float min_light_distance;
+    enum { RECEIVE_SPHERE, RECEIVE_HEMISPHERE, RECEIVE_DIFFUSE } kind;
+} lmb_receiver;
+
+/* One side of a surface. */
+lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front);
+
+/* Density of the direction that direction sampling picks, per solid angle. */
+float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 direction);
+
+lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float point[2]);
+
+/* Whether light from `direction` counts at all. A smooth shading normal's hemisphere reaches below the triangle: from
+ * there the surface itself blocks the light. */
+bool lmb_receiver_sees(const lmb_receiver *receiver, lmb_vec3 direction);
+
+/* A point in space may lie exactly on a surface: its rays start beyond, so that it sees both sides. */
+lmb_vec3 lmb_receiver_ray_origin(const lmb_receiver *receiver, lmb_vec3 direction);
+
+/* Balance heuristic weight of a technique with density `mine` beside one with `other`. */
+static inline float lmb_balance(float mine, float other)
+{
+    return mine / (mine + other);
+}
+
+/* What next-event estimation found: up to four contributions. */
+typedef struct lmb_direct_light {
+    lmb_vec3 direction[4];
+    lmb_rgb weight[4]; /* radiance x solid angle for a gather point, normalised irradiance for a surface */
+    int count;
+} lmb_direct_light;
+
+/* Next-event estimation of everything that can be aimed at. */
+void lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct);
+
+#endif

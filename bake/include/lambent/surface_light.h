@@ -1,0 +1,74 @@
+/* Light on surfaces, solved once: the irradiance on every side of every static triangle, by direct light and any
+ * number of bounces. A gather that has it ends at the first surface.
+ *
+ * Each triangle of each instance is divided for itself, so nothing is shared across edges and nothing leaks across
+ * them. Strips run parallel to its shortest edge, and lines through the corner opposite cut them into columns:
+ *
+ *             .            3 strips x 2 columns. Long thin triangles, which levels are full of, get cells that are
+ *            /|\           as long as wide, which dividing all three edges alike would not give them.
+ *           /_|_\
+ *          /  |  \
+ *         /___|___\
+ *        /    |    \
+ *       /_____|_____\
+ *
+ * Each cell holds normalised irradiance (E / pi, as RGB) for its front and for its back, by samples that start anywhere
+ * in it. It is the mean over what can be seen of the cell from farther than the cell is large: parts under a wall, in a
+ * gap behind a lamp or in a corner count by how open they are, because that is the share of the rays that reach them
+ * and look here. Emission and albedo are not stored: they are exact at each hit.
+ *
+ * The solution is that of E = D + T E, where D is direct light and T the transport between cells: both are sampled
+ * once, with one ray for each sample that finds direct light by its part of multiple importance sampling and one entry
+ * of a sparse matrix. After that the bounces cost no rays. The estimate of a sum of products of T's entries is biased
+ * only by paths that visit one cell twice, which are rare where there are many cells. */
+#ifndef LAMBENT_SURFACE_LIGHT_H
+#define LAMBENT_SURFACE_LIGHT_H
+
+#include <lambent/pool.h>
+#include <lambent/transport.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct lmb_surface_light_settings {
+    float cell_size;    /* metres: no edge of a cell is longer than this; 0: as fine as max_cells allows */
+    uint32_t max_cells; /* the cell size grows until there are no more than this, beside the one that each triangle has
+                           anyway; > 0 */
+    uint32_t samples;   /* for each side of a cell, fewer in proportion for cells that are small for their size; > 0 */
+} lmb_surface_light_settings;
+
+lmb_surface_light_settings lmb_surface_light_settings_default(void);
+
+typedef struct lmb_surface_light_stats {
+    uint32_t cells;
+    uint32_t lit_sides; /* of two for each cell: those that any light can reach */
+    int passes;         /* bounces until the solution stood still, or transport.bounces - 1 */
+    uint64_t rays;
+    size_t bytes_solving; /* at most at once, the solution's own among them */
+} lmb_surface_light_stats;
+
+/* Solves the light of transport's scene; `transport->surface` is not used. The same transport and settings give the
+ * same solution for any number of threads.
+ * @return LMB_ERROR_UNSUPPORTED (more than 16 million static triangles), _MEMORY, _INTERRUPTED */
+lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_surface_light_settings *settings,
+                                   lmb_pool *pool, const lmb_progress *progress, lmb_surface_light **light,
+                                   lmb_surface_light_stats *stats, lmb_error *error);
+void lmb_surface_light_destroy(lmb_surface_light *light);
+
+/* Bytes that it holds. */
+size_t lmb_surface_light_bytes(const lmb_surface_light *light);
+
+/* Metres: the cell size that was used, and the size of the cells of the triangle that was hit. What is stored holds for
+ * rays that come from farther than the latter. */
+float lmb_surface_light_cell_size(const lmb_surface_light *light);
+float lmb_surface_light_cell_size_at(const lmb_surface_light *light, const lmb_hit *hit);
+
+/* Normalised irradiance on one side of a surface at a hit: radiance is albedo times this. */
+lmb_rgb lmb_surface_light_at(const lmb_surface_light *light, const lmb_hit *hit, bool front);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

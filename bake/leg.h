@@ -1,0 +1,31 @@
+/* A straight piece of a path: from where light is collected to what it comes from. */
+#ifndef LMB_LEG_H
+#define LMB_LEG_H
+
+#include "direct.h"
+
+/* A ray that leaves a receiver, or a camera (from == NULL). */
+typedef struct lmb_leg {
+    const lmb_receiver *from;
+    lmb_vec3 origin;
+    lmb_vec3 direction;
+    lmb_rgb throughput;
+} lmb_leg;
+
+/* What a leg ends on. */
+typedef struct lmb_landing {
+    bool on_surface; /* false: the environment; then only `emitted` is set */
+    lmb_hit hit;
+    bool front; /* which side of it the leg meets */
+    lmb_rgb albedo;
+    lmb_rgb emitted; /* radiance of the surface or the environment, weighted against next-event estimation */
+} lmb_landing;
+
+/* Follows a leg through see-through surfaces, passing each by chance, to what it ends on. Its throughput takes up the
+ * tint of what it passed; no channel of it grows. */
+lmb_landing lmb_leg_follow(const lmb_path *path, lmb_leg *leg);
+
+/* Where a path goes on from a landing on a surface. */
+lmb_receiver lmb_landing_receiver(const lmb_path *path, const lmb_landing *landing);
+
+#endif
