@@ -78,6 +78,15 @@ static void direct_add(lmb_direct_light *direct, lmb_vec3 direction, lmb_rgb wei
     }
 }
 
+/* A light that directions sampled by the receiver find too: weighted against them. `share` of it gets through. */
+static void direct_add_sample(lmb_direct_light *direct, const lmb_receiver *receiver, const lmb_light_sample *sample,
+                              lmb_rgb share)
+{
+    const float mis = lmb_balance(sample->density, lmb_receiver_density(receiver, sample->direction));
+    const float factor = receiver_response(receiver, sample->direction) * mis / sample->density;
+    direct_add(direct, sample->direction, rgb_scale(rgb_mul(sample->radiance, share), factor));
+}
+
 static void direct_add_triangle(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
 {
     const lmb_transport *transport = path->transport;
@@ -91,9 +100,7 @@ static void direct_add_triangle(const lmb_path *path, const lmb_receiver *receiv
     }
     const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample.direction);
     const lmb_rgb share = lmb_trace_transmittance(transport->tracer, origin, sample.end, path->rays);
-    const float mis = lmb_balance(sample.density, lmb_receiver_density(receiver, sample.direction));
-    const float factor = receiver_response(receiver, sample.direction) * mis / sample.density;
-    direct_add(direct, sample.direction, rgb_scale(rgb_mul(sample.radiance, share), factor));
+    direct_add_sample(direct, receiver, &sample, share);
 }
 
 static void direct_add_environment(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
@@ -108,9 +115,7 @@ static void direct_add_environment(const lmb_path *path, const lmb_receiver *rec
     }
     const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample.direction);
     const lmb_rgb share = lmb_trace_transmittance_to_infinity(transport->tracer, origin, sample.direction, path->rays);
-    const float mis = lmb_balance(sample.density, lmb_receiver_density(receiver, sample.direction));
-    const float factor = receiver_response(receiver, sample.direction) * mis / sample.density;
-    direct_add(direct, sample.direction, rgb_scale(rgb_mul(sample.radiance, share), factor));
+    direct_add_sample(direct, receiver, &sample, share);
 }
 
 static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiver, bool at_infinity,

@@ -224,21 +224,26 @@ size_t lmb_tracer_bytes(const lmb_tracer *tracer)
     return tracer->bytes > 0 ? (size_t)tracer->bytes : 0;
 }
 
+static struct RTCRay ray_make(lmb_vec3 origin, lmb_vec3 direction, float near_distance, float far_distance)
+{
+    return (struct RTCRay){.org_x = origin.x,
+                           .org_y = origin.y,
+                           .org_z = origin.z,
+                           .tnear = near_distance,
+                           .dir_x = direction.x,
+                           .dir_y = direction.y,
+                           .dir_z = direction.z,
+                           .tfar = far_distance,
+                           .mask = ~0u};
+}
+
 bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float near_distance,
                        float far_distance, lmb_hit *hit)
 {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRayHit ray = {
-        .ray = {.org_x = origin.x,
-                .org_y = origin.y,
-                .org_z = origin.z,
-                .tnear = near_distance,
-                .dir_x = direction.x,
-                .dir_y = direction.y,
-                .dir_z = direction.z,
-                .tfar = far_distance,
-                .mask = ~0u},
+        .ray = ray_make(origin, direction, near_distance, far_distance),
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
     };
     rtcIntersect1(tracer->world, &context, &ray);
@@ -285,14 +290,7 @@ int lmb_trace_crossings(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 dire
     rtcInitIntersectContext(&context.embree);
     context.embree.filter = crossing_count;
     struct RTCRayHit ray = {
-        .ray = {.org_x = origin.x,
-                .org_y = origin.y,
-                .org_z = origin.z,
-                .dir_x = direction.x,
-                .dir_y = direction.y,
-                .dir_z = direction.z,
-                .tfar = FLT_MAX,
-                .mask = ~0u},
+        .ray = ray_make(origin, direction, 0.0f, FLT_MAX),
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
     };
     rtcIntersect1(tracer->world, &context.embree, &ray);
@@ -303,14 +301,7 @@ static bool trace_blocked(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 di
 {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    struct RTCRay ray = {.org_x = origin.x,
-                         .org_y = origin.y,
-                         .org_z = origin.z,
-                         .dir_x = direction.x,
-                         .dir_y = direction.y,
-                         .dir_z = direction.z,
-                         .tfar = far_distance,
-                         .mask = ~0u};
+    struct RTCRay ray = ray_make(origin, direction, 0.0f, far_distance);
     rtcOccluded1(tracer->world, &context, &ray);
     return ray.tfar < 0.0f;
 }
