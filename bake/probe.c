@@ -32,12 +32,17 @@ static uint64_t replicate_stream(const lmb_transport *transport, const lmb_gathe
     return lmb_mix(stream, replicate);
 }
 
-/* Mean moments of one replicate. */
-static void replicate_gather(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate,
-                             uint32_t samples, lmb_moment_sum *mean, uint64_t *rays)
+/* Mean moments of one replicate. Of the element's blocks, taken in turn, every LMB_GATHER_REPLICATES-th is its own. */
+static void replicate_gather(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
+                             uint32_t replicate, uint32_t samples, lmb_moment_sum *mean, uint64_t *rays)
 {
+    const uint64_t stream = replicate_stream(transport, points, replicate);
     memset(mean, 0, sizeof *mean);
-    lmb_gather(transport, point, replicate_stream(transport, point, replicate), 0, samples, moment_sink, mean, rays);
+    for (uint32_t first = 0; first < samples; first += LMB_GATHER_BLOCK) {
+        const uint32_t block = first / LMB_GATHER_BLOCK * LMB_GATHER_REPLICATES + replicate;
+        const uint32_t count = samples - first < LMB_GATHER_BLOCK ? samples - first : LMB_GATHER_BLOCK;
+        lmb_gather(transport, &points[block % point_count], stream, first, count, moment_sink, mean, rays);
+    }
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
             mean->c[c][i] /= (double)samples;
@@ -81,7 +86,8 @@ double lmb_relative_error(double squared_error, double squared_length)
 
 typedef struct lmb_replicate_work {
     const lmb_transport *transport;
-    const lmb_gather_point *point;
+    const lmb_gather_point *points;
+    uint32_t point_count;
     uint32_t samples;
     lmb_moment_sum mean[LMB_GATHER_REPLICATES];
     uint64_t rays[LMB_GATHER_REPLICATES];
@@ -91,7 +97,8 @@ static void replicate_task(void *context, size_t task, int worker)
 {
     (void)worker;
     lmb_replicate_work *work = context;
-    replicate_gather(work->transport, work->point, (uint32_t)task, work->samples, &work->mean[task], &work->rays[task]);
+    replicate_gather(work->transport, work->points, work->point_count, (uint32_t)task, work->samples, &work->mean[task],
+                     &work->rays[task]);
 }
 
 static void replicates_finish(const lmb_replicate_work *work, lmb_gathered *gathered)
@@ -103,20 +110,28 @@ static void replicates_finish(const lmb_replicate_work *work, lmb_gathered *gath
     }
 }
 
-void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
-                    lmb_gathered *gathered)
+void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
+                         uint32_t samples, lmb_gathered *gathered)
 {
-    lmb_replicate_work work = {.transport = transport, .point = point, .samples = replicate_samples(samples)};
+    lmb_replicate_work work = {
+        .transport = transport, .points = points, .point_count = point_count, .samples = replicate_samples(samples)};
     for (size_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
         replicate_task(&work, r, 0);
     }
     replicates_finish(&work, gathered);
 }
 
+void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
+                    lmb_gathered *gathered)
+{
+    lmb_gather_sh3_area(transport, point, 1, samples, gathered);
+}
+
 lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                                    lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered)
 {
-    lmb_replicate_work work = {.transport = transport, .point = point, .samples = replicate_samples(samples)};
+    lmb_replicate_work work = {
+        .transport = transport, .points = point, .point_count = 1, .samples = replicate_samples(samples)};
     const lmb_result result = lmb_pool_run(pool, LMB_GATHER_REPLICATES, replicate_task, &work, "probe", progress);
     if (result == LMB_OK) {
         replicates_finish(&work, gathered);

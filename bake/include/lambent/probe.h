@@ -29,7 +29,15 @@ double lmb_relative_error(double squared_error, double squared_length);
 void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                     lmb_gathered *gathered);
 
-/* The same, its replicates spread over the pool's threads; equal results. @return LMB_ERROR_INTERRUPTED */
+/* The mean over several points, which must all be of one kind and share their normal: a texel's light is the mean over
+ * its area. Samples are taken in blocks of LMB_GATHER_BLOCK, and block k of all uses points[k % point_count]; as many
+ * points as there are blocks spread the samples best. `point_count` > 0. */
+enum { LMB_GATHER_BLOCK = 8 };
+void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
+                         uint32_t samples, lmb_gathered *gathered);
+
+/* The same as lmb_gather_sh3, its replicates spread over the pool's threads; equal results. @return
+ * LMB_ERROR_INTERRUPTED */
 lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                                    lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered);
 
