@@ -112,7 +112,13 @@ static inline lmb_rgb rgb_add(lmb_rgb a, lmb_rgb b)
 
 static inline float rgb_max(lmb_rgb a)
 {
-    return fmaxf(a.c[0], fmaxf(a.c[1], a.c[2]));
+    const float larger = a.c[0] > a.c[1] ? a.c[0] : a.c[1];
+    return larger > a.c[2] ? larger : a.c[2];
+}
+
+static inline bool rgb_is_finite(lmb_rgb a)
+{
+    return isfinite(a.c[0]) && isfinite(a.c[1]) && isfinite(a.c[2]);
 }
 
 /* Sine and cosine of `angle_rad` (|angle| below 1e6), the inverse tangent of y/x in (-pi, pi], and the inverse cosine
@@ -121,17 +127,11 @@ void lmb_sincos(double angle_rad, double *sine, double *cosine);
 double lmb_atan2(double y, double x);
 double lmb_acos(double x);
 
-/* Uniform direction on the sphere and, about `axis`, with density (1/2 + cos)/(2 pi) on the hemisphere: half uniform,
- * half cosine, so that neither irradiance nor the scalar moment has unbounded weights. Each returns its density by the
- * function after it. */
-lmb_vec3 lmb_sphere_sample(const float point[2]);
-lmb_vec3 lmb_hemisphere_sample(lmb_vec3 axis, const float point[2]);
+/* Density of the hemisphere's directions, cosine / pi mixed with uniform: half and half, so that neither irradiance nor
+ * the scalar moment has unbounded weights. `cosine` is of the angle to the axis. */
 static inline float lmb_hemisphere_density(float cosine)
 {
     return cosine > 0.0f ? (0.5f + cosine) / (2.0f * LMB_PI_F) : 0.0f;
 }
-
-/* Cosine-weighted direction about `axis`; density cos/pi. */
-lmb_vec3 lmb_cosine_sample(lmb_vec3 axis, const float point[2]);
 
 #endif

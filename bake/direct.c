@@ -3,6 +3,7 @@
 #include <lambent/sequence.h>
 
 #include "bake_internal.h"
+#include "directions.h"
 
 void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2])
 {
@@ -16,15 +17,15 @@ lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front)
                           .geometric_normal = vec3_scale(place->geometric_normal, side),
                           .normal = vec3_scale(place->shading_normal, side),
                           .rounding = place->rounding,
-                          .kind = RECEIVE_DIFFUSE};
+                          .kind = LMB_LOBE_COSINE};
 }
 
 float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 direction)
 {
     switch (receiver->kind) {
-    case RECEIVE_SPHERE:
+    case LMB_LOBE_SPHERE:
         return 1.0f / (4.0f * LMB_PI_F);
-    case RECEIVE_HEMISPHERE:
+    case LMB_LOBE_HEMISPHERE:
         return lmb_hemisphere_density(vec3_dot(receiver->normal, direction));
     default:
         return fmaxf(vec3_dot(receiver->normal, direction), 0.0f) / LMB_PI_F;
@@ -33,37 +34,30 @@ float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 direction)
 
 lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float point[2])
 {
-    switch (receiver->kind) {
-    case RECEIVE_SPHERE:
-        return lmb_sphere_sample(point);
-    case RECEIVE_HEMISPHERE:
-        return lmb_hemisphere_sample(receiver->normal, point);
-    default:
-        return lmb_cosine_sample(receiver->normal, point);
-    }
+    return lmb_direction_make(receiver->kind, receiver->normal, point);
 }
 
 bool lmb_receiver_sees(const lmb_receiver *receiver, lmb_vec3 direction)
 {
-    if (receiver->kind == RECEIVE_SPHERE) {
+    if (receiver->kind == LMB_LOBE_SPHERE) {
         return true;
     }
     return vec3_dot(receiver->normal, direction) > 0.0f &&
-           (receiver->kind == RECEIVE_HEMISPHERE || vec3_dot(receiver->geometric_normal, direction) > 0.0f);
+           (receiver->kind == LMB_LOBE_HEMISPHERE || vec3_dot(receiver->geometric_normal, direction) > 0.0f);
 }
 
 /* The receiver's own factor of light from `direction`: a gather point takes it as it is, a surface by the cosine. */
 static float receiver_response(const lmb_receiver *receiver, lmb_vec3 direction)
 {
-    return receiver->kind == RECEIVE_DIFFUSE ? vec3_dot(receiver->normal, direction) / LMB_PI_F : 1.0f;
+    return receiver->kind == LMB_LOBE_COSINE ? vec3_dot(receiver->normal, direction) / LMB_PI_F : 1.0f;
 }
 
 lmb_vec3 lmb_receiver_ray_origin(const lmb_receiver *receiver, lmb_vec3 direction)
 {
     switch (receiver->kind) {
-    case RECEIVE_SPHERE:
+    case LMB_LOBE_SPHERE:
         return vec3_mad(receiver->position, direction, lmb_trace_epsilon(receiver->position));
-    case RECEIVE_HEMISPHERE:
+    case LMB_LOBE_HEMISPHERE:
         return receiver->position;
     default:
         return lmb_trace_offset(receiver->position, receiver->geometric_normal, receiver->rounding, direction);
@@ -127,9 +121,9 @@ static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiv
     lmb_punctual_sample sample;
     const lmb_punctual_query query = {.position = receiver->position,
                                       .at_infinity = at_infinity,
-                                      .normal = receiver->kind == RECEIVE_SPHERE ? NULL : &receiver->normal,
+                                      .normal = receiver->kind == LMB_LOBE_SPHERE ? NULL : &receiver->normal,
                                       .min_distance = receiver->min_light_distance,
-                                      .skip_indirect_only = receiver->kind != RECEIVE_DIFFUSE};
+                                      .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
     if (!lmb_emitters_sample_punctual(transport->emitters, &query, choice[1], &sample) ||
         !lmb_receiver_sees(receiver, sample.direction)) {
         return;
@@ -143,17 +137,23 @@ static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiv
                rgb_scale(rgb_mul(sample.irradiance, share), receiver_response(receiver, sample.direction)));
 }
 
+void lmb_direct_collect_punctual(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
+{
+    direct->count = 0;
+    direct_add_punctual(path, receiver, false, direct);
+    direct_add_punctual(path, receiver, true, direct);
+}
+
 void lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
 {
     direct->count = 0;
+    if (lmb_tracer_scene(path->transport->tracer)->light_count > 0) {
+        lmb_direct_collect_punctual(path, receiver, direct);
+    }
     if (lmb_emitters_triangle_count(path->transport->emitters) > 0) {
         direct_add_triangle(path, receiver, direct);
     }
     if (lmb_emitters_environment_sampled(path->transport->emitters)) {
         direct_add_environment(path, receiver, direct);
-    }
-    if (lmb_tracer_scene(path->transport->tracer)->light_count > 0) {
-        direct_add_punctual(path, receiver, false, direct);
-        direct_add_punctual(path, receiver, true, direct);
     }
 }

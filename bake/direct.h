@@ -5,6 +5,8 @@
 
 #include <lambent/transport.h>
 
+#include "directions.h"
+
 /* Dimension pairs of the sequence: the gather point uses vertex 0's, the k-th reflection vertex k's. */
 enum { PAIR_DIRECTION, PAIR_TRIANGLE, PAIR_CHOICE, PAIR_ENVIRONMENT, PAIR_ROULETTE, PAIRS_PER_VERTEX };
 
@@ -27,7 +29,7 @@ typedef struct lmb_receiver {
     lmb_vec3 normal;           /* shading normal; unused for a sphere */
     float rounding;            /* lmb_place's; unused for a gather point */
     float min_light_distance;
-    enum { RECEIVE_SPHERE, RECEIVE_HEMISPHERE, RECEIVE_DIFFUSE } kind;
+    lmb_lobe kind; /* a probe, a texel, or a reflection (cosine) */
 } lmb_receiver;
 
 /* One side of a surface. */
@@ -57,6 +59,9 @@ typedef struct lmb_direct_light {
     lmb_rgb weight[4]; /* radiance x solid angle for a gather point, normalised irradiance for a surface */
     int count;
 } lmb_direct_light;
+
+/* Next-event estimation of punctual lights: a sun and a lamp. */
+void lmb_direct_collect_punctual(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct);
 
 /* Next-event estimation of everything that can be aimed at. */
 void lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct);

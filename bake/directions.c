@@ -1,4 +1,7 @@
+#include "directions.h"
+
 #include "bake_internal.h"
+#include "lanes.h"
 
 /* Taylor series: at |x| <= pi/4 the next terms are below 2e-17. */
 static double sine_series(double x)
@@ -77,31 +80,74 @@ double lmb_acos(double x)
     return lmb_atan2(sqrt((1.0 - x) * (1.0 + x)), x);
 }
 
-/* The point at height z and azimuth 2 pi u of the unit sphere about `axis`. */
-static lmb_vec3 direction_about(lmb_vec3 axis, float z, float u)
+/* Sine and cosine of 2 pi turns, turns in [0, 1), within 2e-7: the nearest quarter is taken off, and for the rest, at
+ * most pi/4, the Taylor series end below that. */
+static inline void turn_sincos(float turns, float *sine, float *cosine)
 {
-    double s, c;
-    lmb_sincos(2.0 * LMB_PI * (double)u, &s, &c);
-    const float r = sqrtf(fmaxf(0.0f, (1.0f - z) * (1.0f + z)));
+    const int32_t quarter = (int32_t)(turns * 4.0f + 0.5f);
+    const float x = (turns - (float)quarter * 0.25f) * (2.0f * LMB_PI_F);
+    const float s2 = x * x;
+    const float s =
+        x * (1.0f - s2 * (1.0f / 6.0f - s2 * (1.0f / 120.0f - s2 * (1.0f / 5040.0f - s2 * (1.0f / 362880.0f)))));
+    const float c = 1.0f - s2 * (0.5f - s2 * (1.0f / 24.0f - s2 * (1.0f / 720.0f - s2 * (1.0f / 40320.0f))));
+    const float swapped_s = quarter & 1 ? c : s;
+    const float swapped_c = quarter & 1 ? s : c;
+    *sine = quarter & 2 ? -swapped_s : swapped_s;
+    *cosine = (quarter + 1) & 2 ? -swapped_c : swapped_c;
+}
+
+/* Height of the point of the unit sphere by the lobe's distribution over heights. */
+static inline float lobe_height(lmb_lobe lobe, float number)
+{
+    switch (lobe) {
+    case LMB_LOBE_SPHERE:
+        return 1.0f - 2.0f * number;
+    case LMB_LOBE_HEMISPHERE: /* its distribution function is (z + z^2)/2 */
+        return 0.5f * (sqrtf(9.0f - 8.0f * number) - 1.0f);
+    default:
+        return sqrtf(1.0f - number);
+    }
+}
+
+static inline void lobe_directions(lmb_lobe lobe, lmb_vec3 axis, const float *restrict x, const float *restrict y,
+                                   uint32_t count, float *restrict to_x, float *restrict to_y, float *restrict to_z)
+{
     lmb_vec3 tangent, bitangent;
     vec3_frame(axis, &tangent, &bitangent);
-    const lmb_vec3 flat = vec3_mad(vec3_scale(tangent, r * (float)c), bitangent, r * (float)s);
-    return vec3_normalize_or(vec3_mad(flat, axis, z), axis);
+    for (uint32_t i = 0; i < count; ++i) {
+        const float z = lobe_height(lobe, x[i]);
+        const float square = (1.0f - z) * (1.0f + z);
+        const float r = sqrtf(square > 0.0f ? square : 0.0f);
+        float s, c;
+        turn_sincos(y[i], &s, &c);
+        to_x[i] = tangent.x * (r * c) + bitangent.x * (r * s) + axis.x * z;
+        to_y[i] = tangent.y * (r * c) + bitangent.y * (r * s) + axis.y * z;
+        to_z[i] = tangent.z * (r * c) + bitangent.z * (r * s) + axis.z * z;
+    }
 }
 
-lmb_vec3 lmb_sphere_sample(const float point[2])
+LMB_LANES
+void lmb_directions_make(lmb_lobe lobe, lmb_vec3 axis, const float *x, const float *y, uint32_t count,
+                         float *const direction[3])
 {
-    return direction_about(vec3(0.0f, 0.0f, 1.0f), 1.0f - 2.0f * point[0], point[1]);
+    const lmb_vec3 up = {0.0f, 0.0f, 1.0f};
+    switch (lobe) {
+    case LMB_LOBE_SPHERE:
+        lobe_directions(LMB_LOBE_SPHERE, up, x, y, count, direction[0], direction[1], direction[2]);
+        break;
+    case LMB_LOBE_HEMISPHERE:
+        lobe_directions(LMB_LOBE_HEMISPHERE, axis, x, y, count, direction[0], direction[1], direction[2]);
+        break;
+    default:
+        lobe_directions(LMB_LOBE_COSINE, axis, x, y, count, direction[0], direction[1], direction[2]);
+        break;
+    }
 }
 
-lmb_vec3 lmb_hemisphere_sample(lmb_vec3 axis, const float point[2])
+lmb_vec3 lmb_direction_make(lmb_lobe lobe, lmb_vec3 axis, const float point[2])
 {
-    /* The height's distribution function is (z + z^2)/2. */
-    const float z = 0.5f * (sqrtf(9.0f - 8.0f * point[0]) - 1.0f);
-    return direction_about(axis, z, point[1]);
-}
-
-lmb_vec3 lmb_cosine_sample(lmb_vec3 axis, const float point[2])
-{
-    return direction_about(axis, sqrtf(1.0f - point[0]), point[1]);
+    lmb_vec3 made;
+    float *const direction[3] = {&made.x, &made.y, &made.z};
+    lmb_directions_make(lobe, axis, &point[0], &point[1], 1, direction);
+    return made;
 }

@@ -27,41 +27,60 @@ static float emission_mis(const lmb_transport *transport, const lmb_leg *leg, co
     return lmb_balance(lmb_receiver_density(leg->from, leg->direction), density);
 }
 
-lmb_landing lmb_leg_follow(const lmb_path *path, lmb_leg *leg)
+static lmb_landing sky_landing(const lmb_transport *transport, const lmb_leg *leg)
+{
+    const lmb_rgb sky = lmb_emitters_environment_radiance(transport->emitters, leg->direction);
+    return (lmb_landing){.emitted = rgb_scale(sky, environment_mis(transport, leg))};
+}
+
+/* Whether the leg goes through the surface. Its throughput takes up either. */
+static bool leg_passes(const lmb_path *path, lmb_leg *leg, const lmb_surface *surface, uint32_t layer)
+{
+    const float pass = rgb_max(surface->pass);
+    if (!(pass > 0.0f)) {
+        return false;
+    }
+    const float probability = pass / (pass + surface->opacity);
+    const bool passes = lmb_random(path->stream, path->sample, path->vertex, layer) < probability;
+    const float stays = surface->opacity / (1.0f - probability);
+    const lmb_rgb share = passes ? rgb_scale(surface->pass, 1.0f / probability) : rgb(stays, stays, stays);
+    leg->throughput = rgb_mul(leg->throughput, share);
+    return passes;
+}
+
+lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *first)
 {
     const lmb_transport *transport = path->transport;
-    float start = 0.0f;
-    for (uint32_t layer = 0;; ++layer) {
-        ++*path->rays;
-        lmb_hit hit;
-        if (!lmb_trace_nearest(transport->tracer, leg->origin, leg->direction, start, FLT_MAX, &hit)) {
-            const lmb_rgb sky = lmb_emitters_environment_radiance(transport->emitters, leg->direction);
-            return (lmb_landing){.emitted = rgb_scale(sky, environment_mis(transport, leg))};
-        }
-        const lmb_surface surface = lmb_trace_surface(transport->tracer, hit.instance, hit.triangle, hit.u, hit.v);
-        const float pass = rgb_max(surface.pass);
-        if (pass > 0.0f) {
-            const float probability = pass / (pass + surface.opacity);
-            if (lmb_random(path->stream, path->sample, path->vertex, layer) < probability) {
-                leg->throughput = rgb_mul(leg->throughput, rgb_scale(surface.pass, 1.0f / probability));
-                start = nextafterf(hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
-                continue;
-            }
-            leg->throughput = rgb_scale(leg->throughput, surface.opacity / (1.0f - probability));
-        }
-        const float mis = rgb_max(surface.emission) > 0.0f ? emission_mis(transport, leg, &hit) : 0.0f;
-        return (lmb_landing){.on_surface = true,
-                             .hit = hit,
-                             .front =
-                                 lmb_trace_meets_front(transport->tracer, hit.instance, hit.triangle, leg->direction),
-                             .albedo = surface.albedo,
-                             .emitted = rgb_scale(surface.emission, mis)};
+    if (!first) {
+        return sky_landing(transport, leg);
     }
+    lmb_hit hit = *first;
+    for (uint32_t layer = 0;; ++layer) {
+        const lmb_surface surface = lmb_trace_surface(transport->tracer, hit.instance, hit.triangle, hit.u, hit.v);
+        if (!leg_passes(path, leg, &surface, layer)) {
+            const float mis = rgb_max(surface.emission) > 0.0f ? emission_mis(transport, leg, &hit) : 0.0f;
+            return (lmb_landing){
+                .on_surface = true, .hit = hit, .albedo = surface.albedo, .emitted = rgb_scale(surface.emission, mis)};
+        }
+        const float start = nextafterf(hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
+        ++*path->rays;
+        if (!lmb_trace_nearest(transport->tracer, leg->origin, leg->direction, start, FLT_MAX, &hit)) {
+            return sky_landing(transport, leg);
+        }
+    }
+}
+
+lmb_landing lmb_leg_follow(const lmb_path *path, lmb_leg *leg)
+{
+    lmb_hit hit;
+    ++*path->rays;
+    const bool found = lmb_trace_nearest(path->transport->tracer, leg->origin, leg->direction, 0.0f, FLT_MAX, &hit);
+    return lmb_leg_land(path, leg, found ? &hit : NULL);
 }
 
 lmb_receiver lmb_landing_receiver(const lmb_path *path, const lmb_landing *landing)
 {
     const lmb_hit *hit = &landing->hit;
     const lmb_place place = lmb_trace_place(path->transport->tracer, hit->instance, hit->triangle, hit->u, hit->v);
-    return lmb_receiver_on_surface(&place, landing->front);
+    return lmb_receiver_on_surface(&place, hit->front);
 }

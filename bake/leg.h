@@ -16,7 +16,6 @@ typedef struct lmb_leg {
 typedef struct lmb_landing {
     bool on_surface; /* false: the environment; then only `emitted` is set */
     lmb_hit hit;
-    bool front; /* which side of it the leg meets */
     lmb_rgb albedo;
     lmb_rgb emitted; /* radiance of the surface or the environment, weighted against next-event estimation */
 } lmb_landing;
@@ -25,7 +24,14 @@ typedef struct lmb_landing {
  * tint of what it passed; no channel of it grows. */
 lmb_landing lmb_leg_follow(const lmb_path *path, lmb_leg *leg);
 
+/* The same where the first thing that the leg meets has been found: `first`, or NULL for nothing. */
+lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *first);
+
 /* Where a path goes on from a landing on a surface. */
 lmb_receiver lmb_landing_receiver(const lmb_path *path, const lmb_landing *landing);
+
+/* Radiance along a leg from its landing on: what it ends on emits, and what that reflects. `path` is at its first
+ * vertex. */
+lmb_rgb lmb_path_radiance(lmb_path *path, lmb_leg leg, lmb_landing landing);
 
 #endif

@@ -9,8 +9,8 @@ typedef struct lmb_lattice {
     int32_t min[3];
     int32_t size[3];
     size_t count;
-    float *validity;  /* [point] share of rays that see no back face, or 0 for a solid point */
-    uint8_t *free;    /* [point] 1: an object can be here */
+    float *validity; /* [point] share of rays that see no back face, or 0 for a solid point */
+    uint8_t *free;   /* [point] 1: an object can be here */
 } lmb_lattice;
 
 static inline size_t lattice_index(const lmb_lattice *lattice, int32_t x, int32_t y, int32_t z)
@@ -31,8 +31,8 @@ lmb_result lmb_lattice_classify(lmb_lattice *lattice, const lmb_tracer *tracer, 
                                 const lmb_progress *progress, uint64_t *rays);
 
 /* Clears `free` where no seed point is connected through free space. */
-lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, const lmb_vec3 *seeds,
-                             uint32_t seed_count, bool *seeds_in_solid, uint64_t *rays);
+lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, const lmb_vec3 *seeds, uint32_t seed_count,
+                             bool *seeds_in_solid, uint64_t *rays);
 
 /* Number of the grid's cells with all eight probes, and how many of them a static triangle passes through. */
 lmb_result lmb_grid_count_cells(const lmb_grid *grid, const lmb_tracer *tracer, int64_t *cells, int64_t *crossed);

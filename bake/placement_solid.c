@@ -7,6 +7,7 @@
 #include <lambent/sequence.h>
 
 #include "bake_internal.h"
+#include "directions.h"
 #include "trace_internal.h"
 
 enum { RAYS_PER_POINT = 64, WINDING_RAYS = 32, POINTS_PER_TASK = 64 };
@@ -23,13 +24,9 @@ typedef struct lmb_classify_work {
 } lmb_classify_work;
 
 /* Leaves, glass and other see-through surfaces bound no solid, whichever side they show. */
-static bool hit_is_back(const lmb_tracer *tracer, const lmb_hit *hit, lmb_vec3 direction)
+static bool hit_is_back(const lmb_tracer *tracer, const lmb_hit *hit)
 {
-    if (lmb_tracer_is_see_through(tracer, hit->instance, hit->triangle)) {
-        return false;
-    }
-    const lmb_place place = lmb_trace_place(tracer, hit->instance, hit->triangle, hit->u, hit->v);
-    return vec3_dot(place.geometric_normal, direction) > 0.0f;
+    return !hit->front && !lmb_tracer_is_see_through(tracer, hit->instance, hit->triangle);
 }
 
 /* The same directions at every point, turned by the point's own stream: no pattern, and no state. */
@@ -37,7 +34,7 @@ static lmb_vec3 point_direction(lmb_vec3 position, uint32_t index)
 {
     float numbers[2];
     lmb_sequence_2d(lmb_stream_of_position(0, position), index, 0, numbers);
-    return lmb_sphere_sample(numbers);
+    return lmb_direction_make(LMB_LOBE_SPHERE, vec3(0.0f, 0.0f, 1.0f), numbers);
 }
 
 static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *is_free, uint64_t *rays)
@@ -50,7 +47,7 @@ static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *i
         ++*rays;
         if (lmb_trace_nearest(tracer, position, direction, 0.0f, FLT_MAX, &hit)) {
             ++hits;
-            backs += hit_is_back(tracer, &hit, direction);
+            backs += hit_is_back(tracer, &hit);
         }
     }
     *is_free = true;

@@ -3,49 +3,92 @@
 #include <assert.h>
 #include <string.h>
 
-#include <lambent/sequence.h>
-
 #include "bake_internal.h"
+#include "lanes.h"
 
 /* Sums of thousands of samples are kept in double. */
 typedef struct lmb_moment_sum {
     double c[3][LMB_SH3_COUNT];
 } lmb_moment_sum;
 
-static void moment_sink(void *context, lmb_vec3 direction, lmb_rgb weight)
+/* The basis as polynomials without their factors, in its order. */
+typedef struct basis_batch {
+    float polynomial[LMB_SH3_COUNT][LMB_CONTRIBUTION_BATCH];
+} basis_batch;
+
+LMB_LANES
+static void basis_make(const lmb_contributions *found, basis_batch *basis)
 {
-    lmb_moment_sum *sum = context;
-    const lmb_sh3 basis = lmb_sh3_basis(direction);
+    for (uint32_t i = 0; i < found->count; ++i) {
+        const float x = found->direction[0][i], y = found->direction[1][i], z = found->direction[2][i];
+        basis->polynomial[0][i] = 1.0f;
+        basis->polynomial[1][i] = y;
+        basis->polynomial[2][i] = z;
+        basis->polynomial[3][i] = x;
+        basis->polynomial[4][i] = x * y;
+        basis->polynomial[5][i] = y * z;
+        basis->polynomial[6][i] = 3.0f * z * z - 1.0f;
+        basis->polynomial[7][i] = x * z;
+        basis->polynomial[8][i] = x * x - y * y;
+    }
+}
+
+enum { LANES = 8 };
+
+/* Sum of a[i] b[i] in a fixed order: LANES sums at once, then those. */
+static inline float lanes_dot(const float *restrict a, const float *restrict b, uint32_t count)
+{
+    float lane[LANES] = {0.0f};
+    uint32_t i = 0;
+    for (; i + LANES <= count; i += LANES) {
+        for (uint32_t k = 0; k < LANES; ++k) {
+            lane[k] += a[i + k] * b[i + k];
+        }
+    }
+    for (uint32_t k = 0; i < count; ++i, ++k) {
+        lane[k] += a[i] * b[i];
+    }
+    return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
+}
+
+LMB_LANES
+static void moments_add(const lmb_contributions *found, const basis_batch *basis, lmb_moment_sum *sum)
+{
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-            sum->c[c][i] += (double)weight.c[c] * (double)basis.c[i];
+            sum->c[c][i] += (double)lanes_dot(found->weight[c], basis->polynomial[i], found->count);
         }
     }
 }
 
-static uint64_t replicate_stream(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate)
+static void moment_sink(void *context, const lmb_contributions *found)
 {
-    uint64_t stream = lmb_stream_of_position(transport->seed, point->position);
-    if (point->hemisphere) {
-        stream = lmb_stream_of_position(stream, point->normal);
-    }
-    return lmb_mix(stream, replicate);
+    basis_batch basis;
+    basis_make(found, &basis);
+    moments_add(found, &basis, context);
 }
 
-/* Mean moments of one replicate. Of the element's blocks, taken in turn, every LMB_GATHER_REPLICATES-th is its own. */
-static void replicate_gather(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
-                             uint32_t replicate, uint32_t samples, lmb_moment_sum *mean, uint64_t *rays)
+/* The basis' factors, from where its polynomials are 1, or 2 in one case. */
+static lmb_sh3 basis_factors(void)
 {
-    const uint64_t stream = replicate_stream(transport, points, replicate);
+    const lmb_sh3 x = lmb_sh3_basis(vec3(1.0f, 0.0f, 0.0f));
+    const lmb_sh3 z = lmb_sh3_basis(vec3(0.0f, 0.0f, 1.0f));
+    lmb_sh3 factors = lmb_sh3_basis(vec3(1.0f, 1.0f, 1.0f));
+    factors.c[6] = 0.5f * z.c[6];
+    factors.c[8] = x.c[8];
+    return factors;
+}
+
+/* Mean moments of one replicate. */
+static void replicate_gather(const lmb_transport *transport, const lmb_gather_samples *samples, lmb_moment_sum *mean,
+                             uint64_t *rays)
+{
+    const lmb_sh3 factors = basis_factors();
     memset(mean, 0, sizeof *mean);
-    for (uint32_t first = 0; first < samples; first += LMB_GATHER_BLOCK) {
-        const uint32_t block = first / LMB_GATHER_BLOCK * LMB_GATHER_REPLICATES + replicate;
-        const uint32_t count = samples - first < LMB_GATHER_BLOCK ? samples - first : LMB_GATHER_BLOCK;
-        lmb_gather(transport, &points[block % point_count], stream, first, count, moment_sink, mean, rays);
-    }
+    lmb_gather(transport, samples, moment_sink, mean, rays);
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-            mean->c[c][i] /= (double)samples;
+            mean->c[c][i] *= (double)factors.c[i] / (double)samples->count;
         }
     }
 }
@@ -86,9 +129,7 @@ double lmb_relative_error(double squared_error, double squared_length)
 
 typedef struct lmb_replicate_work {
     const lmb_transport *transport;
-    const lmb_gather_point *points;
-    uint32_t point_count;
-    uint32_t samples;
+    lmb_gather_samples samples; /* of the first replicate */
     lmb_moment_sum mean[LMB_GATHER_REPLICATES];
     uint64_t rays[LMB_GATHER_REPLICATES];
 } lmb_replicate_work;
@@ -97,8 +138,9 @@ static void replicate_task(void *context, size_t task, int worker)
 {
     (void)worker;
     lmb_replicate_work *work = context;
-    replicate_gather(work->transport, work->points, work->point_count, (uint32_t)task, work->samples, &work->mean[task],
-                     &work->rays[task]);
+    lmb_gather_samples samples = work->samples;
+    samples.replicate = (uint32_t)task;
+    replicate_gather(work->transport, &samples, &work->mean[task], &work->rays[task]);
 }
 
 static void replicates_finish(const lmb_replicate_work *work, lmb_gathered *gathered)
@@ -113,8 +155,8 @@ static void replicates_finish(const lmb_replicate_work *work, lmb_gathered *gath
 void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
                          uint32_t samples, lmb_gathered *gathered)
 {
-    lmb_replicate_work work = {
-        .transport = transport, .points = points, .point_count = point_count, .samples = replicate_samples(samples)};
+    lmb_replicate_work work = {.transport = transport,
+                               .samples = {points, point_count, 0, 0, replicate_samples(samples)}};
     for (size_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
         replicate_task(&work, r, 0);
     }
@@ -130,8 +172,7 @@ void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *poin
 lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                                    lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered)
 {
-    lmb_replicate_work work = {
-        .transport = transport, .points = point, .point_count = 1, .samples = replicate_samples(samples)};
+    lmb_replicate_work work = {.transport = transport, .samples = {point, 1, 0, 0, replicate_samples(samples)}};
     const lmb_result result = lmb_pool_run(pool, LMB_GATHER_REPLICATES, replicate_task, &work, "probe", progress);
     if (result == LMB_OK) {
         replicates_finish(&work, gathered);
@@ -145,13 +186,16 @@ typedef struct lmb_irradiance_sum {
     double sum[LMB_GATHER_MAX_NORMALS][3];
 } lmb_irradiance_sum;
 
-static void irradiance_sink(void *context, lmb_vec3 direction, lmb_rgb weight)
+static void irradiance_sink(void *context, const lmb_contributions *found)
 {
     lmb_irradiance_sum *sum = context;
-    for (int k = 0; k < sum->count; ++k) {
-        const double cosine = (double)vec3_dot(sum->normals[k], direction);
-        for (int c = 0; c < 3 && cosine > 0.0; ++c) {
-            sum->sum[k][c] += (double)weight.c[c] * cosine;
+    for (uint32_t i = 0; i < found->count; ++i) {
+        const lmb_vec3 direction = vec3(found->direction[0][i], found->direction[1][i], found->direction[2][i]);
+        for (int k = 0; k < sum->count; ++k) {
+            const double cosine = (double)vec3_dot(sum->normals[k], direction);
+            for (int c = 0; c < 3 && cosine > 0.0; ++c) {
+                sum->sum[k][c] += (double)found->weight[c][i] * cosine;
+            }
         }
     }
 }
@@ -161,8 +205,8 @@ void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_poin
 {
     assert(count <= LMB_GATHER_MAX_NORMALS);
     lmb_irradiance_sum sum = {.normals = normals, .count = count};
-    lmb_gather(transport, point, replicate_stream(transport, point, replicate), 0, samples, irradiance_sink, &sum,
-               rays);
+    const lmb_gather_samples taken = {point, 1, replicate, 0, samples};
+    lmb_gather(transport, &taken, irradiance_sink, &sum, rays);
     for (int k = 0; k < count; ++k) {
         for (int c = 0; c < 3; ++c) {
             irradiance[k].c[c] = (float)(sum.sum[k][c] / (LMB_PI * (double)samples));

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "lanes.h"
+
 uint64_t lmb_mix(uint64_t a, uint64_t b)
 {
     uint64_t x = a * UINT64_C(0x9e3779b97f4a7c15) + b + UINT64_C(0x632be59bd9b4e019);
@@ -63,17 +65,28 @@ static uint32_t sobol_second_reversed(uint32_t index)
 
 static float unit_float(uint32_t bits)
 {
-    return (float)(bits >> 8) * 0x1p-24f;
+    return (float)(int32_t)(bits >> 8) * 0x1p-24f; /* from a signed number: vectors can */
+}
+
+LMB_LANES
+void lmb_sequence_2d_batch(uint64_t stream, uint32_t first, uint32_t count, uint32_t pair, float *restrict x,
+                           float *restrict y)
+{
+    const uint32_t order = (uint32_t)lmb_mix(stream, 2 * (uint64_t)pair);
+    const uint64_t digits = lmb_mix(stream, 2 * (uint64_t)pair + 1);
+    const uint32_t digits_x = (uint32_t)digits;
+    const uint32_t digits_y = (uint32_t)(digits >> 32);
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t shuffled = scramble(first + i, order);
+        /* The first Sobol dimension is the bit-reversed index. */
+        x[i] = unit_float(bits_reverse(scramble_reversed(shuffled, digits_x)));
+        y[i] = unit_float(bits_reverse(scramble_reversed(sobol_second_reversed(shuffled), digits_y)));
+    }
 }
 
 void lmb_sequence_2d(uint64_t stream, uint32_t index, uint32_t pair, float point[2])
 {
-    const uint64_t order = lmb_mix(stream, 2 * (uint64_t)pair);
-    const uint64_t digits = lmb_mix(stream, 2 * (uint64_t)pair + 1);
-    const uint32_t shuffled = scramble(index, (uint32_t)order);
-    /* The first Sobol dimension is the bit-reversed index. */
-    point[0] = unit_float(bits_reverse(scramble_reversed(shuffled, (uint32_t)digits)));
-    point[1] = unit_float(bits_reverse(scramble_reversed(sobol_second_reversed(shuffled), (uint32_t)(digits >> 32))));
+    lmb_sequence_2d_batch(stream, index, 1, pair, &point[0], &point[1]);
 }
 
 float lmb_random(uint64_t stream, uint32_t index, uint32_t dimension, uint32_t count)

@@ -53,16 +53,6 @@ lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, ui
     return place;
 }
 
-bool lmb_trace_meets_front(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, lmb_vec3 direction)
-{
-    lmb_vec3 corner[3];
-    lmb_trace_corners(tracer, instance, triangle, corner);
-    const lmb_vec3 edge_u = vec3_sub(corner[1], corner[0]);
-    const lmb_vec3 edge_v = vec3_sub(corner[2], corner[0]);
-    const float along = vec3_dot(vec3_cross(edge_u, edge_v), direction);
-    return lmb_tracer_scene(tracer)->instances[instance].mirrored ? along >= 0.0f : along <= 0.0f;
-}
-
 /* UVs of set `set` at barycentric (u, v); (0, 0) where the mesh has none. */
 static lmb_vec2 mesh_uv(const lmb_mesh *mesh, const uint32_t *vertex, int set, float u, float v)
 {

@@ -5,7 +5,7 @@
 
 #include "bake_internal.h"
 
-enum { MAX_DIVISIONS = 32767, MAX_TRIANGLES = 1 << 24, MAX_CELLS = 1 << 30 };
+enum { MAX_DIVISIONS = 16383, MAX_TRIANGLES = 1 << 24, MAX_CELLS = 1 << 30 };
 
 /* The search for a cell size goes this far below the longest edge, to a precision of 1/256 octave. */
 enum { SEARCH_OCTAVES = 16, SEARCH_STEPS = 12 };
@@ -122,7 +122,8 @@ static lmb_result triangles_divide(lmb_surface_light *light, const lmb_tracer *t
     light->grid[light->triangle_count].first = light->cell_count;
     free(edges);
     light->irradiance = calloc(2 * (size_t)light->cell_count + 1, sizeof *light->irradiance);
-    return light->irradiance ? LMB_OK : LMB_ERROR_MEMORY;
+    light->radiance = calloc(2 * (size_t)light->cell_count + 1, sizeof *light->radiance);
+    return light->irradiance && light->radiance ? LMB_OK : LMB_ERROR_MEMORY;
 }
 
 lmb_result lmb_surface_light_create(const lmb_tracer *tracer, const lmb_surface_light_settings *settings,
@@ -162,6 +163,7 @@ void lmb_surface_light_destroy(lmb_surface_light *light)
         free(light->triangle_first);
         free(light->grid);
         free(light->irradiance);
+        free(light->radiance);
         free(light);
     }
 }
@@ -170,7 +172,7 @@ size_t lmb_surface_light_bytes(const lmb_surface_light *light)
 {
     return sizeof *light + (light->instance_count + 1u) * sizeof *light->triangle_first +
            (light->triangle_count + 1u) * sizeof *light->grid +
-           (2 * (size_t)light->cell_count + 1) * sizeof *light->irradiance;
+           (2 * (size_t)light->cell_count + 1) * (sizeof *light->irradiance + sizeof *light->radiance);
 }
 
 float lmb_surface_light_cell_size(const lmb_surface_light *light)
@@ -178,29 +180,9 @@ float lmb_surface_light_cell_size(const lmb_surface_light *light)
     return light->cell_size;
 }
 
-/* Position of the strip or column that `share` in [0, 1] of the way falls into. */
-static uint32_t division_at(float share, uint32_t count)
-{
-    const float at = share * (float)count;
-    return !(at > 0.0f) ? 0 : at < (float)count ? (uint32_t)at : count - 1;
-}
-
-uint32_t lmb_surface_light_side(const lmb_surface_light *light, const lmb_hit *hit, bool front)
-{
-    const lmb_cell_grid *grid = &light->grid[light->triangle_first[hit->instance] + hit->triangle];
-    uint32_t cell = grid->first;
-    if (grid->strips * grid->columns > 1) {
-        const float weight[3] = {1.0f - hit->u - hit->v, hit->u, hit->v};
-        const float along = 1.0f - weight[grid->apex];
-        const float across = along > 0.0f ? weight[(grid->apex + 2) % 3] / along : 0.0f;
-        cell += division_at(along, grid->strips) * grid->columns + division_at(across, grid->columns);
-    }
-    return 2 * cell + (front ? 0 : 1);
-}
-
 float lmb_surface_light_cell_size_at(const lmb_surface_light *light, const lmb_hit *hit)
 {
-    return light->grid[light->triangle_first[hit->instance] + hit->triangle].cell_size;
+    return lmb_cell_grid_at(light, hit)->cell_size;
 }
 
 lmb_rgb lmb_surface_light_at(const lmb_surface_light *light, const lmb_hit *hit, bool front)
@@ -257,4 +239,81 @@ float lmb_cell_area_share(const lmb_cell *cell)
     const float strip = (float)(cell->number / grid->columns);
     const float strips = (float)grid->strips;
     return (2.0f * strip + 1.0f) / (strips * strips * (float)grid->columns);
+}
+
+/* Cells of less than this share of the largest cell's length are too small for anybody to see texture within. */
+#define EVEN_CELL_SHARE 0.25f
+
+/* Albedos within this of their mean are one. */
+#define EVEN_ALBEDO 0.05f
+
+/* Mean albedo over a grid of points of a triangle; false where it changes, or where the surface does more than reflect.
+ */
+static bool albedo_even(const lmb_tracer *tracer, const lmb_hit *hit, bool small, lmb_rgb *mean)
+{
+    enum { STEPS = 4 };
+    lmb_rgb albedo[STEPS * STEPS];
+    *mean = rgb(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < STEPS * STEPS; ++i) {
+        /* Folding the square's upper half back covers the triangle evenly. */
+        float u = ((float)(i / STEPS) + 0.5f) / STEPS;
+        float v = ((float)(i % STEPS) + 0.5f) / STEPS;
+        if (u + v > 1.0f) {
+            u = 1.0f - u;
+            v = 1.0f - v;
+        }
+        albedo[i] = lmb_trace_surface(tracer, hit->instance, hit->triangle, u, v).albedo;
+        *mean = rgb_add(*mean, rgb_scale(albedo[i], 1.0f / (STEPS * STEPS)));
+    }
+    for (int i = 0; i < STEPS * STEPS && !small; ++i) {
+        for (int c = 0; c < 3; ++c) {
+            if (fabsf(albedo[i].c[c] - mean->c[c]) > EVEN_ALBEDO) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool material_only_reflects(const lmb_material *material)
+{
+    return (material->unlit || !(rgb_max(material->emissive) > 0.0f)) && material->alpha_mode == LMB_ALPHA_OPAQUE &&
+           !(material->transmission > 0.0f);
+}
+
+static float cell_size_largest(const lmb_surface_light *light)
+{
+    float largest = 0.0f;
+    for (uint32_t t = 0; t < light->triangle_count; ++t) {
+        largest = fmaxf(largest, light->grid[t].cell_size);
+    }
+    return largest;
+}
+
+/* `small_size` in metres: below it a cell's texture does not matter. */
+static void triangle_reflect(lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit, float small_size)
+{
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
+    lmb_cell_grid *grid = &light->grid[light->triangle_first[hit->instance] + hit->triangle];
+    lmb_rgb albedo;
+    if (!material_only_reflects(&scene->materials[mesh->material[hit->triangle]]) ||
+        !albedo_even(tracer, hit, grid->cell_size < small_size, &albedo)) {
+        return;
+    }
+    grid->even = 1;
+    for (uint32_t side = 2 * grid->first; side < 2 * (grid + 1)->first; ++side) {
+        light->radiance[side] = rgb_mul(albedo, light->irradiance[side]);
+    }
+}
+
+void lmb_surface_light_reflect(lmb_surface_light *light, const lmb_tracer *tracer)
+{
+    const float small_size = EVEN_CELL_SHARE * cell_size_largest(light);
+    for (uint32_t i = 0; i < light->instance_count; ++i) {
+        for (uint32_t t = light->triangle_first[i]; t < light->triangle_first[i + 1]; ++t) {
+            const lmb_hit hit = {.instance = i, .triangle = t - light->triangle_first[i]};
+            triangle_reflect(light, tracer, &hit, small_size);
+        }
+    }
 }

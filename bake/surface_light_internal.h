@@ -7,9 +7,10 @@
 /* The cells of one triangle. Strip i, column j is cell first + i columns + j; strips count from the apex. */
 typedef struct lmb_cell_grid {
     uint32_t first;
-    uint32_t strips : 15;
-    uint32_t columns : 15;
+    uint32_t strips : 14;
+    uint32_t columns : 14;
     uint32_t apex : 2; /* the corner opposite the shortest edge */
+    uint32_t even : 1; /* opaque, dark by itself, and of one albedo: lmb_surface_light.radiance has what it reflects */
     float cell_size;   /* metres: the longest edge of its cells */
 } lmb_cell_grid;
 
@@ -20,6 +21,7 @@ struct lmb_surface_light {
     uint32_t *triangle_first; /* [instance], and the count at its end: dynamic ones have none */
     lmb_cell_grid *grid;      /* [triangle], and one at its end whose `first` is the count of cells */
     lmb_rgb *irradiance;      /* [2 cell + side]: 0 the front, 1 the back */
+    lmb_rgb *radiance;        /* likewise: irradiance x albedo, of even triangles */
     float cell_size;          /* metres: the largest of all */
 };
 
@@ -43,7 +45,52 @@ void lmb_cell_point(const lmb_cell *cell, const float numbers[2], float *u, floa
 /* Share of the triangle's area that the cell covers. */
 float lmb_cell_area_share(const lmb_cell *cell);
 
+/* Sets `radiance` from `irradiance`. */
+void lmb_surface_light_reflect(lmb_surface_light *light, const lmb_tracer *tracer);
+
+static inline const lmb_cell_grid *lmb_cell_grid_at(const lmb_surface_light *light, const lmb_hit *hit)
+{
+    return &light->grid[light->triangle_first[hit->instance] + hit->triangle];
+}
+
+/* Position of the strip or column that `share` in [0, 1] of the way falls into. */
+static inline uint32_t lmb_cell_division(float share, uint32_t count)
+{
+    const float at = share * (float)count;
+    return !(at > 0.0f) ? 0 : at < (float)count ? (uint32_t)at : count - 1;
+}
+
 /* Index of one side of the cell at a hit. */
-uint32_t lmb_surface_light_side(const lmb_surface_light *light, const lmb_hit *hit, bool front);
+static inline uint32_t lmb_surface_light_side(const lmb_surface_light *light, const lmb_hit *hit, bool front)
+{
+    const lmb_cell_grid *grid = lmb_cell_grid_at(light, hit);
+    uint32_t cell = grid->first;
+    if (grid->strips * grid->columns > 1) {
+        const float weight[5] = {1.0f - hit->u - hit->v, hit->u, hit->v, 1.0f - hit->u - hit->v, hit->u};
+        const float along = 1.0f - weight[grid->apex];
+        const float across = along > 0.0f ? weight[grid->apex + 2] / along : 0.0f;
+        cell += lmb_cell_division(along, grid->strips) * grid->columns + lmb_cell_division(across, grid->columns);
+    }
+    return 2 * cell + (front ? 0 : 1);
+}
+
+/* Has memory fetched that lmb_surface_light_radiance will look at. */
+static inline void lmb_surface_light_prefetch(const lmb_surface_light *light, const lmb_hit *hit)
+{
+    __builtin_prefetch(lmb_cell_grid_at(light, hit));
+}
+
+/* What the surface at a hit sends back along the ray. False where that takes a closer look: what is not even, and, when
+ * `not_near` is set, what is nearer than its cells are wide. */
+static inline bool lmb_surface_light_radiance(const lmb_surface_light *light, const lmb_hit *hit, bool not_near,
+                                              lmb_rgb *radiance)
+{
+    const lmb_cell_grid *grid = lmb_cell_grid_at(light, hit);
+    if (!grid->even || (not_near && hit->distance < grid->cell_size)) {
+        return false;
+    }
+    *radiance = light->radiance[lmb_surface_light_side(light, hit, hit->front)];
+    return true;
+}
 
 #endif

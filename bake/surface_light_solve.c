@@ -64,11 +64,6 @@ static uint64_t side_stream(const solve_work *work, const lmb_cell *cell, uint32
     return lmb_mix(lmb_mix(instance, cell->triangle), 2 * (uint64_t)cell->number + (side & 1));
 }
 
-static bool rgb_is_finite(lmb_rgb c)
-{
-    return isfinite(c.c[0]) && isfinite(c.c[1]) && isfinite(c.c[2]);
-}
-
 static void link_weigh(lmb_link *link, lmb_rgb weight)
 {
     for (int c = 0; c < 3; ++c) {
@@ -115,7 +110,7 @@ static lmb_rgb side_sample(const solve_work *work, const lmb_cell *cell, const l
         const lmb_landing landing = lmb_leg_follow(path, &leg);
         direct = rgb_add(direct, rgb_mul(leg.throughput, landing.emitted));
         if (landing.on_surface && rgb_max(landing.albedo) > 0.0f) {
-            link->target = lmb_surface_light_side(work->light, &landing.hit, landing.front);
+            link->target = lmb_surface_light_side(work->light, &landing.hit, landing.hit.front);
             link_weigh(link, rgb_mul(leg.throughput, landing.albedo));
         }
     }
@@ -386,6 +381,7 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
         lmb_surface_light_destroy(created);
         return lmb_error_set(error, result, "surface light: %s", lmb_result_text(result));
     }
+    lmb_surface_light_reflect(created, transport->tracer);
     *light = created;
     *stats = made;
     return LMB_OK;

@@ -21,6 +21,7 @@ struct lmb_tracer {
     RTCScene *mesh_scene;    /* [mesh] for meshes that are instanced, else NULL */
     lmb_vec3 **world_vertex; /* [instance] Embree's own vertex buffer when flattened, else NULL */
     bool *is_see_through;    /* [material] lets some light straight through */
+    bool *is_mirrored;       /* [instance] the scene's, where one cache line holds many */
     bool any_see_through;
     long long bytes;
 };
@@ -163,13 +164,17 @@ lmb_result lmb_tracer_create(const lmb_scene *scene, const char *isa, int thread
     created->mesh_scene = calloc(scene->mesh_count + 1u, sizeof(RTCScene));
     created->world_vertex = calloc(scene->instance_count + 1u, sizeof *created->world_vertex);
     created->is_see_through = calloc(scene->material_count + 1u, sizeof *created->is_see_through);
-    if (!created->mesh_scene || !created->world_vertex || !created->is_see_through) {
+    created->is_mirrored = calloc(scene->instance_count + 1u, sizeof *created->is_mirrored);
+    if (!created->mesh_scene || !created->world_vertex || !created->is_see_through || !created->is_mirrored) {
         lmb_tracer_destroy(created);
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
     for (uint32_t i = 0; i < scene->material_count; ++i) {
         created->is_see_through[i] = material_is_see_through(&scene->materials[i]);
         created->any_see_through |= created->is_see_through[i];
+    }
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        created->is_mirrored[i] = scene->instances[i].mirrored;
     }
     created->device = rtcNewDevice(config);
     if (!created->device || rtcGetDeviceError(created->device) != RTC_ERROR_NONE) {
@@ -206,6 +211,7 @@ void lmb_tracer_destroy(lmb_tracer *tracer)
     free(tracer->mesh_scene);
     free(tracer->world_vertex);
     free(tracer->is_see_through);
+    free(tracer->is_mirrored);
     free(tracer);
 }
 
@@ -237,6 +243,30 @@ static struct RTCRay ray_make(lmb_vec3 origin, lmb_vec3 direction, float near_di
                            .mask = ~0u};
 }
 
+/* Embree's normal is that of the winding in the space of the geometry. In world space mirroring turns the winding; what
+ * the inverse transpose brings there keeps its side. */
+static bool hit_is_front(const lmb_tracer *tracer, const struct RTCRayHit *ray, uint32_t instance, bool instanced)
+{
+    const lmb_vec3 direction = vec3(ray->ray.dir_x, ray->ray.dir_y, ray->ray.dir_z);
+    const lmb_vec3 normal = vec3(ray->hit.Ng_x, ray->hit.Ng_y, ray->hit.Ng_z);
+    if (instanced) {
+        const lmb_affine *to_world = &tracer->scene->instances[instance].normal_to_world;
+        return vec3_dot(affine_vector(to_world, normal), direction) <= 0.0f;
+    }
+    return (vec3_dot(normal, direction) <= 0.0f) != tracer->is_mirrored[instance];
+}
+
+static void hit_set(const lmb_tracer *tracer, const struct RTCRayHit *ray, lmb_hit *hit)
+{
+    const bool instanced = ray->hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
+    hit->instance = instanced ? ray->hit.instID[0] : ray->hit.geomID;
+    hit->triangle = ray->hit.primID;
+    hit->u = ray->hit.u;
+    hit->v = ray->hit.v;
+    hit->distance = ray->ray.tfar;
+    hit->front = hit_is_front(tracer, ray, hit->instance, instanced);
+}
+
 bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float near_distance,
                        float far_distance, lmb_hit *hit)
 {
@@ -250,12 +280,33 @@ bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direc
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
         return false;
     }
-    hit->instance = ray.hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? ray.hit.instID[0] : ray.hit.geomID;
-    hit->triangle = ray.hit.primID;
-    hit->u = ray.hit.u;
-    hit->v = ray.hit.v;
-    hit->distance = ray.ray.tfar;
+    hit_set(tracer, &ray, hit);
     return true;
+}
+
+static struct RTCRay ray_of_batch(const lmb_ray_batch *rays, uint32_t i)
+{
+    return ray_make(vec3(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]),
+                    vec3(rays->direction[0][i], rays->direction[1][i], rays->direction[2][i]), 0.0f,
+                    rays->far_distance[i]);
+}
+
+void lmb_trace_nearest_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_hit hit[LMB_RAY_BATCH])
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (uint32_t i = 0; i < rays->count; ++i) {
+        struct RTCRayHit ray = {
+            .ray = ray_of_batch(rays, i),
+            .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
+        };
+        rtcIntersect1(tracer->world, &context, &ray);
+        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+            hit[i].instance = LMB_HIT_NOTHING;
+        } else {
+            hit_set(tracer, &ray, &hit[i]);
+        }
+    }
 }
 
 bool lmb_tracer_is_see_through(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
@@ -337,13 +388,34 @@ static lmb_rgb trace_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lm
 
 lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays)
 {
-    /* Both ends lie just off their surfaces already; stop a hair short of the far one. */
-    return trace_transmittance(tracer, from, vec3_sub(to, from), 1.0f - 4.0f * FLT_EPSILON, rays);
+    return trace_transmittance(tracer, from, vec3_sub(to, from), LMB_TRACE_UP_TO_END, rays);
 }
 
 lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction, uint64_t *rays)
 {
     return trace_transmittance(tracer, from, direction, FLT_MAX, rays);
+}
+
+void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_rgb share[LMB_RAY_BATCH],
+                                   uint64_t *rays_traced)
+{
+    if (tracer->any_see_through) {
+        for (uint32_t i = 0; i < rays->count; ++i) {
+            const struct RTCRay ray = ray_of_batch(rays, i);
+            share[i] = trace_transmittance(tracer, vec3(ray.org_x, ray.org_y, ray.org_z),
+                                           vec3(ray.dir_x, ray.dir_y, ray.dir_z), ray.tfar, rays_traced);
+        }
+        return;
+    }
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (uint32_t i = 0; i < rays->count; ++i) {
+        struct RTCRay ray = ray_of_batch(rays, i);
+        rtcOccluded1(tracer->world, &context, &ray);
+        const float open = ray.tfar < 0.0f ? 0.0f : 1.0f;
+        share[i] = rgb(open, open, open);
+    }
+    *rays_traced += rays->count;
 }
 
 float lmb_trace_epsilon(lmb_vec3 position)

@@ -63,7 +63,7 @@ static lmb_rgb light_and_side_seen(const solved_level *level, lmb_vec3 origin, l
     lmb_hit hit = {0};
     const bool found = lmb_trace_nearest(level->traced.tracer, origin, direction, 0.0f, FLT_MAX, &hit);
     CHECK(found, "nothing at %g %g %g", (double)direction.x, (double)direction.y, (double)direction.z);
-    *front = lmb_trace_meets_front(level->traced.tracer, hit.instance, hit.triangle, direction);
+    *front = hit.front;
     return lmb_surface_light_at(level->light, &hit, *front);
 }
 
@@ -388,8 +388,7 @@ static void bias_falls_with_cell_size(void)
         const double r = sqrt(1.0 - z * z);
         const lmb_vec3 direction = {(float)(r * cos(azimuth)), (float)z, (float)(r * sin(azimuth))};
         lmb_hit hit;
-        if (!lmb_trace_nearest(traced.tracer, (lmb_vec3){0, 1.3f, 0}, direction, 0.0f, FLT_MAX, &hit) ||
-            !lmb_trace_meets_front(traced.tracer, hit.instance, hit.triangle, direction)) {
+        if (!lmb_trace_nearest(traced.tracer, (lmb_vec3){0, 1.3f, 0}, direction, 0.0f, FLT_MAX, &hit) || !hit.front) {
             continue;
         }
         const lmb_place place = lmb_trace_place(traced.tracer, hit.instance, hit.triangle, hit.u, hit.v);

@@ -43,8 +43,8 @@ lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_sett
                               const lmb_progress *progress, lmb_grid **grid, lmb_placement_stats *stats,
                               lmb_error *error);
 
-/* Where the light of a probe at lattice position `position` is gathered: there, or, when that is on a surface or almost,
- * a twentieth of the spacing in front of it. Adds to `*rays`. */
+/* Where the light of a probe at lattice position `position` is gathered: there, or, when that is on a surface or
+ * almost, a twentieth of the spacing in front of it. Adds to `*rays`. */
 lmb_vec3 lmb_placement_relocate(const lmb_tracer *tracer, lmb_vec3 position, float spacing, uint64_t *rays);
 
 /* Whether a point is in free space rather than in a solid, by the test that placement uses. Adds to `*rays`. */

@@ -10,9 +10,6 @@
 extern "C" {
 #endif
 
-/* Samples are split into this many independent replicates, whose spread is the error estimate. */
-enum { LMB_GATHER_REPLICATES = 8 };
-
 /* SH moments of what a point receives, integral of L Y over its sphere or hemisphere. Over the sphere they are the SH
  * coefficients; over a hemisphere lmb_sh3_fit_hemisphere turns them into coefficients. */
 typedef struct lmb_gathered {
@@ -25,14 +22,13 @@ typedef struct lmb_gathered {
 /* Standard error relative to what it is the error of, for one gathering or the sums over many; 0 when all is dark. */
 double lmb_relative_error(double squared_error, double squared_length);
 
-/* Takes `samples` samples (at least one for each replicate) at one point. Runs on the calling thread. */
+/* Takes `samples` samples (at least one for each replicate) at one point, as LMB_GATHER_REPLICATES replicates whose
+ * spread is the error estimate. Runs on the calling thread. */
 void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                     lmb_gathered *gathered);
 
-/* The mean over several points, which must all be of one kind and share their normal: a texel's light is the mean over
- * its area. Samples are taken in blocks of LMB_GATHER_BLOCK, and block k of all uses points[k % point_count]; as many
- * points as there are blocks spread the samples best. `point_count` > 0. */
-enum { LMB_GATHER_BLOCK = 8 };
+/* The mean over several points (lmb_gather_samples): a texel's light is the mean over its area. As many points as there
+ * are blocks of samples spread them best. */
 void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
                          uint32_t samples, lmb_gathered *gathered);
 

@@ -33,11 +33,30 @@ typedef struct lmb_hit {
     uint32_t triangle; /* of the instance's mesh */
     float u, v;        /* barycentric weights of the triangle's second and third corner */
     float distance;    /* along the ray, in units of its direction's length */
+    bool front;        /* the ray meets the side that the triangle's winding calls front */
 } lmb_hit;
 
 /* The nearest triangle between the two distances along the ray, whatever it is made of. */
 bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float near_distance,
                        float far_distance, lmb_hit *hit);
+
+/* Rays that are traced together, one array for each number. */
+enum { LMB_RAY_BATCH = 64 };
+typedef struct lmb_ray_batch {
+    float origin[3][LMB_RAY_BATCH];
+    float direction[3][LMB_RAY_BATCH];
+    float far_distance[LMB_RAY_BATCH]; /* in units of the direction's length */
+    uint32_t count;
+} lmb_ray_batch;
+
+/* Nearest hits of all rays, from distance 0 on. Where a ray meets nothing, hit.instance is LMB_HIT_NOTHING. */
+#define LMB_HIT_NOTHING UINT32_MAX
+void lmb_trace_nearest_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_hit hit[LMB_RAY_BATCH]);
+
+/* Share of each channel that gets along each ray to its far distance, as lmb_trace_transmittance has it. Adds the rays
+ * that it took to `*rays_traced`. */
+void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_rgb share[LMB_RAY_BATCH],
+                                   uint64_t *rays_traced);
 
 /* Where a hit is and how it faces. */
 typedef struct lmb_place {
@@ -49,9 +68,6 @@ typedef struct lmb_place {
 
 /* The place of barycentric (u, v) on a triangle of an instance. */
 lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
-
-/* Whether a ray along `direction` meets the side of a triangle that its winding calls front. */
-bool lmb_trace_meets_front(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, lmb_vec3 direction);
 
 /* World-space corners of a triangle. */
 void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, lmb_vec3 corner[3]);

@@ -40,14 +40,34 @@ typedef struct lmb_gather_point {
                                  volume around it, over which the inverse square is finite; 0: the very point */
 } lmb_gather_point;
 
-/* Receives one contribution: `weight` = radiance x solid angle that arrives from unit `direction`. */
-typedef void (*lmb_gather_sink)(void *context, lmb_vec3 direction, lmb_rgb weight);
+/* Samples of one element: a probe, or a texel that is the mean over several points, which share kind and normal.
+ * Independent replicates give independent estimates. Samples come in blocks of LMB_GATHER_BLOCK, and a block starts at
+ * one point: sample i of replicate r at points[(i / LMB_GATHER_BLOCK LMB_GATHER_REPLICATES + r) % point_count]. */
+enum { LMB_GATHER_REPLICATES = 8, LMB_GATHER_BLOCK = 8 };
+typedef struct lmb_gather_samples {
+    const lmb_gather_point *points;
+    uint32_t point_count; /* > 0 */
+    uint32_t replicate;
+    uint32_t first; /* of the replicate's samples; a multiple of LMB_GATHER_BLOCK */
+    uint32_t count;
+} lmb_gather_samples;
 
-/* Takes samples first .. first + count - 1 of the point's sequence `stream` (independent streams give independent
- * estimates) and hands their contributions to `sink`. Weights are for a single sample: divide by the number of samples
- * taken. Contributions with NaN or infinite weight are dropped. Adds the rays traced to `*rays`. */
-void lmb_gather(const lmb_transport *transport, const lmb_gather_point *point, uint64_t stream, uint32_t first,
-                uint32_t count, lmb_gather_sink sink, void *context, uint64_t *rays);
+/* Contributions, one array for each number: `weight` = radiance x solid angle that arrives from unit `direction`. Some
+ * have weight 0; none has a NaN, infinite or negative one. */
+enum { LMB_CONTRIBUTION_BATCH = 128 };
+typedef struct lmb_contributions {
+    float direction[3][LMB_CONTRIBUTION_BATCH];
+    float weight[3][LMB_CONTRIBUTION_BATCH];
+    uint32_t count;
+} lmb_contributions;
+
+/* Receives contributions as they are found. */
+typedef void (*lmb_gather_sink)(void *context, const lmb_contributions *found);
+
+/* Takes the samples and hands their contributions to `sink`. Weights are for a single sample: divide by the number of
+ * samples taken. Adds the rays traced to `*rays`. */
+void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *samples, lmb_gather_sink sink, void *context,
+                uint64_t *rays);
 
 /* Radiance that arrives at `origin` from unit `direction`: what a camera sees. */
 lmb_rgb lmb_radiance(const lmb_transport *transport, lmb_vec3 origin, lmb_vec3 direction, uint64_t stream,

@@ -1,0 +1,281 @@
+/* Gathering in batches: the same steps for many samples at once, so that each step's loop stays short and its data
+ * near.
+ */
+#include <lambent/transport.h>
+
+#include <float.h>
+#include <string.h>
+
+#include <lambent/sequence.h>
+
+#include "bake_internal.h"
+#include "leg.h"
+#include "surface_light_internal.h"
+#include "trace_internal.h"
+
+enum {
+    SAMPLES = LMB_RAY_BATCH,
+    RECEIVERS = SAMPLES / LMB_GATHER_BLOCK,
+};
+_Static_assert((int)LMB_CONTRIBUTION_BATCH >= 2 * (int)SAMPLES, "room for a sun and a lamp for each sample");
+
+/* Up to SAMPLES samples on their way. */
+typedef struct gather_batch {
+    const lmb_transport *transport;
+    uint64_t stream;
+    uint32_t first;
+    uint32_t count;
+    lmb_receiver receiver[RECEIVERS];
+    uint32_t per_receiver; /* samples that a receiver has */
+    uint64_t *rays_traced;
+    lmb_ray_batch rays;
+    lmb_contributions found;
+} gather_batch;
+
+static uint64_t replicate_stream(const lmb_transport *transport, const lmb_gather_samples *samples)
+{
+    const lmb_gather_point *point = &samples->points[0];
+    uint64_t stream = lmb_stream_of_position(transport->seed, point->position);
+    if (point->hemisphere) {
+        stream = lmb_stream_of_position(stream, point->normal);
+    }
+    return lmb_mix(stream, samples->replicate);
+}
+
+static lmb_receiver point_receiver(const lmb_gather_point *point)
+{
+    return (lmb_receiver){.position = point->position,
+                          .geometric_normal = point->normal,
+                          .normal = point->normal,
+                          .min_light_distance = point->min_light_distance,
+                          .kind = point->hemisphere ? LMB_LOBE_HEMISPHERE : LMB_LOBE_SPHERE};
+}
+
+static void batch_start(gather_batch *batch, const lmb_gather_samples *samples, uint32_t done)
+{
+    const uint32_t left = samples->count - done;
+    batch->first = samples->first + done;
+    batch->count = left < SAMPLES ? left : SAMPLES;
+    if (samples->point_count == 1) {
+        batch->per_receiver = SAMPLES;
+        batch->receiver[0] = point_receiver(&samples->points[0]);
+        return;
+    }
+    batch->per_receiver = LMB_GATHER_BLOCK;
+    for (uint32_t i = 0; i * LMB_GATHER_BLOCK < batch->count; ++i) {
+        const uint32_t block = batch->first / LMB_GATHER_BLOCK + i;
+        const uint32_t place = block * LMB_GATHER_REPLICATES + samples->replicate;
+        batch->receiver[i] = point_receiver(&samples->points[place % samples->point_count]);
+    }
+}
+
+static const lmb_receiver *batch_receiver(const gather_batch *batch, uint32_t sample)
+{
+    return &batch->receiver[sample / batch->per_receiver];
+}
+
+static void batch_numbers(const gather_batch *batch, uint32_t pair, float *x, float *y)
+{
+    lmb_sequence_2d_batch(batch->stream, batch->first, batch->count, pair, x, y);
+}
+
+static void ray_add(lmb_ray_batch *rays, lmb_vec3 origin, lmb_vec3 direction, float far_distance)
+{
+    const uint32_t i = rays->count++;
+    rays->origin[0][i] = origin.x;
+    rays->origin[1][i] = origin.y;
+    rays->origin[2][i] = origin.z;
+    rays->direction[0][i] = direction.x;
+    rays->direction[1][i] = direction.y;
+    rays->direction[2][i] = direction.z;
+    rays->far_distance[i] = far_distance;
+}
+
+static void contribution_add(lmb_contributions *found, lmb_vec3 direction, lmb_rgb weight)
+{
+    const uint32_t i = found->count++;
+    const bool counts = rgb_is_finite(weight) && rgb_max(weight) > 0.0f;
+    found->direction[0][i] = direction.x;
+    found->direction[1][i] = direction.y;
+    found->direction[2][i] = direction.z;
+    for (int c = 0; c < 3; ++c) {
+        found->weight[c][i] = counts ? weight.c[c] : 0.0f;
+    }
+}
+
+static void found_give(gather_batch *batch, lmb_gather_sink sink, void *context)
+{
+    if (batch->found.count > 0) {
+        sink(context, &batch->found);
+        batch->found.count = 0;
+    }
+}
+
+/* Light that was aimed at, and what it gives where nothing is in its way. */
+typedef struct aimed_light {
+    lmb_vec3 direction[SAMPLES];
+    lmb_rgb weight[SAMPLES];
+} aimed_light;
+
+static void aimed_trace(gather_batch *batch, const aimed_light *aimed)
+{
+    lmb_rgb share[SAMPLES];
+    lmb_trace_transmittance_batch(batch->transport->tracer, &batch->rays, share, batch->rays_traced);
+    for (uint32_t i = 0; i < batch->rays.count; ++i) {
+        if (rgb_max(share[i]) > 0.0f) {
+            contribution_add(&batch->found, aimed->direction[i], rgb_mul(aimed->weight[i], share[i]));
+        }
+    }
+}
+
+static void aimed_add(gather_batch *batch, aimed_light *aimed, uint32_t sample, const lmb_light_sample *light,
+                      bool at_infinity)
+{
+    const lmb_receiver *receiver = batch_receiver(batch, sample);
+    if (!lmb_receiver_sees(receiver, light->direction)) {
+        return;
+    }
+    const uint32_t i = batch->rays.count;
+    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, light->direction);
+    const float mis = lmb_balance(light->density, lmb_receiver_density(receiver, light->direction));
+    aimed->direction[i] = light->direction;
+    aimed->weight[i] = rgb_scale(light->radiance, mis / light->density);
+    if (at_infinity) {
+        ray_add(&batch->rays, origin, light->direction, FLT_MAX);
+    } else {
+        ray_add(&batch->rays, origin, vec3_sub(light->end, origin), LMB_TRACE_UP_TO_END);
+    }
+}
+
+static void gather_triangles(gather_batch *batch)
+{
+    const lmb_emitters *emitters = batch->transport->emitters;
+    float x[SAMPLES], y[SAMPLES], choice[SAMPLES], unused[SAMPLES];
+    aimed_light aimed;
+    batch_numbers(batch, PAIR_TRIANGLE, x, y);
+    batch_numbers(batch, PAIR_CHOICE, choice, unused);
+    batch->rays.count = 0;
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        const float point[2] = {x[i], y[i]};
+        lmb_light_sample light;
+        if (lmb_emitters_sample_triangle(emitters, batch_receiver(batch, i)->position, choice[i], point, &light)) {
+            aimed_add(batch, &aimed, i, &light, false);
+        }
+    }
+    aimed_trace(batch, &aimed);
+}
+
+static void gather_environment(gather_batch *batch)
+{
+    float x[SAMPLES], y[SAMPLES];
+    aimed_light aimed;
+    batch_numbers(batch, PAIR_ENVIRONMENT, x, y);
+    batch->rays.count = 0;
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        const float point[2] = {x[i], y[i]};
+        lmb_light_sample light;
+        if (lmb_emitters_sample_environment(batch->transport->emitters, point, &light)) {
+            aimed_add(batch, &aimed, i, &light, true);
+        }
+    }
+    aimed_trace(batch, &aimed);
+}
+
+static void gather_punctual(gather_batch *batch)
+{
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        const lmb_path path = {batch->transport, batch->stream, batch->first + i, 0, batch->rays_traced};
+        lmb_direct_light direct;
+        lmb_direct_collect_punctual(&path, batch_receiver(batch, i), &direct);
+        for (int k = 0; k < direct.count; ++k) {
+            contribution_add(&batch->found, direct.direction[k], direct.weight[k]);
+        }
+    }
+}
+
+/* Rays of all directions by the receivers' density, which is returned for each. */
+static void rays_make(gather_batch *batch, float density[SAMPLES])
+{
+    const lmb_receiver *first = &batch->receiver[0];
+    lmb_ray_batch *rays = &batch->rays;
+    float x[SAMPLES], y[SAMPLES];
+    float *const direction[3] = {rays->direction[0], rays->direction[1], rays->direction[2]};
+    batch_numbers(batch, PAIR_DIRECTION, x, y);
+    lmb_directions_make(first->kind, first->normal, x, y, batch->count, direction);
+    rays->count = batch->count;
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        const lmb_vec3 towards = vec3(direction[0][i], direction[1][i], direction[2][i]);
+        const lmb_receiver *receiver = batch_receiver(batch, i);
+        const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, towards);
+        density[i] = lmb_receiver_density(receiver, towards);
+        rays->origin[0][i] = origin.x;
+        rays->origin[1][i] = origin.y;
+        rays->origin[2][i] = origin.z;
+        rays->far_distance[i] = FLT_MAX;
+    }
+}
+
+/* Radiance along a ray that ends on what takes more than a look at the surface's light. */
+static lmb_rgb radiance_followed(const gather_batch *batch, uint32_t sample, lmb_vec3 direction, const lmb_hit *hit)
+{
+    const lmb_ray_batch *rays = &batch->rays;
+    lmb_path path = {batch->transport, batch->stream, batch->first + sample, 0, batch->rays_traced};
+    const lmb_vec3 origin = vec3(rays->origin[0][sample], rays->origin[1][sample], rays->origin[2][sample]);
+    lmb_leg leg = {batch_receiver(batch, sample), origin, direction, {{1.0f, 1.0f, 1.0f}}};
+    const lmb_landing landing = lmb_leg_land(&path, &leg, hit->instance != LMB_HIT_NOTHING ? hit : NULL);
+    return lmb_path_radiance(&path, leg, landing);
+}
+
+static void gather_rays(gather_batch *batch)
+{
+    const lmb_transport *transport = batch->transport;
+    const lmb_surface_light *light = transport->bounces != 0 ? transport->surface : NULL;
+    float density[SAMPLES];
+    lmb_hit hit[SAMPLES];
+    rays_make(batch, density);
+    lmb_trace_nearest_batch(transport->tracer, &batch->rays, hit);
+    *batch->rays_traced += batch->count;
+    for (uint32_t i = 0; light && i < batch->count; ++i) {
+        if (hit[i].instance != LMB_HIT_NOTHING) {
+            lmb_surface_light_prefetch(light, &hit[i]);
+        }
+    }
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        const lmb_vec3 direction =
+            vec3(batch->rays.direction[0][i], batch->rays.direction[1][i], batch->rays.direction[2][i]);
+        lmb_rgb radiance;
+        if (!light || hit[i].instance == LMB_HIT_NOTHING ||
+            !lmb_surface_light_radiance(light, &hit[i], transport->bounces < 0, &radiance)) {
+            radiance = radiance_followed(batch, i, direction, &hit[i]);
+        }
+        const float weight = density[i] > 0.0f ? 1.0f / density[i] : 0.0f;
+        contribution_add(&batch->found, direction, rgb_scale(radiance, weight));
+    }
+}
+
+void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *samples, lmb_gather_sink sink, void *context,
+                uint64_t *rays)
+{
+    gather_batch batch; /* large: only what is used is set */
+    batch.transport = transport;
+    batch.stream = replicate_stream(transport, samples);
+    batch.rays_traced = rays;
+    batch.found.count = 0;
+    for (uint32_t done = 0; done < samples->count; done += batch.count) {
+        batch_start(&batch, samples, done);
+        if (lmb_emitters_triangle_count(transport->emitters) > 0) {
+            gather_triangles(&batch);
+            found_give(&batch, sink, context);
+        }
+        if (lmb_emitters_environment_sampled(transport->emitters)) {
+            gather_environment(&batch);
+            found_give(&batch, sink, context);
+        }
+        if (lmb_tracer_scene(transport->tracer)->light_count > 0) {
+            gather_punctual(&batch);
+            found_give(&batch, sink, context);
+        }
+        gather_rays(&batch);
+        found_give(&batch, sink, context);
+    }
+}
