@@ -247,25 +247,26 @@ float lmb_cell_area_share(const lmb_cell *cell)
 /* Albedos within this of their mean are one. */
 #define EVEN_ALBEDO 0.05f
 
-/* Mean albedo over a grid of points of a triangle; false where it changes, or where the surface does more than reflect.
- */
+/* Mean albedo over points of a triangle; false where it changes. */
 static bool albedo_even(const lmb_tracer *tracer, const lmb_hit *hit, bool small, lmb_rgb *mean)
 {
-    enum { STEPS = 4 };
-    lmb_rgb albedo[STEPS * STEPS];
+    enum { POINTS = 16 };
+    lmb_rgb albedo[POINTS];
     *mean = rgb(0.0f, 0.0f, 0.0f);
-    for (int i = 0; i < STEPS * STEPS; ++i) {
-        /* Folding the square's upper half back covers the triangle evenly. */
-        float u = ((float)(i / STEPS) + 0.5f) / STEPS;
-        float v = ((float)(i % STEPS) + 0.5f) / STEPS;
+    for (int i = 0; i < POINTS; ++i) {
+        /* The R2 sequence (Roberts 2018), in step with no texture; the square's upper half folded back. */
+        float u = 0.5f + (float)i * 0.7548777f;
+        float v = 0.5f + (float)i * 0.5698403f;
+        u -= floorf(u);
+        v -= floorf(v);
         if (u + v > 1.0f) {
             u = 1.0f - u;
             v = 1.0f - v;
         }
         albedo[i] = lmb_trace_surface(tracer, hit->instance, hit->triangle, u, v).albedo;
-        *mean = rgb_add(*mean, rgb_scale(albedo[i], 1.0f / (STEPS * STEPS)));
+        *mean = rgb_add(*mean, rgb_scale(albedo[i], 1.0f / POINTS));
     }
-    for (int i = 0; i < STEPS * STEPS && !small; ++i) {
+    for (int i = 0; i < POINTS && !small; ++i) {
         for (int c = 0; c < 3; ++c) {
             if (fabsf(albedo[i].c[c] - mean->c[c]) > EVEN_ALBEDO) {
                 return false;
