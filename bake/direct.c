@@ -112,43 +112,42 @@ static void direct_add_environment(const lmb_path *path, const lmb_receiver *rec
     direct_add_sample(direct, receiver, &sample, share);
 }
 
-static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiver, bool at_infinity,
-                                lmb_direct_light *direct)
+int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, float choice, int max,
+                          lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
+{
+    const lmb_punctual_query query = {.position = receiver->position,
+                                      .normal = receiver->kind == LMB_LOBE_SPHERE ? NULL : &receiver->normal,
+                                      .min_distance = receiver->min_light_distance,
+                                      .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
+    return lmb_emitters_punctual(transport->emitters, &query, choice, max, sample);
+}
+
+static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
 {
     const lmb_transport *transport = path->transport;
     float choice[2];
     lmb_path_numbers(path, PAIR_CHOICE, choice);
-    lmb_punctual_sample sample;
-    const lmb_punctual_query query = {.position = receiver->position,
-                                      .at_infinity = at_infinity,
-                                      .normal = receiver->kind == LMB_LOBE_SPHERE ? NULL : &receiver->normal,
-                                      .min_distance = receiver->min_light_distance,
-                                      .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
-    if (!lmb_emitters_sample_punctual(transport->emitters, &query, choice[1], &sample) ||
-        !lmb_receiver_sees(receiver, sample.direction)) {
-        return;
+    lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX];
+    const int count = lmb_receiver_punctual(transport, receiver, choice[1], 1, sample);
+    for (int i = 0; i < count; ++i) {
+        if (!lmb_receiver_sees(receiver, sample[i].direction)) {
+            continue;
+        }
+        const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample[i].direction);
+        const lmb_rgb share =
+            sample[i].at_infinity
+                ? lmb_trace_transmittance_to_infinity(transport->tracer, origin, sample[i].direction, path->rays)
+                : lmb_trace_transmittance(transport->tracer, origin, sample[i].end, path->rays);
+        const float response = receiver_response(receiver, sample[i].direction);
+        direct_add(direct, sample[i].direction, rgb_scale(rgb_mul(sample[i].irradiance, share), response));
     }
-    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample.direction);
-    const lmb_rgb share =
-        sample.at_infinity
-            ? lmb_trace_transmittance_to_infinity(transport->tracer, origin, sample.direction, path->rays)
-            : lmb_trace_transmittance(transport->tracer, origin, sample.end, path->rays);
-    direct_add(direct, sample.direction,
-               rgb_scale(rgb_mul(sample.irradiance, share), receiver_response(receiver, sample.direction)));
-}
-
-void lmb_direct_collect_punctual(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
-{
-    direct->count = 0;
-    direct_add_punctual(path, receiver, false, direct);
-    direct_add_punctual(path, receiver, true, direct);
 }
 
 void lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
 {
     direct->count = 0;
     if (lmb_tracer_scene(path->transport->tracer)->light_count > 0) {
-        lmb_direct_collect_punctual(path, receiver, direct);
+        direct_add_punctual(path, receiver, direct);
     }
     if (lmb_emitters_triangle_count(path->transport->emitters) > 0) {
         direct_add_triangle(path, receiver, direct);

@@ -60,10 +60,11 @@ typedef struct lmb_direct_light {
     int count;
 } lmb_direct_light;
 
-/* Next-event estimation of punctual lights: a sun and a lamp. */
-void lmb_direct_collect_punctual(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct);
+/* Punctual lights that a receiver is to look at (lmb_emitters_punctual). */
+int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, float choice, int max,
+                          lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
 
-/* Next-event estimation of everything that can be aimed at. */
+/* Next-event estimation of everything that can be aimed at, for a surface. */
 void lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct);
 
 #endif

@@ -49,53 +49,6 @@ void lmb_sincos(double angle_rad, double *sine, double *cosine)
     }
 }
 
-/* Inverse tangent of x in [0, 1]: two half-angle steps bring it below 0.2, where the series is short. */
-static double atan_unit(double x)
-{
-    x = x / (1.0 + sqrt(1.0 + x * x));
-    x = x / (1.0 + sqrt(1.0 + x * x));
-    const double s = x * x;
-    double sum = 0.0;
-    for (int k = 11; k >= 0; --k) {
-        sum = 1.0 / (double)(2 * k + 1) - s * sum;
-    }
-    return 4.0 * x * sum;
-}
-
-double lmb_atan2(double y, double x)
-{
-    const double ax = fabs(x);
-    const double ay = fabs(y);
-    if (!(ax + ay > 0.0)) {
-        return 0.0;
-    }
-    double angle = ay <= ax ? atan_unit(ay / ax) : LMB_PI / 2.0 - atan_unit(ax / ay);
-    angle = x < 0.0 ? LMB_PI - angle : angle;
-    return y < 0.0 ? -angle : angle;
-}
-
-double lmb_acos(double x)
-{
-    x = x > 1.0 ? 1.0 : x < -1.0 ? -1.0 : x;
-    return lmb_atan2(sqrt((1.0 - x) * (1.0 + x)), x);
-}
-
-/* Sine and cosine of 2 pi turns, turns in [0, 1), within 2e-7: the nearest quarter is taken off, and for the rest, at
- * most pi/4, the Taylor series end below that. */
-static inline void turn_sincos(float turns, float *sine, float *cosine)
-{
-    const int32_t quarter = (int32_t)(turns * 4.0f + 0.5f);
-    const float x = (turns - (float)quarter * 0.25f) * (2.0f * LMB_PI_F);
-    const float s2 = x * x;
-    const float s =
-        x * (1.0f - s2 * (1.0f / 6.0f - s2 * (1.0f / 120.0f - s2 * (1.0f / 5040.0f - s2 * (1.0f / 362880.0f)))));
-    const float c = 1.0f - s2 * (0.5f - s2 * (1.0f / 24.0f - s2 * (1.0f / 720.0f - s2 * (1.0f / 40320.0f))));
-    const float swapped_s = quarter & 1 ? c : s;
-    const float swapped_c = quarter & 1 ? s : c;
-    *sine = quarter & 2 ? -swapped_s : swapped_s;
-    *cosine = (quarter + 1) & 2 ? -swapped_c : swapped_c;
-}
-
 /* Height of the point of the unit sphere by the lobe's distribution over heights. */
 static inline float lobe_height(lmb_lobe lobe, float number)
 {
@@ -119,7 +72,7 @@ static inline void lobe_directions(lmb_lobe lobe, lmb_vec3 axis, const float *re
         const float square = (1.0f - z) * (1.0f + z);
         const float r = sqrtf(square > 0.0f ? square : 0.0f);
         float s, c;
-        turn_sincos(y[i], &s, &c);
+        lmb_turn_sincos(y[i], &s, &c);
         to_x[i] = tangent.x * (r * c) + bitangent.x * (r * s) + axis.x * z;
         to_y[i] = tangent.y * (r * c) + bitangent.y * (r * s) + axis.y * z;
         to_z[i] = tangent.z * (r * c) + bitangent.z * (r * s) + axis.z * z;

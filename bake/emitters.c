@@ -1,24 +1,31 @@
 #include <lambent/emitters.h>
 
-#include <float.h>
 #include <stdlib.h>
 
 #include "bake_internal.h"
+#include "light_tree.h"
+#include "punctual.h"
 #include "sky.h"
 
 typedef struct emitter {
     uint32_t instance;
     uint32_t triangle;
     float area;
-    float probability; /* of being chosen */
+    float rounding;
+    lmb_vec3 normal; /* unit */
+    lmb_light_bound bound;
+    bool even; /* opaque and without texture: `radiance` is its emission everywhere */
+    lmb_rgb radiance;
 } emitter;
 
 struct lmb_emitters {
     const lmb_tracer *tracer;
     emitter *triangles;
-    double *cumulative; /* [triangle] running sum of power, for the choice */
     uint32_t triangle_count;
+    uint32_t triangle_capacity;
+    lmb_light_tree *tree;  /* of the triangles; NULL when there are none */
     uint32_t **emitter_of; /* [instance] NULL, or [triangle]: number in `triangles`, or UINT32_MAX */
+    lmb_punctual *punctual;
     lmb_sky sky;
 };
 
@@ -48,37 +55,64 @@ static bool material_emits(const lmb_material *material)
     return !material->unlit && rgb_max(material->emissive) > 0.0f;
 }
 
-static bool emitter_add(lmb_emitters *emitters, uint32_t *capacity, const emitter *added)
+/* Whether a material's emission is the same all over. */
+static bool material_emits_evenly(const lmb_material *material)
 {
-    if (emitters->triangle_count == *capacity) {
-        const uint32_t grown = *capacity ? 2 * *capacity : 256;
+    return material->emissive_texture.image < 0 && material->alpha_mode == LMB_ALPHA_OPAQUE &&
+           !(material->transmission > 0.0f);
+}
+
+static bool emitter_add(lmb_emitters *emitters, const emitter *added)
+{
+    if (emitters->triangle_count == emitters->triangle_capacity) {
+        const uint32_t grown = emitters->triangle_capacity ? 2 * emitters->triangle_capacity : 256;
         emitter *triangles = realloc(emitters->triangles, grown * sizeof *triangles);
         if (!triangles) {
             return false;
         }
         emitters->triangles = triangles;
-        *capacity = grown;
+        emitters->triangle_capacity = grown;
     }
     emitters->triangles[emitters->triangle_count++] = *added;
     return true;
 }
 
+/* Describes a triangle as a light; false when it gives none. */
+static bool emitter_make(const lmb_emitters *emitters, uint32_t instance, uint32_t triangle,
+                         const lmb_material *material, emitter *made)
+{
+    lmb_vec3 corner[3];
+    lmb_trace_corners(emitters->tracer, instance, triangle, corner);
+    const lmb_vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
+    const lmb_place place = lmb_trace_place(emitters->tracer, instance, triangle, 0.0f, 0.0f);
+    *made = (emitter){.instance = instance,
+                      .triangle = triangle,
+                      .area = 0.5f * vec3_length(normal),
+                      .rounding = place.rounding,
+                      .normal = place.geometric_normal,
+                      .bound = {corner[0], corner[0], 0.0f},
+                      .even = material_emits_evenly(material),
+                      .radiance = material->emissive};
+    for (int k = 1; k < 3; ++k) {
+        made->bound.low = vec3(fminf(made->bound.low.x, corner[k].x), fminf(made->bound.low.y, corner[k].y),
+                               fminf(made->bound.low.z, corner[k].z));
+        made->bound.high = vec3(fmaxf(made->bound.high.x, corner[k].x), fmaxf(made->bound.high.y, corner[k].y),
+                                fmaxf(made->bound.high.z, corner[k].z));
+    }
+    made->bound.power = made->area * triangle_luminance(emitters->tracer, instance, triangle);
+    return made->bound.power > 0.0f && isfinite(made->bound.power);
+}
+
 /* Finds the emissive triangles of one instance. */
-static bool instance_collect(lmb_emitters *emitters, uint32_t *capacity, uint32_t number)
+static bool instance_collect(lmb_emitters *emitters, uint32_t number)
 {
     const lmb_scene *scene = lmb_tracer_scene(emitters->tracer);
     const lmb_instance *instance = &scene->instances[number];
     const lmb_mesh *mesh = &scene->meshes[instance->mesh];
     for (uint32_t t = 0; t < mesh->triangle_count && !instance->dynamic; ++t) {
-        if (!material_emits(&scene->materials[mesh->material[t]])) {
-            continue;
-        }
-        lmb_vec3 corner[3];
-        lmb_trace_corners(emitters->tracer, number, t, corner);
-        const float area =
-            0.5f * vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
-        const float power = area * triangle_luminance(emitters->tracer, number, t);
-        if (!(power > 0.0f) || !isfinite(power)) {
+        const lmb_material *material = &scene->materials[mesh->material[t]];
+        emitter made;
+        if (!material_emits(material) || !emitter_make(emitters, number, t, material, &made)) {
             continue;
         }
         if (!emitters->emitter_of[number]) {
@@ -91,36 +125,33 @@ static bool instance_collect(lmb_emitters *emitters, uint32_t *capacity, uint32_
             }
         }
         emitters->emitter_of[number][t] = emitters->triangle_count;
-        /* `probability` holds the power until all are known. */
-        if (!emitter_add(emitters, capacity, &(emitter){number, t, area, power})) {
+        if (!emitter_add(emitters, &made)) {
             return false;
         }
     }
     return true;
 }
 
-static bool triangles_collect(lmb_emitters *emitters)
+static lmb_result triangles_collect(lmb_emitters *emitters)
 {
     const lmb_scene *scene = lmb_tracer_scene(emitters->tracer);
-    uint32_t capacity = 0;
-    for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        if (!instance_collect(emitters, &capacity, i)) {
-            return false;
+    emitters->emitter_of = calloc(scene->instance_count + 1u, sizeof *emitters->emitter_of);
+    for (uint32_t i = 0; emitters->emitter_of && i < scene->instance_count; ++i) {
+        if (!instance_collect(emitters, i)) {
+            return LMB_ERROR_MEMORY;
         }
     }
-    emitters->cumulative = malloc((emitters->triangle_count + 1u) * sizeof *emitters->cumulative);
-    if (!emitters->cumulative) {
-        return false;
-    }
-    double total = 0.0;
-    for (uint32_t i = 0; i < emitters->triangle_count; ++i) {
-        total += (double)emitters->triangles[i].probability;
-        emitters->cumulative[i] = total;
+    lmb_light_bound *bounds = malloc((emitters->triangle_count + 1u) * sizeof *bounds);
+    if (!emitters->emitter_of || !bounds) {
+        free(bounds);
+        return LMB_ERROR_MEMORY;
     }
     for (uint32_t i = 0; i < emitters->triangle_count; ++i) {
-        emitters->triangles[i].probability = (float)((double)emitters->triangles[i].probability / total);
+        bounds[i] = emitters->triangles[i].bound;
     }
-    return true;
+    const lmb_result result = lmb_light_tree_create(bounds, emitters->triangle_count, &emitters->tree);
+    free(bounds);
+    return result;
 }
 
 lmb_result lmb_emitters_create(const lmb_tracer *tracer, lmb_emitters **emitters)
@@ -131,11 +162,16 @@ lmb_result lmb_emitters_create(const lmb_tracer *tracer, lmb_emitters **emitters
         return LMB_ERROR_MEMORY;
     }
     created->tracer = tracer;
-    created->emitter_of = calloc(scene->instance_count + 1u, sizeof *created->emitter_of);
-    if (!created->emitter_of || !triangles_collect(created) ||
-        lmb_sky_create(&scene->environment, &created->sky) != LMB_OK) {
+    lmb_result result = triangles_collect(created);
+    if (result == LMB_OK) {
+        result = lmb_punctual_create(scene, &created->punctual);
+    }
+    if (result == LMB_OK) {
+        result = lmb_sky_create(&scene->environment, &created->sky);
+    }
+    if (result != LMB_OK) {
         lmb_emitters_destroy(created);
-        return LMB_ERROR_MEMORY;
+        return result;
     }
     *emitters = created;
     return LMB_OK;
@@ -152,7 +188,8 @@ void lmb_emitters_destroy(lmb_emitters *emitters)
     }
     free(emitters->emitter_of);
     free(emitters->triangles);
-    free(emitters->cumulative);
+    lmb_light_tree_destroy(emitters->tree);
+    lmb_punctual_destroy(emitters->punctual);
     lmb_sky_free(&emitters->sky);
     free(emitters);
 }
@@ -162,66 +199,53 @@ uint32_t lmb_emitters_triangle_count(const lmb_emitters *emitters)
     return emitters->triangle_count;
 }
 
-/* Number of the first entry of a running sum that exceeds `target`. */
-static uint32_t cumulative_find(const double *cumulative, uint32_t count, double target)
+/* Density per solid angle of a point of a triangle that is chosen with `probability`; 0 when seen edge-on. */
+static float density_per_solid_angle(const emitter *light, double probability, float distance, lmb_vec3 direction)
 {
-    uint32_t low = 0;
-    uint32_t high = count - 1;
-    while (low < high) {
-        const uint32_t middle = low + (high - low) / 2;
-        if (cumulative[middle] > target) {
-            high = middle;
-        } else {
-            low = middle + 1;
-        }
-    }
-    return low;
-}
-
-/* Density per solid angle of a point chosen with `per_area`; 0 when seen edge-on. */
-static float density_per_solid_angle(float per_area, float distance, float cosine)
-{
+    const float cosine = fabsf(vec3_dot(direction, light->normal));
+    const float per_area = (float)probability / light->area;
     return cosine > 1e-6f ? per_area * distance * distance / cosine : 0.0f;
 }
 
 bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, float choice, const float point[2],
                                   lmb_light_sample *sample)
 {
-    if (emitters->triangle_count == 0) {
+    if (!emitters->tree) {
         return false;
     }
-    const double total = emitters->cumulative[emitters->triangle_count - 1];
-    const uint32_t number = cumulative_find(emitters->cumulative, emitters->triangle_count, (double)choice * total);
+    double probability;
+    const uint32_t number = lmb_light_tree_choose(emitters->tree, position, (double)choice, &probability);
     const emitter *chosen = &emitters->triangles[number];
     const float root = sqrtf(point[0]);
     const float u = root * (1.0f - point[1]);
     const float v = root * point[1];
-    const lmb_place place = lmb_trace_place(emitters->tracer, chosen->instance, chosen->triangle, u, v);
-    const lmb_vec3 back = vec3_sub(position, place.position);
-    sample->end = lmb_trace_offset(place.position, place.geometric_normal, place.rounding, back);
-    const lmb_vec3 towards = vec3_sub(place.position, position);
+    const lmb_vec3 at = lmb_trace_position(emitters->tracer, chosen->instance, chosen->triangle, u, v);
+    const lmb_vec3 towards = vec3_sub(at, position);
     const float distance = vec3_length(towards);
     if (!(distance > 0.0f)) {
         return false;
     }
     sample->direction = vec3_scale(towards, 1.0f / distance);
-    const float cosine = fabsf(vec3_dot(sample->direction, place.geometric_normal));
-    sample->density = density_per_solid_angle(chosen->probability / chosen->area, distance, cosine);
-    const lmb_surface surface = lmb_trace_surface(emitters->tracer, chosen->instance, chosen->triangle, u, v);
-    sample->radiance = rgb_scale(surface.emission, surface.opacity);
+    sample->end = lmb_trace_offset(at, chosen->normal, chosen->rounding, vec3_scale(towards, -1.0f));
+    sample->density = density_per_solid_angle(chosen, probability, distance, sample->direction);
+    sample->radiance = chosen->radiance;
+    if (!chosen->even) {
+        const lmb_surface surface = lmb_trace_surface(emitters->tracer, chosen->instance, chosen->triangle, u, v);
+        sample->radiance = rgb_scale(surface.emission, surface.opacity);
+    }
     return sample->density > 0.0f && isfinite(sample->density) && rgb_max(sample->radiance) > 0.0f;
 }
 
-float lmb_emitters_triangle_density(const lmb_emitters *emitters, const lmb_hit *hit, lmb_vec3 direction,
-                                    float distance, lmb_vec3 geometric_normal)
+float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 position, const lmb_hit *hit,
+                                    lmb_vec3 direction)
 {
     const uint32_t *numbers = emitters->emitter_of[hit->instance];
     if (!numbers || numbers[hit->triangle] == UINT32_MAX) {
         return 0.0f;
     }
-    const emitter *found = &emitters->triangles[numbers[hit->triangle]];
-    const float cosine = fabsf(vec3_dot(direction, geometric_normal));
-    return density_per_solid_angle(found->probability / found->area, distance, cosine);
+    const uint32_t number = numbers[hit->triangle];
+    const double probability = lmb_light_tree_probability(emitters->tree, position, number);
+    return density_per_solid_angle(&emitters->triangles[number], probability, hit->distance, direction);
 }
 
 bool lmb_emitters_environment_sampled(const lmb_emitters *emitters)
@@ -234,91 +258,13 @@ bool lmb_emitters_sample_environment(const lmb_emitters *emitters, const float p
     return lmb_sky_sample(&emitters->sky, point, sample);
 }
 
-float lmb_emitters_environment_density(const lmb_emitters *emitters, lmb_vec3 direction)
+lmb_rgb lmb_emitters_environment_radiance(const lmb_emitters *emitters, lmb_vec3 direction, float *density)
 {
-    return lmb_sky_density(&emitters->sky, direction);
+    return lmb_sky_radiance(&emitters->sky, direction, density);
 }
 
-lmb_rgb lmb_emitters_environment_radiance(const lmb_emitters *emitters, lmb_vec3 direction)
+int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice, int max,
+                          lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
 {
-    return lmb_sky_radiance(&emitters->sky, direction);
-}
-
-/* KHR_lights_punctual: inverse square with the range's window, and the spot's angular fall-off. */
-static bool punctual_evaluate(const lmb_light *light, lmb_vec3 position, float min_distance,
-                              lmb_punctual_sample *sample)
-{
-    sample->at_infinity = light->type == LMB_LIGHT_DIRECTIONAL;
-    if (sample->at_infinity) {
-        sample->direction = vec3_scale(light->direction, -1.0f);
-        sample->irradiance = light->intensity;
-        return true;
-    }
-    const lmb_vec3 towards = vec3_sub(light->position, position);
-    const float distance = vec3_length(towards);
-    if (!(distance > 0.0f) || !isfinite(distance)) {
-        return false;
-    }
-    sample->direction = vec3_scale(towards, 1.0f / distance);
-    sample->end = light->position;
-    const float counted = fmaxf(distance, min_distance);
-    float factor = 1.0f / counted / counted;
-    if (light->range > 0.0f) {
-        const float ratio = distance / light->range;
-        factor *= fminf(fmaxf(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
-    }
-    if (light->type == LMB_LIGHT_SPOT) {
-        const float cosine = -vec3_dot(sample->direction, light->direction);
-        const float width = fmaxf(light->cos_inner - light->cos_outer, 1e-4f);
-        const float fall = fminf(fmaxf((cosine - light->cos_outer) / width, 0.0f), 1.0f);
-        factor *= fall * fall;
-    }
-    sample->irradiance = rgb_scale(light->intensity, factor);
-    return isfinite(factor) && factor > 0.0f;
-}
-
-/* Unshadowed weight of one light at a point: what the choice is in proportion to. */
-static float punctual_weight(const lmb_light *light, const lmb_punctual_query *query, lmb_punctual_sample *sample)
-{
-    if ((light->type == LMB_LIGHT_DIRECTIONAL) != query->at_infinity ||
-        (light->indirect_only && query->skip_indirect_only) ||
-        !punctual_evaluate(light, query->position, query->min_distance, sample)) {
-        return 0.0f;
-    }
-    const float cosine = query->normal ? fmaxf(vec3_dot(*query->normal, sample->direction), 0.0f) : 1.0f;
-    const float weight = lmb_luminance(sample->irradiance) * cosine;
-    return isfinite(weight) ? weight : 0.0f;
-}
-
-/* Share of the choices that any light that gives light has the same chance of. What is chosen by strength alone never
- * finds a candle in a room whose walls keep the sun out; this bounds how much rarer than any other it is chosen. */
-#define PUNCTUAL_EVEN_SHARE 0.1
-
-bool lmb_emitters_sample_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice,
-                                  lmb_punctual_sample *sample)
-{
-    const lmb_scene *scene = lmb_tracer_scene(emitters->tracer);
-    lmb_punctual_sample candidate;
-    double total = 0.0;
-    uint32_t giving = 0;
-    for (uint32_t i = 0; i < scene->light_count; ++i) {
-        const float weight = punctual_weight(&scene->lights[i], query, &candidate);
-        total += (double)weight;
-        giving += weight > 0.0f;
-    }
-    if (giving == 0) {
-        return false;
-    }
-    double left = (double)choice;
-    double probability = 1.0;
-    for (uint32_t i = 0; i < scene->light_count && left >= 0.0; ++i) {
-        const float weight = punctual_weight(&scene->lights[i], query, &candidate);
-        if (weight > 0.0f) {
-            *sample = candidate;
-            probability = (1.0 - PUNCTUAL_EVEN_SHARE) * ((double)weight / total) + PUNCTUAL_EVEN_SHARE / giving;
-            left -= probability;
-        }
-    }
-    sample->irradiance = rgb_scale(sample->irradiance, (float)(1.0 / probability));
-    return true;
+    return lmb_punctual_choose(emitters->punctual, query, choice, max, sample);
 }

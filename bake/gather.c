@@ -16,8 +16,10 @@
 enum {
     SAMPLES = LMB_RAY_BATCH,
     RECEIVERS = SAMPLES / LMB_GATHER_BLOCK,
+    SAMPLES_PER_PUNCTUAL = 2, /* a receiver asks no more punctual lights than it has samples for that */
 };
-_Static_assert((int)LMB_CONTRIBUTION_BATCH >= 2 * (int)SAMPLES, "room for a sun and a lamp for each sample");
+_Static_assert((int)LMB_CONTRIBUTION_BATCH >= (int)SAMPLES && (int)SAMPLES >= 2 * LMB_PUNCTUAL_MAX,
+               "room for the lights of a receiver");
 
 /* Up to SAMPLES samples on their way. */
 typedef struct gather_batch {
@@ -181,16 +183,36 @@ static void gather_environment(gather_batch *batch)
     aimed_trace(batch, &aimed);
 }
 
-static void gather_punctual(gather_batch *batch)
+/* Lights of no extent are the same for all of a receiver's samples: each is asked once, and counts for all of them. */
+static void receiver_punctual(gather_batch *batch, uint32_t number)
 {
-    for (uint32_t i = 0; i < batch->count; ++i) {
-        const lmb_path path = {batch->transport, batch->stream, batch->first + i, 0, batch->rays_traced};
-        lmb_direct_light direct;
-        lmb_direct_collect_punctual(&path, batch_receiver(batch, i), &direct);
-        for (int k = 0; k < direct.count; ++k) {
-            contribution_add(&batch->found, direct.direction[k], direct.weight[k]);
+    const uint32_t first = number * batch->per_receiver;
+    const uint32_t left = batch->count - first;
+    const uint32_t samples = left < batch->per_receiver ? left : batch->per_receiver;
+    const uint32_t wanted = samples / SAMPLES_PER_PUNCTUAL;
+    const int max = wanted < 1 ? 1 : wanted < LMB_PUNCTUAL_MAX ? (int)wanted : LMB_PUNCTUAL_MAX;
+    const lmb_receiver *receiver = &batch->receiver[number];
+    lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
+    aimed_light aimed;
+    float choice[2];
+    lmb_sequence_2d(batch->stream, (batch->first + first) / batch->per_receiver, PAIR_CHOICE, choice);
+    const int count = lmb_receiver_punctual(batch->transport, receiver, choice[1], max, light);
+    batch->rays.count = 0;
+    for (int i = 0; i < count; ++i) {
+        if (!lmb_receiver_sees(receiver, light[i].direction)) {
+            continue;
+        }
+        const uint32_t k = batch->rays.count;
+        const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, light[i].direction);
+        aimed.direction[k] = light[i].direction;
+        aimed.weight[k] = rgb_scale(light[i].irradiance, (float)samples);
+        if (light[i].at_infinity) {
+            ray_add(&batch->rays, origin, light[i].direction, FLT_MAX);
+        } else {
+            ray_add(&batch->rays, origin, vec3_sub(light[i].end, origin), LMB_TRACE_UP_TO_END);
         }
     }
+    aimed_trace(batch, &aimed);
 }
 
 /* Rays of all directions by the receivers' density, which is returned for each. */
@@ -222,7 +244,7 @@ static lmb_rgb radiance_followed(const gather_batch *batch, uint32_t sample, lmb
     lmb_path path = {batch->transport, batch->stream, batch->first + sample, 0, batch->rays_traced};
     const lmb_vec3 origin = vec3(rays->origin[0][sample], rays->origin[1][sample], rays->origin[2][sample]);
     lmb_leg leg = {batch_receiver(batch, sample), origin, direction, {{1.0f, 1.0f, 1.0f}}};
-    const lmb_landing landing = lmb_leg_land(&path, &leg, hit->instance != LMB_HIT_NOTHING ? hit : NULL);
+    const lmb_landing landing = lmb_leg_land(&path, &leg, hit);
     return lmb_path_radiance(&path, leg, landing);
 }
 
@@ -244,8 +266,9 @@ static void gather_rays(gather_batch *batch)
         const lmb_vec3 direction =
             vec3(batch->rays.direction[0][i], batch->rays.direction[1][i], batch->rays.direction[2][i]);
         lmb_rgb radiance;
-        if (!light || hit[i].instance == LMB_HIT_NOTHING ||
-            !lmb_surface_light_radiance(light, &hit[i], transport->bounces < 0, &radiance)) {
+        if (hit[i].instance == LMB_HIT_NOTHING) {
+            radiance = lmb_leg_sky(transport, batch_receiver(batch, i), direction);
+        } else if (!light || !lmb_surface_light_radiance(light, &hit[i], transport->bounces < 0, &radiance)) {
             radiance = radiance_followed(batch, i, direction, &hit[i]);
         }
         const float weight = density[i] > 0.0f ? 1.0f / density[i] : 0.0f;
@@ -272,8 +295,10 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
             found_give(&batch, sink, context);
         }
         if (lmb_tracer_scene(transport->tracer)->light_count > 0) {
-            gather_punctual(&batch);
-            found_give(&batch, sink, context);
+            for (uint32_t i = 0; i * batch.per_receiver < batch.count; ++i) {
+                receiver_punctual(&batch, i);
+                found_give(&batch, sink, context);
+            }
         }
         gather_rays(&batch);
         found_give(&batch, sink, context);

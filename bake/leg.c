@@ -6,13 +6,12 @@
 
 #include "bake_internal.h"
 
-static float environment_mis(const lmb_transport *transport, const lmb_leg *leg)
+lmb_rgb lmb_leg_sky(const lmb_transport *transport, const lmb_receiver *from, lmb_vec3 direction)
 {
-    if (!leg->from || !lmb_emitters_environment_sampled(transport->emitters)) {
-        return 1.0f;
-    }
-    return lmb_balance(lmb_receiver_density(leg->from, leg->direction),
-                       lmb_emitters_environment_density(transport->emitters, leg->direction));
+    float density;
+    const lmb_rgb sky = lmb_emitters_environment_radiance(transport->emitters, direction, &density);
+    const bool aimed = from && density > 0.0f;
+    return aimed ? rgb_scale(sky, lmb_balance(lmb_receiver_density(from, direction), density)) : sky;
 }
 
 static float emission_mis(const lmb_transport *transport, const lmb_leg *leg, const lmb_hit *hit)
@@ -20,17 +19,8 @@ static float emission_mis(const lmb_transport *transport, const lmb_leg *leg, co
     if (!leg->from) {
         return 1.0f;
     }
-    const lmb_place place = lmb_trace_place(transport->tracer, hit->instance, hit->triangle, hit->u, hit->v);
-    const float distance = vec3_length(vec3_sub(place.position, leg->from->position));
-    const float density =
-        lmb_emitters_triangle_density(transport->emitters, hit, leg->direction, distance, place.geometric_normal);
+    const float density = lmb_emitters_triangle_density(transport->emitters, leg->from->position, hit, leg->direction);
     return lmb_balance(lmb_receiver_density(leg->from, leg->direction), density);
-}
-
-static lmb_landing sky_landing(const lmb_transport *transport, const lmb_leg *leg)
-{
-    const lmb_rgb sky = lmb_emitters_environment_radiance(transport->emitters, leg->direction);
-    return (lmb_landing){.emitted = rgb_scale(sky, environment_mis(transport, leg))};
 }
 
 /* Whether the leg goes through the surface. Its throughput takes up either. */
@@ -52,7 +42,7 @@ lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *firs
 {
     const lmb_transport *transport = path->transport;
     if (!first) {
-        return sky_landing(transport, leg);
+        return (lmb_landing){.emitted = lmb_leg_sky(transport, leg->from, leg->direction)};
     }
     lmb_hit hit = *first;
     for (uint32_t layer = 0;; ++layer) {
@@ -65,7 +55,7 @@ lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *firs
         const float start = nextafterf(hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
         ++*path->rays;
         if (!lmb_trace_nearest(transport->tracer, leg->origin, leg->direction, start, FLT_MAX, &hit)) {
-            return sky_landing(transport, leg);
+            return (lmb_landing){.emitted = lmb_leg_sky(transport, leg->from, leg->direction)};
         }
     }
 }

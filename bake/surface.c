@@ -26,6 +26,26 @@ static lmb_vec3 position_inset(lmb_vec3 position, const lmb_vec3 corner[3], floa
     return length > 0.0f ? vec3_mad(position, inward, fminf(rounding / length, 0.5f)) : position;
 }
 
+static float corners_rounding(const lmb_vec3 corner[3])
+{
+    const float a = lmb_trace_epsilon(corner[0]), b = lmb_trace_epsilon(corner[1]), c = lmb_trace_epsilon(corner[2]);
+    const float larger = a > b ? a : b;
+    return larger > c ? larger : c;
+}
+
+static lmb_vec3 corners_position(const lmb_vec3 corner[3], float u, float v, float rounding)
+{
+    const lmb_vec3 along_u = vec3_mad(corner[0], vec3_sub(corner[1], corner[0]), u);
+    return position_inset(vec3_mad(along_u, vec3_sub(corner[2], corner[0]), v), corner, rounding);
+}
+
+lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+{
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, instance, triangle, corner);
+    return corners_position(corner, u, v, corners_rounding(corner));
+}
+
 lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, float u, float v)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
@@ -37,9 +57,8 @@ lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, ui
     const lmb_vec3 edge_u = vec3_sub(corner[1], corner[0]);
     const lmb_vec3 edge_v = vec3_sub(corner[2], corner[0]);
     lmb_place place;
-    place.rounding =
-        fmaxf(lmb_trace_epsilon(corner[0]), fmaxf(lmb_trace_epsilon(corner[1]), lmb_trace_epsilon(corner[2])));
-    place.position = position_inset(vec3_mad(vec3_mad(corner[0], edge_u, u), edge_v, v), corner, place.rounding);
+    place.rounding = corners_rounding(corner);
+    place.position = corners_position(corner, u, v, place.rounding);
     lmb_vec3 facing = vec3_normalize_or(vec3_cross(edge_u, edge_v), vec3(0.0f, 1.0f, 0.0f));
     if (instance->mirrored) {
         facing = vec3_scale(facing, -1.0f);

@@ -181,7 +181,8 @@ lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 or
     for (int layer = 0; layer < MAX_LAYERS; ++layer) {
         seen_surface seen;
         if (!seen_nearest(shader, origin, direction, start, &seen)) {
-            const lmb_rgb sky = lmb_emitters_environment_radiance(shader->transport->emitters, direction);
+            float density;
+            const lmb_rgb sky = lmb_emitters_environment_radiance(shader->transport->emitters, direction, &density);
             return colour_add(radiance, colour_mul(share, sky));
         }
         seen_complete(&seen, direction);

@@ -25,25 +25,27 @@ typedef struct lmb_light_sample {
     float density;      /* per solid angle, > 0 */
 } lmb_light_sample;
 
-/* A point on an emissive triangle, seen from `position`: chosen by power, uniform in area. Returns false when there
- * are none or when this choice gives no light. */
+/* A point on an emissive triangle, seen from `position`: the triangle chosen by its power over its distance squared,
+ * the point uniform in its area. Time grows with the logarithm of the triangles' number. Returns false when there are
+ * none or when this choice gives no light. */
 bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, float choice, const float point[2],
                                   lmb_light_sample *sample);
 
-/* Density per solid angle with which the function above picks the direction of this hit. */
-float lmb_emitters_triangle_density(const lmb_emitters *emitters, const lmb_hit *hit, lmb_vec3 direction,
-                                    float distance, lmb_vec3 geometric_normal);
+/* Density per solid angle with which the function above picks, from `position`, the direction of this hit: `direction`,
+ * a unit vector. */
+float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 position, const lmb_hit *hit,
+                                    lmb_vec3 direction);
 
-/* Whether the environment is an image that is worth sampling by its brightness. A constant one is not: rays that leave
- * the scene find it with less noise. */
+/* Whether the environment is an image in which something stands out that is worth aiming at. In an even one rays that
+ * leave the scene find the light with less noise. */
 bool lmb_emitters_environment_sampled(const lmb_emitters *emitters);
 
-/* A direction of the environment in proportion to its luminance. */
+/* A direction of the environment in proportion to how far its luminance is above the mean. */
 bool lmb_emitters_sample_environment(const lmb_emitters *emitters, const float point[2], lmb_light_sample *sample);
-float lmb_emitters_environment_density(const lmb_emitters *emitters, lmb_vec3 direction);
 
-/* Radiance that arrives from outside the scene along unit `direction` (pointing outwards). */
-lmb_rgb lmb_emitters_environment_radiance(const lmb_emitters *emitters, lmb_vec3 direction);
+/* Radiance that arrives from outside the scene along unit `direction` (pointing outwards), and the density per solid
+ * angle with which the function above picks it. */
+lmb_rgb lmb_emitters_environment_radiance(const lmb_emitters *emitters, lmb_vec3 direction, float *density);
 
 typedef struct lmb_punctual_sample {
     lmb_vec3 direction; /* unit, towards the light */
@@ -52,20 +54,25 @@ typedef struct lmb_punctual_sample {
     lmb_rgb irradiance; /* on a surface that faces the light, unshadowed, divided by the choice's probability */
 } lmb_punctual_sample;
 
-/* Who asks for a punctual light. */
+/* Who asks for punctual lights. */
 typedef struct lmb_punctual_query {
     lmb_vec3 position;
-    bool at_infinity;        /* asks for a directional light; else for a point or spot light */
     const lmb_vec3 *normal;  /* leaves out lights behind this plane; NULL: a point in space */
     float min_distance;      /* nearer point and spot lights count as this far */
     bool skip_indirect_only; /* the point is baked, not a reflection on the way to it */
 } lmb_punctual_query;
 
-/* One punctual light of a kind. Suns and lamps are asked for apart, for what is bright for one is dark for the other;
- * within a kind the choice is in proportion to the unshadowed light there, with an even share for all, because nobody
- * knows which of them walls keep away. Returns false when none gives light. */
-bool lmb_emitters_sample_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice,
-                                  lmb_punctual_sample *sample);
+/* Punctual lights that together stand for all: up to `max` point and spot lights and as many directional ones. Suns and
+ * lamps are chosen apart, for what is bright for one is dark for the other.
+ *
+ * A kind of which there are no more than LMB_PUNCTUAL_MAX is looked at whole, and when no more than `max` of them give
+ * light they are returned as they are, without chance. Else LMB_PUNCTUAL_MAX candidates are drawn from a tree, in time
+ * that grows with the logarithm of their number. Among candidates the choice is in proportion to their unshadowed
+ * light, with an even share for all, because nobody knows which of them walls keep away. `choice` in [0, 1);
+ * 1 <= max <= LMB_PUNCTUAL_MAX. Returns how many `sample` has been given. */
+enum { LMB_PUNCTUAL_MAX = 16 };
+int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice, int max,
+                          lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
 
 #ifdef __cplusplus
 }

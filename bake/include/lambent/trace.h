@@ -72,6 +72,9 @@ lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance, uint32_t 
 /* World-space corners of a triangle. */
 void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, lmb_vec3 corner[3]);
 
+/* lmb_trace_place's position alone. */
+lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
+
 /* What the material does at a hit. */
 typedef struct lmb_surface {
     lmb_rgb albedo;   /* diffuse, of the part of the light that is not let through */

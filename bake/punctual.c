@@ -1,0 +1,207 @@
+#include "punctual.h"
+
+#include <stdlib.h>
+
+#include "bake_internal.h"
+#include "light_tree.h"
+
+/* Lights of a kind. */
+typedef struct light_set {
+    uint32_t *light; /* numbers in the scene */
+    uint32_t count;
+    lmb_light_tree *tree; /* NULL while they are few enough to look at all */
+} light_set;
+
+struct lmb_punctual {
+    const lmb_scene *scene;
+    light_set lamps;
+    light_set suns;
+};
+
+/* Share of the choices that any light that gives light has the same chance of. What is chosen by strength alone never
+ * finds a candle in a room whose walls keep the sun out; this bounds how much rarer than any other it is chosen. */
+#define EVEN_SHARE 0.1
+
+static bool light_set_tree(light_set *set, const lmb_scene *scene)
+{
+    lmb_light_bound *bounds = malloc(set->count * sizeof *bounds);
+    if (!bounds) {
+        return false;
+    }
+    uint32_t giving = 0;
+    for (uint32_t i = 0; i < set->count; ++i) {
+        const lmb_light *light = &scene->lights[set->light[i]];
+        const float power = lmb_luminance(light->intensity);
+        if (power > 0.0f && isfinite(power)) {
+            const lmb_vec3 position = light->type == LMB_LIGHT_DIRECTIONAL ? vec3(0.0f, 0.0f, 0.0f) : light->position;
+            set->light[giving] = set->light[i];
+            bounds[giving++] = (lmb_light_bound){position, position, power};
+        }
+    }
+    set->count = giving;
+    const lmb_result result = lmb_light_tree_create(bounds, giving, &set->tree);
+    free(bounds);
+    return result == LMB_OK;
+}
+
+static bool light_set_make(light_set *set, const lmb_scene *scene, bool suns)
+{
+    set->light = malloc((scene->light_count + 1u) * sizeof *set->light);
+    for (uint32_t i = 0; set->light && i < scene->light_count; ++i) {
+        if ((scene->lights[i].type == LMB_LIGHT_DIRECTIONAL) == suns) {
+            set->light[set->count++] = i;
+        }
+    }
+    return set->light && (set->count <= LMB_PUNCTUAL_MAX || light_set_tree(set, scene));
+}
+
+lmb_result lmb_punctual_create(const lmb_scene *scene, lmb_punctual **punctual)
+{
+    lmb_punctual *created = calloc(1, sizeof *created);
+    if (!created) {
+        return LMB_ERROR_MEMORY;
+    }
+    created->scene = scene;
+    if (!light_set_make(&created->lamps, scene, false) || !light_set_make(&created->suns, scene, true)) {
+        lmb_punctual_destroy(created);
+        return LMB_ERROR_MEMORY;
+    }
+    *punctual = created;
+    return LMB_OK;
+}
+
+static void light_set_free(light_set *set)
+{
+    free(set->light);
+    lmb_light_tree_destroy(set->tree);
+}
+
+void lmb_punctual_destroy(lmb_punctual *punctual)
+{
+    if (punctual) {
+        light_set_free(&punctual->lamps);
+        light_set_free(&punctual->suns);
+        free(punctual);
+    }
+}
+
+/* KHR_lights_punctual: inverse square with the range's window, and the spot's angular fall-off. */
+static bool light_evaluate(const lmb_light *light, lmb_vec3 position, float min_distance, lmb_punctual_sample *sample)
+{
+    sample->at_infinity = light->type == LMB_LIGHT_DIRECTIONAL;
+    if (sample->at_infinity) {
+        sample->direction = vec3_scale(light->direction, -1.0f);
+        sample->irradiance = light->intensity;
+        return true;
+    }
+    const lmb_vec3 towards = vec3_sub(light->position, position);
+    const float distance = vec3_length(towards);
+    if (!(distance > 0.0f) || !isfinite(distance)) {
+        return false;
+    }
+    sample->direction = vec3_scale(towards, 1.0f / distance);
+    sample->end = light->position;
+    const float counted = fmaxf(distance, min_distance);
+    float factor = 1.0f / counted / counted;
+    if (light->range > 0.0f) {
+        const float ratio = distance / light->range;
+        factor *= fminf(fmaxf(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
+    }
+    if (light->type == LMB_LIGHT_SPOT) {
+        const float cosine = -vec3_dot(sample->direction, light->direction);
+        const float width = fmaxf(light->cos_inner - light->cos_outer, 1e-4f);
+        const float fall = fminf(fmaxf((cosine - light->cos_outer) / width, 0.0f), 1.0f);
+        factor *= fall * fall;
+    }
+    sample->irradiance = rgb_scale(light->intensity, factor);
+    return isfinite(factor) && factor > 0.0f;
+}
+
+/* Lights to choose from, and their unshadowed weights: what the choice is in proportion to. */
+typedef struct candidates {
+    lmb_punctual_sample sample[LMB_PUNCTUAL_MAX];
+    double weight[LMB_PUNCTUAL_MAX];
+    double total;
+    int count;
+} candidates;
+
+static void candidate_add(candidates *found, const lmb_light *light, const lmb_punctual_query *query, double factor)
+{
+    lmb_punctual_sample *sample = &found->sample[found->count];
+    if ((light->indirect_only && query->skip_indirect_only) ||
+        !light_evaluate(light, query->position, query->min_distance, sample)) {
+        return;
+    }
+    const float cosine = query->normal ? vec3_dot(*query->normal, sample->direction) : 1.0f;
+    sample->irradiance = rgb_scale(sample->irradiance, (float)factor);
+    const double weight = (double)lmb_luminance(sample->irradiance) * (double)cosine;
+    if (weight > 0.0 && isfinite(weight)) {
+        found->weight[found->count++] = weight;
+        found->total += weight;
+    }
+}
+
+static void candidates_find(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query, float choice,
+                            candidates *found)
+{
+    found->count = 0;
+    found->total = 0.0;
+    if (set->count <= LMB_PUNCTUAL_MAX) {
+        for (uint32_t i = 0; i < set->count; ++i) {
+            candidate_add(found, &scene->lights[set->light[i]], query, 1.0);
+        }
+        return;
+    }
+    for (int k = 0; k < LMB_PUNCTUAL_MAX; ++k) {
+        double probability;
+        const double number = (k + (double)choice) / LMB_PUNCTUAL_MAX;
+        const uint32_t i = lmb_light_tree_choose(set->tree, query->position, number, &probability);
+        candidate_add(found, &scene->lights[set->light[i]], query, 1.0 / (LMB_PUNCTUAL_MAX * probability));
+    }
+}
+
+/* Takes `max` of the candidates at even steps through the sum of their probabilities; one that is met several times
+ * counts as often. */
+static int candidates_choose(const candidates *found, float choice, int max, lmb_punctual_sample *sample)
+{
+    int given = 0;
+    int steps = 0; /* the next is at (steps + choice) / max */
+    double passed = 0.0;
+    for (int i = 0; i < found->count; ++i) {
+        const double probability = (1.0 - EVEN_SHARE) * found->weight[i] / found->total + EVEN_SHARE / found->count;
+        passed += probability;
+        int times = 0;
+        for (; steps < max && steps + (double)choice < passed * max; ++steps) {
+            ++times;
+        }
+        if (times > 0) {
+            sample[given] = found->sample[i];
+            sample[given].irradiance = rgb_scale(found->sample[i].irradiance, (float)(times / (max * probability)));
+            ++given;
+        }
+    }
+    return given;
+}
+
+static int light_set_choose(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query, float choice,
+                            int max, lmb_punctual_sample *sample)
+{
+    candidates found;
+    candidates_find(scene, set, query, choice, &found);
+    if (found.count > max) {
+        /* The tree has used the number's leading digits: the even steps take the rest. */
+        const float rest = set->tree ? choice * 4096.0f - floorf(choice * 4096.0f) : choice;
+        return candidates_choose(&found, rest, max, sample);
+    }
+    for (int i = 0; i < found.count; ++i) {
+        sample[i] = found.sample[i];
+    }
+    return found.count;
+}
+
+int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, float choice, int max,
+                        lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
+{
+    const int lamps = light_set_choose(punctual->scene, &punctual->lamps, query, choice, max, sample);
+    return lamps + light_set_choose(punctual->scene, &punctual->suns, query, choice, max, sample + lamps);
+}

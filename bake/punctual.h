@@ -1,0 +1,16 @@
+/* Point, spot and directional lights, chosen for a point (lmb_emitters_punctual). */
+#ifndef LMB_PUNCTUAL_H
+#define LMB_PUNCTUAL_H
+
+#include <lambent/emitters.h>
+
+typedef struct lmb_punctual lmb_punctual;
+
+/* @return LMB_ERROR_MEMORY */
+lmb_result lmb_punctual_create(const lmb_scene *scene, lmb_punctual **punctual);
+void lmb_punctual_destroy(lmb_punctual *punctual);
+
+int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, float choice, int max,
+                        lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
+
+#endif
