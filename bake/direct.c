@@ -103,8 +103,8 @@ static void direct_add_environment(const lmb_path *path, const lmb_receiver *rec
     float point[2];
     lmb_path_numbers(path, PAIR_ENVIRONMENT, point);
     lmb_light_sample sample;
-    if (!lmb_emitters_sample_environment(transport->emitters, point, &sample) ||
-        !lmb_receiver_sees(receiver, sample.direction)) {
+    lmb_emitters_sample_environment(transport->emitters, &point[0], &point[1], 1, &sample);
+    if (!(sample.density > 0.0f) || !lmb_receiver_sees(receiver, sample.direction)) {
         return;
     }
     const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample.direction);

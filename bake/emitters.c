@@ -253,14 +253,23 @@ bool lmb_emitters_environment_sampled(const lmb_emitters *emitters)
     return emitters->sky.cumulative != NULL;
 }
 
-bool lmb_emitters_sample_environment(const lmb_emitters *emitters, const float point[2], lmb_light_sample *sample)
+void lmb_emitters_sample_environment(const lmb_emitters *emitters, const float *x, const float *y, uint32_t count,
+                                     lmb_light_sample *sample)
 {
-    return lmb_sky_sample(&emitters->sky, point, sample);
+    lmb_sky_sample_batch(&emitters->sky, x, y, count, sample);
 }
 
 lmb_rgb lmb_emitters_environment_radiance(const lmb_emitters *emitters, lmb_vec3 direction, float *density)
 {
-    return lmb_sky_radiance(&emitters->sky, direction, density);
+    const lmb_environment_seen seen = lmb_sky_look(&emitters->sky, direction);
+    *density = seen.density;
+    return seen.radiance;
+}
+
+void lmb_emitters_environment_look(const lmb_emitters *emitters, const float *const direction[3], uint32_t count,
+                                   lmb_environment_seen *seen)
+{
+    lmb_sky_look_batch(&emitters->sky, direction, count, seen);
 }
 
 int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice, int max,

@@ -170,14 +170,14 @@ static void gather_triangles(gather_batch *batch)
 static void gather_environment(gather_batch *batch)
 {
     float x[SAMPLES], y[SAMPLES];
+    lmb_light_sample light[SAMPLES];
     aimed_light aimed;
     batch_numbers(batch, PAIR_ENVIRONMENT, x, y);
+    lmb_emitters_sample_environment(batch->transport->emitters, x, y, batch->count, light);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
-        const float point[2] = {x[i], y[i]};
-        lmb_light_sample light;
-        if (lmb_emitters_sample_environment(batch->transport->emitters, point, &light)) {
-            aimed_add(batch, &aimed, i, &light, true);
+        if (light[i].density > 0.0f) {
+            aimed_add(batch, &aimed, i, &light[i], true);
         }
     }
     aimed_trace(batch, &aimed);
@@ -248,32 +248,73 @@ static lmb_rgb radiance_followed(const gather_batch *batch, uint32_t sample, lmb
     return lmb_path_radiance(&path, leg, landing);
 }
 
-static void gather_rays(gather_batch *batch)
+static lmb_vec3 ray_direction(const gather_batch *batch, uint32_t sample)
+{
+    const lmb_ray_batch *rays = &batch->rays;
+    return vec3(rays->direction[0][sample], rays->direction[1][sample], rays->direction[2][sample]);
+}
+
+static void ray_give(gather_batch *batch, uint32_t sample, lmb_rgb radiance, float density)
+{
+    const float weight = density > 0.0f ? 1.0f / density : 0.0f;
+    contribution_add(&batch->found, ray_direction(batch, sample), rgb_scale(radiance, weight));
+}
+
+/* Rays that leave the level. */
+static void skies_gather(gather_batch *batch, const lmb_hit *hit, const float *density)
+{
+    float direction[3][SAMPLES];
+    uint32_t number[SAMPLES];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        if (hit[i].instance == LMB_HIT_NOTHING) {
+            for (int axis = 0; axis < 3; ++axis) {
+                direction[axis][count] = batch->rays.direction[axis][i];
+            }
+            number[count++] = i;
+        }
+    }
+    lmb_environment_seen seen[SAMPLES];
+    const float *const arrays[3] = {direction[0], direction[1], direction[2]};
+    lmb_emitters_environment_look(batch->transport->emitters, arrays, count, seen);
+    for (uint32_t k = 0; k < count; ++k) {
+        const uint32_t i = number[k];
+        const lmb_rgb sky = lmb_leg_sky(batch_receiver(batch, i), ray_direction(batch, i), &seen[k]);
+        ray_give(batch, i, sky, density[i]);
+    }
+}
+
+/* Rays that end on surfaces. */
+static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float *density)
 {
     const lmb_transport *transport = batch->transport;
     const lmb_surface_light *light = transport->bounces != 0 ? transport->surface : NULL;
-    float density[SAMPLES];
-    lmb_hit hit[SAMPLES];
-    rays_make(batch, density);
-    lmb_trace_nearest_batch(transport->tracer, &batch->rays, hit);
-    *batch->rays_traced += batch->count;
     for (uint32_t i = 0; light && i < batch->count; ++i) {
         if (hit[i].instance != LMB_HIT_NOTHING) {
             lmb_surface_light_prefetch(light, &hit[i]);
         }
     }
     for (uint32_t i = 0; i < batch->count; ++i) {
-        const lmb_vec3 direction =
-            vec3(batch->rays.direction[0][i], batch->rays.direction[1][i], batch->rays.direction[2][i]);
-        lmb_rgb radiance;
         if (hit[i].instance == LMB_HIT_NOTHING) {
-            radiance = lmb_leg_sky(transport, batch_receiver(batch, i), direction);
-        } else if (!light || !lmb_surface_light_radiance(light, &hit[i], transport->bounces < 0, &radiance)) {
-            radiance = radiance_followed(batch, i, direction, &hit[i]);
+            continue;
         }
-        const float weight = density[i] > 0.0f ? 1.0f / density[i] : 0.0f;
-        contribution_add(&batch->found, direction, rgb_scale(radiance, weight));
+        lmb_rgb radiance;
+        if (!light || !lmb_surface_light_radiance(light, &hit[i], transport->bounces < 0, &radiance)) {
+            radiance = radiance_followed(batch, i, ray_direction(batch, i), &hit[i]);
+        }
+        ray_give(batch, i, radiance, density[i]);
     }
+}
+
+static void gather_rays(gather_batch *batch)
+{
+    float density[SAMPLES];
+    lmb_hit hit[SAMPLES];
+    rays_make(batch, density);
+    lmb_trace_nearest_batch(batch->transport->tracer, &batch->rays, hit);
+    *batch->rays_traced += batch->count;
+    skies_gather(batch, hit, density);
+    surfaces_gather(batch, hit, density);
 }
 
 void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *samples, lmb_gather_sink sink, void *context,

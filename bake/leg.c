@@ -6,12 +6,19 @@
 
 #include "bake_internal.h"
 
-lmb_rgb lmb_leg_sky(const lmb_transport *transport, const lmb_receiver *from, lmb_vec3 direction)
+lmb_rgb lmb_leg_sky(const lmb_receiver *from, lmb_vec3 direction, const lmb_environment_seen *seen)
 {
-    float density;
-    const lmb_rgb sky = lmb_emitters_environment_radiance(transport->emitters, direction, &density);
-    const bool aimed = from && density > 0.0f;
-    return aimed ? rgb_scale(sky, lmb_balance(lmb_receiver_density(from, direction), density)) : sky;
+    const bool aimed = from && seen->density > 0.0f;
+    return aimed ? rgb_scale(seen->radiance, lmb_balance(lmb_receiver_density(from, direction), seen->density))
+                 : seen->radiance;
+}
+
+static lmb_landing sky_landing(const lmb_transport *transport, const lmb_leg *leg)
+{
+    lmb_environment_seen seen;
+    const float *const direction[3] = {&leg->direction.x, &leg->direction.y, &leg->direction.z};
+    lmb_emitters_environment_look(transport->emitters, direction, 1, &seen);
+    return (lmb_landing){.emitted = lmb_leg_sky(leg->from, leg->direction, &seen)};
 }
 
 static float emission_mis(const lmb_transport *transport, const lmb_leg *leg, const lmb_hit *hit)
@@ -42,7 +49,7 @@ lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *firs
 {
     const lmb_transport *transport = path->transport;
     if (!first) {
-        return (lmb_landing){.emitted = lmb_leg_sky(transport, leg->from, leg->direction)};
+        return sky_landing(transport, leg);
     }
     lmb_hit hit = *first;
     for (uint32_t layer = 0;; ++layer) {
@@ -55,7 +62,7 @@ lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *firs
         const float start = nextafterf(hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
         ++*path->rays;
         if (!lmb_trace_nearest(transport->tracer, leg->origin, leg->direction, start, FLT_MAX, &hit)) {
-            return (lmb_landing){.emitted = lmb_leg_sky(transport, leg->from, leg->direction)};
+            return sky_landing(transport, leg);
         }
     }
 }

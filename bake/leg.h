@@ -27,9 +27,9 @@ lmb_landing lmb_leg_follow(const lmb_path *path, lmb_leg *leg);
 /* The same where the first thing that the leg meets has been found: `first`, or NULL for nothing. */
 lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *first);
 
-/* Radiance of the environment along a ray that leaves `from` (NULL: a camera), weighted against next-event estimation.
- */
-lmb_rgb lmb_leg_sky(const lmb_transport *transport, const lmb_receiver *from, lmb_vec3 direction);
+/* Radiance of the environment, as seen along a ray that leaves `from` (NULL: a camera), weighted against next-event
+ * estimation. */
+lmb_rgb lmb_leg_sky(const lmb_receiver *from, lmb_vec3 direction, const lmb_environment_seen *seen);
 
 /* Where a path goes on from a landing on a surface. */
 lmb_receiver lmb_landing_receiver(const lmb_path *path, const lmb_landing *landing);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "bake_internal.h"
+#include "lanes.h"
 
 /* Below this share of the light, what stands out is not worth a ray of its own. */
 #define MIN_EXCESS_SHARE 1e-3
@@ -76,14 +77,34 @@ static void guide_make(lmb_sky *sky, size_t pixels)
     }
 }
 
+static void pixels_make(lmb_sky *sky, size_t pixels)
+{
+    for (size_t i = 0; i < pixels; ++i) {
+        const lmb_rgb pixel = image_pixel(&sky->environment->image, i);
+        sky->pixel[i].radiance = rgb_scale(pixel, sky->environment->strength);
+        sky->pixel[i].density = sky->cumulative ? (float)((double)pixel_excess(sky, pixel) / sky->total) : 0.0f;
+    }
+}
+
+static void distribution_free(lmb_sky *sky)
+{
+    free(sky->cumulative);
+    free(sky->guide);
+    free(sky->row_cosine);
+    sky->cumulative = NULL;
+    sky->guide = NULL;
+    sky->row_cosine = NULL;
+}
+
 static lmb_result distribution_create(lmb_sky *sky)
 {
     const lmb_image *image = &sky->environment->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;
+    sky->pixel = malloc(pixels * sizeof *sky->pixel);
     sky->cumulative = malloc(pixels * sizeof *sky->cumulative);
     sky->guide = malloc(pixels * sizeof *sky->guide);
     sky->row_cosine = malloc(((size_t)image->height + 1) * sizeof *sky->row_cosine);
-    if (!sky->cumulative || !sky->guide || !sky->row_cosine) {
+    if (!sky->pixel || !sky->cumulative || !sky->guide || !sky->row_cosine) {
         lmb_sky_free(sky);
         return LMB_ERROR_MEMORY;
     }
@@ -94,8 +115,9 @@ static lmb_result distribution_create(lmb_sky *sky)
     if (sky->total > MIN_EXCESS_SHARE * power) {
         guide_make(sky, pixels);
     } else {
-        lmb_sky_free(sky);
+        distribution_free(sky);
     }
+    pixels_make(sky, pixels);
     return LMB_OK;
 }
 
@@ -109,84 +131,119 @@ lmb_result lmb_sky_create(const lmb_environment *environment, lmb_sky *created)
 
 void lmb_sky_free(lmb_sky *freed)
 {
-    free(freed->cumulative);
-    free(freed->guide);
-    free(freed->row_cosine);
-    freed->cumulative = NULL;
-    freed->guide = NULL;
-    freed->row_cosine = NULL;
+    distribution_free(freed);
+    free(freed->pixel);
+    freed->pixel = NULL;
 }
 
-static size_t share_to_index(float share, int32_t size)
+static inline uint32_t share_to_index(float share, int32_t size)
 {
     const int32_t index = (int32_t)(share * (float)size);
-    return (size_t)(index < 0 ? 0 : index < size ? index : size - 1);
+    return (uint32_t)(index < 0 ? 0 : index < size ? index : size - 1);
 }
 
 /* World direction -> pixel. Azimuth runs from u = 0 (glTF: -X, through -Z, +X, +Z; OpenEXR: -Z, through +X, +Z, -X). */
-static size_t pixel_of_direction(const lmb_sky *sky, lmb_vec3 direction)
+static inline uint32_t pixel_of_direction(const lmb_sky *sky, float from_x, float from_y, float from_z)
 {
     const lmb_image *image = &sky->environment->image;
     /* Turning the environment by +a is looking it up turned by -a. */
-    const float x = sky->rotation_cosine * direction.x - sky->rotation_sine * direction.z;
-    const float z = sky->rotation_sine * direction.x + sky->rotation_cosine * direction.z;
-    const float azimuth = sky->environment->axes == LMB_LATLONG_OPENEXR ? lmb_turn_of(z, -x) : lmb_turn_of(x, z);
-    const float polar = lmb_turn_of(direction.y, sqrtf(x * x + z * z));
-    const size_t row = share_to_index(2.0f * polar, image->height);
-    return row * (size_t)image->width + share_to_index(0.5f + azimuth, image->width);
+    const float x = sky->rotation_cosine * from_x - sky->rotation_sine * from_z;
+    const float z = sky->rotation_sine * from_x + sky->rotation_cosine * from_z;
+    const bool openexr = sky->environment->axes == LMB_LATLONG_OPENEXR;
+    const float azimuth = lmb_turn_of(openexr ? z : x, openexr ? -x : z);
+    const float polar = lmb_turn_of(from_y, sqrtf(x * x + z * z));
+    const uint32_t row = share_to_index(2.0f * polar, image->height);
+    return row * (uint32_t)image->width + share_to_index(0.5f + azimuth, image->width);
 }
 
-lmb_rgb lmb_sky_radiance(const lmb_sky *sky, lmb_vec3 direction, float *density)
+lmb_environment_seen lmb_sky_look(const lmb_sky *sky, lmb_vec3 direction)
+{
+    const float *const axes[3] = {&direction.x, &direction.y, &direction.z};
+    lmb_environment_seen seen;
+    lmb_sky_look_batch(sky, axes, 1, &seen);
+    return seen;
+}
+
+enum { BATCH = 64 };
+
+LMB_LANES
+static void pixels_of_directions(const lmb_sky *sky, const float *restrict x, const float *restrict y,
+                                 const float *restrict z, uint32_t count, uint32_t *restrict pixel)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        pixel[i] = pixel_of_direction(sky, x[i], y[i], z[i]);
+    }
+}
+
+void lmb_sky_look_batch(const lmb_sky *sky, const float *const direction[3], uint32_t count, lmb_environment_seen *seen)
 {
     const lmb_environment *environment = sky->environment;
-    *density = 0.0f;
-    if (!environment->present) {
-        return rgb(0.0f, 0.0f, 0.0f);
+    if (!sky->pixel) {
+        const lmb_rgb constant =
+            environment->present ? rgb_scale(environment->constant, environment->strength) : rgb(0.0f, 0.0f, 0.0f);
+        for (uint32_t i = 0; i < count; ++i) {
+            seen[i] = (lmb_environment_seen){constant, 0.0f};
+        }
+        return;
     }
-    if (!environment->image.rgb) {
-        return rgb_scale(environment->constant, environment->strength);
+    uint32_t pixel[BATCH];
+    for (uint32_t first = 0; first < count; first += BATCH) {
+        const uint32_t some = count - first < BATCH ? count - first : BATCH;
+        pixels_of_directions(sky, direction[0] + first, direction[1] + first, direction[2] + first, some, pixel);
+        for (uint32_t i = 0; i < some; ++i) {
+            seen[first + i] = sky->pixel[pixel[i]];
+        }
     }
-    const lmb_rgb pixel = image_pixel(&environment->image, pixel_of_direction(sky, direction));
-    if (sky->cumulative) {
-        *density = (float)((double)pixel_excess(sky, pixel) / sky->total);
-    }
-    return rgb_scale(pixel, environment->strength);
 }
 
-bool lmb_sky_sample(const lmb_sky *sky, const float point[2], lmb_light_sample *sample)
+/* The pixel that a number picks, and how far into its share of the total the number is, in [0, 1]. */
+static uint32_t pixel_pick(const lmb_sky *sky, uint32_t pixels, float number, float *across)
 {
-    if (!sky->cumulative) {
-        return false;
-    }
-    const lmb_image *image = &sky->environment->image;
-    const size_t width = (size_t)image->width;
-    const size_t pixels = width * (size_t)image->height;
-    const double target = (double)point[0] * sky->total;
-    size_t found = sky->guide[(size_t)((double)point[0] * (double)pixels)];
+    const double target = (double)number * sky->total;
+    uint32_t found = sky->guide[(uint32_t)((double)number * (double)pixels)];
     while (found + 1 < pixels && !(sky->cumulative[found] > target)) {
         ++found;
     }
     const double before = found > 0 ? sky->cumulative[found - 1] : 0.0;
     const double mass = sky->cumulative[found] - before;
-    if (!(mass > 0.0)) {
-        return false;
-    }
-    /* What is left of the first number within the pixel's share is again uniform. */
-    const double across = fmin(fmax((target - before) / mass, 0.0), 1.0);
-    const size_t row = found / width;
-    const float u = (float)(((double)(found % width) + across) / (double)width);
-    const double y = sky->row_cosine[row] + (sky->row_cosine[row + 1] - sky->row_cosine[row]) * (double)point[1];
-    const float r = (float)sqrt(fmax(0.0, (1.0 - y) * (1.0 + y)));
+    const double share = mass > 0.0 ? (target - before) / mass : 0.0;
+    *across = (float)(share > 0.0 ? share < 1.0 ? share : 1.0 : 0.0);
+    return found;
+}
+
+static lmb_vec3 pixel_direction(const lmb_sky *sky, uint32_t pixel, float across, float down)
+{
+    const uint32_t width = (uint32_t)sky->environment->image.width;
+    const uint32_t row = pixel / width;
+    const float u = (float)(((double)(pixel - row * width) + (double)across) / (double)width);
+    const double y = sky->row_cosine[row] + (sky->row_cosine[row + 1] - sky->row_cosine[row]) * (double)down;
+    const double square = (1.0 - y) * (1.0 + y);
+    const float r = sqrtf((float)(square > 0.0 ? square : 0.0));
     float sine, cosine;
     lmb_turn_sincos(u, &sine, &cosine); /* of the azimuth and half a turn */
     const bool openexr = sky->environment->axes == LMB_LATLONG_OPENEXR;
     const float x = r * (openexr ? sine : -cosine);
     const float z = r * (openexr ? -cosine : -sine);
-    sample->direction = vec3(sky->rotation_cosine * x + sky->rotation_sine * z, (float)y,
-                             sky->rotation_cosine * z - sky->rotation_sine * x);
-    sample->end = sample->direction;
-    const lmb_rgb pixel = image_pixel(image, found);
-    sample->radiance = rgb_scale(pixel, sky->environment->strength);
-    sample->density = (float)((double)pixel_excess(sky, pixel) / sky->total);
-    return sample->density > 0.0f;
+    return vec3(sky->rotation_cosine * x + sky->rotation_sine * z, (float)y,
+                sky->rotation_cosine * z - sky->rotation_sine * x);
+}
+
+void lmb_sky_sample_batch(const lmb_sky *sky, const float *x, const float *y, uint32_t count, lmb_light_sample *sample)
+{
+    const uint32_t pixels = (uint32_t)sky->environment->image.width * (uint32_t)sky->environment->image.height;
+    uint32_t picked[BATCH];
+    float across[BATCH];
+    for (uint32_t first = 0; first < count; first += BATCH) {
+        const uint32_t some = count - first < BATCH ? count - first : BATCH;
+        for (uint32_t i = 0; i < some; ++i) {
+            picked[i] = pixel_pick(sky, pixels, x[first + i], &across[i]);
+            __builtin_prefetch(&sky->pixel[picked[i]]);
+        }
+        for (uint32_t i = 0; i < some; ++i) {
+            const lmb_environment_seen *pixel = &sky->pixel[picked[i]];
+            sample[first + i].direction = pixel_direction(sky, picked[i], across[i], y[first + i]);
+            sample[first + i].radiance = pixel->radiance;
+            sample[first + i].density = pixel->density;
+        }
+    }
 }

@@ -10,11 +10,12 @@
 
 typedef struct lmb_sky {
     const lmb_environment *environment;
-    double *cumulative; /* [pixel] running sum of excess x solid angle; NULL when nothing stands out */
-    uint32_t *guide;    /* [pixel] where the search for that share of the total begins */
-    double *row_cosine; /* [height + 1] cosine of the polar angle at each row's upper edge */
-    double total;       /* last of `cumulative` */
-    float mean;         /* luminance over the sphere */
+    lmb_environment_seen *pixel; /* of an image; else NULL */
+    double *cumulative;          /* [pixel] running sum of excess x solid angle; NULL when nothing stands out */
+    uint32_t *guide;             /* [pixel] where the search for that share of the total begins */
+    double *row_cosine;          /* [height + 1] cosine of the polar angle at each row's upper edge */
+    double total;                /* last of `cumulative` */
+    float mean;                  /* luminance over the sphere */
     float rotation_sine;
     float rotation_cosine;
 } lmb_sky;
@@ -24,7 +25,13 @@ lmb_result lmb_sky_create(const lmb_environment *environment, lmb_sky *created);
 void lmb_sky_free(lmb_sky *freed);
 
 /* Radiance from a direction, and the density per solid angle with which lmb_sky_sample picks it. */
-lmb_rgb lmb_sky_radiance(const lmb_sky *sky, lmb_vec3 direction, float *density);
-bool lmb_sky_sample(const lmb_sky *sky, const float point[2], lmb_light_sample *sample);
+lmb_environment_seen lmb_sky_look(const lmb_sky *sky, lmb_vec3 direction);
+
+/* The same for `count` directions at once: memory is slow, and waits for many at a time. `direction[axis][i]`. */
+void lmb_sky_look_batch(const lmb_sky *sky, const float *const direction[3], uint32_t count,
+                        lmb_environment_seen *seen);
+
+/* Directions for `count` points; where one picks nothing, its density is 0. */
+void lmb_sky_sample_batch(const lmb_sky *sky, const float *x, const float *y, uint32_t count, lmb_light_sample *sample);
 
 #endif

@@ -40,12 +40,24 @@ float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 posit
  * leave the scene find the light with less noise. */
 bool lmb_emitters_environment_sampled(const lmb_emitters *emitters);
 
-/* A direction of the environment in proportion to how far its luminance is above the mean. */
-bool lmb_emitters_sample_environment(const lmb_emitters *emitters, const float point[2], lmb_light_sample *sample);
+/* Directions of the environment in proportion to how far its luminance is above the mean, for `count` points (x, y) of
+ * [0, 1)^2; lmb_emitters_environment_sampled must hold. Where a point picks nothing the density is 0. */
+void lmb_emitters_sample_environment(const lmb_emitters *emitters, const float *x, const float *y, uint32_t count,
+                                     lmb_light_sample *sample);
 
 /* Radiance that arrives from outside the scene along unit `direction` (pointing outwards), and the density per solid
  * angle with which the function above picks it. */
 lmb_rgb lmb_emitters_environment_radiance(const lmb_emitters *emitters, lmb_vec3 direction, float *density);
+
+/* What is seen of the environment. */
+typedef struct lmb_environment_seen {
+    lmb_rgb radiance;
+    float density;
+} lmb_environment_seen;
+
+/* The same for `count` directions at once, direction[axis][i]: memory is slow, and is waited for many at a time. */
+void lmb_emitters_environment_look(const lmb_emitters *emitters, const float *const direction[3], uint32_t count,
+                                   lmb_environment_seen *seen);
 
 typedef struct lmb_punctual_sample {
     lmb_vec3 direction; /* unit, towards the light */
