@@ -7,6 +7,8 @@
 
 #include <embree3/rtcore.h>
 
+#include <lambent/ray_record.h>
+
 #include "bake_internal.h"
 #include "trace_internal.h"
 
@@ -23,6 +25,7 @@ struct lmb_tracer {
     bool *is_see_through;    /* [material] lets some light straight through */
     bool *is_mirrored;       /* [instance] the scene's, where one cache line holds many */
     bool any_see_through;
+    lmb_ray_recorder *recorder; /* NULL: rays are not recorded */
     long long bytes;
 };
 
@@ -225,6 +228,16 @@ const lmb_vec3 *lmb_tracer_world_vertices(const lmb_tracer *tracer, uint32_t ins
     return tracer->world_vertex[instance];
 }
 
+struct RTCSceneTy *lmb_tracer_world(const lmb_tracer *tracer)
+{
+    return tracer->world;
+}
+
+void lmb_tracer_record(lmb_tracer *tracer, lmb_ray_recorder *recorder)
+{
+    tracer->recorder = recorder;
+}
+
 size_t lmb_tracer_bytes(const lmb_tracer *tracer)
 {
     return tracer->bytes > 0 ? (size_t)tracer->bytes : 0;
@@ -241,6 +254,15 @@ static struct RTCRay ray_make(lmb_vec3 origin, lmb_vec3 direction, float near_di
                            .dir_z = direction.z,
                            .tfar = far_distance,
                            .mask = ~0u};
+}
+
+/* Beside every call that traces. */
+static inline void ray_note(const lmb_tracer *tracer, lmb_ray_kind kind, const struct RTCRay *ray)
+{
+    if (tracer->recorder) {
+        lmb_ray_record(tracer->recorder, kind, vec3(ray->org_x, ray->org_y, ray->org_z),
+                       vec3(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear, ray->tfar);
+    }
 }
 
 /* Embree's normal is that of the winding in the space of the geometry. In world space mirroring turns the winding; what
@@ -276,6 +298,7 @@ bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direc
         .ray = ray_make(origin, direction, near_distance, far_distance),
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
     };
+    ray_note(tracer, LMB_RAY_NEAREST, &ray.ray);
     rtcIntersect1(tracer->world, &context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
         return false;
@@ -300,6 +323,7 @@ void lmb_trace_nearest_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays
             .ray = ray_of_batch(rays, i),
             .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
         };
+        ray_note(tracer, LMB_RAY_NEAREST, &ray.ray);
         rtcIntersect1(tracer->world, &context, &ray);
         if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
             hit[i].instance = LMB_HIT_NOTHING;
@@ -344,6 +368,7 @@ int lmb_trace_crossings(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 dire
         .ray = ray_make(origin, direction, 0.0f, FLT_MAX),
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
     };
+    ray_note(tracer, LMB_RAY_CROSSINGS, &ray.ray);
     rtcIntersect1(tracer->world, &context.embree, &ray);
     return context.crossings;
 }
@@ -353,6 +378,7 @@ static bool trace_blocked(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 di
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRay ray = ray_make(origin, direction, 0.0f, far_distance);
+    ray_note(tracer, LMB_RAY_OCCLUDED, &ray);
     rtcOccluded1(tracer->world, &context, &ray);
     return ray.tfar < 0.0f;
 }
@@ -411,6 +437,7 @@ void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch
     rtcInitIntersectContext(&context);
     for (uint32_t i = 0; i < rays->count; ++i) {
         struct RTCRay ray = ray_of_batch(rays, i);
+        ray_note(tracer, LMB_RAY_OCCLUDED, &ray);
         rtcOccluded1(tracer->world, &context, &ray);
         const float open = ray.tfar < 0.0f ? 0.0f : 1.0f;
         share[i] = rgb(open, open, open);

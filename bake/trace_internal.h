@@ -1,4 +1,4 @@
-/* What surface.c needs of the tracer's inside. */
+/* What surface.c, placement and ray_replay.c need of the tracer's inside. */
 #ifndef LMB_TRACE_INTERNAL_H
 #define LMB_TRACE_INTERNAL_H
 
@@ -9,6 +9,9 @@
 /* Far distance of a shadow ray whose direction runs from one point to another. Both lie just off their surfaces
  * already; it stops a hair short of the far one. */
 #define LMB_TRACE_UP_TO_END (1.0f - 4.0f * FLT_EPSILON)
+
+/* Embree's scene: an RTCScene. */
+struct RTCSceneTy *lmb_tracer_world(const lmb_tracer *tracer);
 
 /* World-space vertices of an instance that was flattened into the world, or NULL. */
 const lmb_vec3 *lmb_tracer_world_vertices(const lmb_tracer *tracer, uint32_t instance);
