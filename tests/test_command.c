@@ -58,6 +58,10 @@ static void exit_statuses(void)
         {"--version", 0, "lambent 0."},
         {"frobnicate", 2, "no command 'frobnicate'"},
         {"bake --help", 0, "--spacing"},
+        {"bench --help", 0, "--rays"},
+        {"bench", 2, "--rays LEVEL"},
+        {"bench " OUTPUT, 2, "only --rays LEVEL"},
+        {"bench --rays " OUTPUT "/missing.glb", 3, "missing.glb"},
         {"check --help", 0, "usage"},
         {"render --help", 0, "--camera"},
         {"bake", 2, "LEVEL"},
@@ -215,6 +219,47 @@ static void json_outputs(void)
     }
 }
 
+/* The bench traces what the bake does, and bare Embree takes some time for it. */
+static void bench_counts_the_bakes_rays(void)
+{
+    static const char *const keys[] = {"machine", "threads", "phases",    "rays",       "seconds", "mrays_per_s",
+                                       "ratio",   "scaling", "cpu_ratio", "best_ratio", NULL};
+    static const char *const phase_keys[] = {"name",  "rays", "recorded", "seconds", "mrays_per_s", "bare_mrays_per_s",
+                                             "ratio", "best", NULL};
+    char printed[16384];
+    if (!baked(printed, sizeof printed)) {
+        return;
+    }
+    CHECK(run(printed, sizeof printed,
+              LMB_COMMAND " bench --json --repeat 1 --threads 2 --rays " QUOTED
+                          " --spacing 0.25 --samples 16 --texels-per-m 6") == 0,
+          "%s", printed);
+    cJSON *json = cJSON_Parse(printed);
+    CHECK(has_keys(json, keys, "bench"), "%s", printed);
+    cJSON *record = file_json(OUTPUT "/b/bake.json");
+    const cJSON *baked_rays = cJSON_GetObjectItem(record, "phase_rays");
+    const cJSON *phase;
+    int phases = 0;
+    cJSON_ArrayForEach(phase, cJSON_GetObjectItem(json, "phases"))
+    {
+        CHECK(has_keys(phase, phase_keys, "phase"), "%s", printed);
+        const char *name = cJSON_GetStringValue(cJSON_GetObjectItem(phase, "name"));
+        const double rays = cJSON_GetNumberValue(cJSON_GetObjectItem(phase, "rays"));
+        const double counted = cJSON_GetNumberValue(cJSON_GetObjectItem(baked_rays, name));
+        /* Lightmaps do not count the rays that look whether a texel lies in a solid. */
+        const bool agree = strcmp(name, "lightmaps") == 0 ? rays >= counted : rays == counted;
+        CHECK(counted > 0.0 && agree, "%s: %.0f rays, in bake.json %.0f", name, rays, counted);
+        const double recorded = cJSON_GetNumberValue(cJSON_GetObjectItem(phase, "recorded"));
+        CHECK(recorded > 0.0 && recorded <= rays, "%s: %.0f recorded of %.0f", name, recorded, rays);
+        const double ratio = cJSON_GetNumberValue(cJSON_GetObjectItem(phase, "ratio"));
+        CHECK(ratio > 0.0 && isfinite(ratio), "%s: %g", name, ratio);
+        ++phases;
+    }
+    CHECK(phases == 4, "%d phases", phases);
+    cJSON_Delete(record);
+    cJSON_Delete(json);
+}
+
 static void many_points_on_standard_input(void)
 {
     char printed[8192];
@@ -295,6 +340,7 @@ static const test_case cases[] = {
     {"exit_statuses", exit_statuses},
     {"threads_give_equal_bytes", threads_give_equal_bytes},
     {"json_outputs", json_outputs},
+    {"bench_counts_the_bakes_rays", bench_counts_the_bakes_rays},
     {"many_points_on_standard_input", many_points_on_standard_input},
     {"pictures", pictures},
     {"another_level_is_refused", another_level_is_refused},

@@ -17,16 +17,6 @@
 
 enum { PATH_SIZE = 4096, DRY_RUN_PROBES = 64 };
 
-/* Everything a bake holds in memory. */
-typedef struct lmb_bake {
-    const lmb_bake_settings *settings;
-    lmb_level *level;
-    const lmb_progress *progress;
-    lmb_grid *grid;
-    lmb_lightmap *lightmap;
-    lmb_bake_record record;
-} lmb_bake;
-
 static lmb_result path_make(const char *directory, const char *name, char path[PATH_SIZE], lmb_error *error)
 {
     const int length = snprintf(path, PATH_SIZE, "%s/%s", directory, name);
@@ -54,63 +44,6 @@ static lmb_result directory_make(const char *directory, lmb_error *error)
         }
     }
     return LMB_OK;
-}
-
-static lmb_result step_place(lmb_bake *bake, lmb_error *error)
-{
-    const double start = seconds_now();
-    lmb_result result = lmb_placement_make(bake->level->tracer, &bake->settings->placement, bake->level->pool,
-                                           bake->progress, &bake->grid, &bake->record.placement, error);
-    bake->record.seconds_place = seconds_now() - start;
-    if (result != LMB_OK || bake->settings->level.options.quiet) {
-        return result;
-    }
-    if (bake->record.placement.everything_solid) {
-        fprintf(stderr,
-                "lambent: warning: %s: all faces look away from all free space; baking everywhere in its "
-                "bounds\n",
-                bake->level->scene->path);
-    }
-    if (bake->record.placement.seeds_in_solid) {
-        fprintf(stderr, "lambent: warning: a seed point lies inside something, or outside the level: ignored\n");
-    }
-    return LMB_OK;
-}
-
-static lmb_result step_layout(lmb_bake *bake, lmb_error *error)
-{
-    if (!bake->settings->lightmaps) {
-        return LMB_OK;
-    }
-    lmb_lightmap_settings settings = lmb_lightmap_settings_default(bake->level->scene);
-    if (bake->settings->texels_per_m > 0.0f) {
-        settings.texels_per_m = bake->settings->texels_per_m;
-    }
-    const double start = seconds_now();
-    const lmb_result result = lmb_lightmap_create(bake->level->scene, &settings, &bake->lightmap, error);
-    bake->record.seconds_place += seconds_now() - start;
-    return result;
-}
-
-static lmb_result step_probes(lmb_bake *bake, lmb_error *error)
-{
-    const double start = seconds_now();
-    const lmb_result result = lmb_grid_bake(bake->grid, &bake->level->transport, bake->settings->samples,
-                                            bake->level->pool, bake->progress, &bake->record.probes);
-    bake->record.seconds_probes = seconds_now() - start;
-    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "probes: %s", lmb_result_text(result));
-}
-
-static lmb_result step_lightmaps(lmb_bake *bake, lmb_error *error)
-{
-    if (!bake->lightmap) {
-        return LMB_OK;
-    }
-    const double start = seconds_now();
-    const lmb_result result = lmb_lightmap_bake(bake->lightmap, &bake->level->transport, bake->settings->samples,
-                                                bake->level->pool, bake->progress, &bake->record.lightmap);
-    bake->record.seconds_lightmaps = seconds_now() - start;
-    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "lightmaps: %s", lmb_result_text(result));
 }
 
 static lmb_result write_lmb(lmb_bake *bake, lmb_error *error)
@@ -173,14 +106,20 @@ static lmb_result write_lightmaps(lmb_bake *bake, lmb_error *error)
 
 static uint64_t bake_rays(const lmb_bake *bake)
 {
-    const lmb_bake_record *record = &bake->record;
-    return bake->level->surface_stats.rays + record->placement.rays + record->probes.rays + record->lightmap.rays;
+    uint64_t rays = 0;
+    for (lmb_bake_phase phase = 0; phase < PHASE_COUNT; ++phase) {
+        rays += bake_phase_rays(bake, phase);
+    }
+    return rays;
 }
 
 static double bake_seconds_tracing(const lmb_bake *bake)
 {
-    const lmb_bake_record *record = &bake->record;
-    return bake->level->seconds_surface + record->seconds_place + record->seconds_probes + record->seconds_lightmaps;
+    double seconds = 0.0;
+    for (lmb_bake_phase phase = 0; phase < PHASE_COUNT; ++phase) {
+        seconds += bake_phase_seconds(bake, phase);
+    }
+    return seconds;
 }
 
 static double bake_mrays_per_s(const lmb_bake *bake)
@@ -202,14 +141,14 @@ static void json_add_seconds(cJSON *json, const lmb_bake *bake)
     cJSON *seconds = cJSON_AddObjectToObject(json, "seconds");
     cJSON_AddNumberToObject(seconds, "load", bake->level->seconds_load);
     cJSON_AddNumberToObject(seconds, "bvh", bake->level->seconds_bvh);
-    cJSON_AddNumberToObject(seconds, "surface", bake->level->seconds_surface);
-    cJSON_AddNumberToObject(seconds, "place", record->seconds_place);
-    cJSON_AddNumberToObject(seconds, "probes", record->seconds_probes);
-    cJSON_AddNumberToObject(seconds, "lightmaps", record->seconds_lightmaps);
+    cJSON_AddNumberToObject(seconds, "layout", record->seconds_layout);
+    for (lmb_bake_phase phase = 0; phase < PHASE_COUNT; ++phase) {
+        cJSON_AddNumberToObject(seconds, bake_phase_name(phase), bake_phase_seconds(bake, phase));
+    }
     cJSON_AddNumberToObject(seconds, "write", record->seconds_write);
     cJSON_AddNumberToObject(seconds, "total",
-                            bake->level->seconds_load + bake->level->seconds_bvh + bake_seconds_tracing(bake) +
-                                record->seconds_write);
+                            bake->level->seconds_load + bake->level->seconds_bvh + record->seconds_layout +
+                                bake_seconds_tracing(bake) + record->seconds_write);
     cJSON_AddNumberToObject(json, "mrays_per_s", bake_mrays_per_s(bake));
 }
 
@@ -240,6 +179,10 @@ static cJSON *record_json(const lmb_bake *bake, cJSON *settings)
     cJSON_AddNumberToObject(json, "texels_pushed_out", (double)record->lightmap.pushed_out);
     cJSON_AddNumberToObject(json, "triangles_dropped", bake->level->scene->dropped_triangle_count);
     cJSON_AddNumberToObject(json, "rays", (double)bake_rays(bake));
+    cJSON *phase_rays = cJSON_AddObjectToObject(json, "phase_rays");
+    for (lmb_bake_phase phase = 0; phase < PHASE_COUNT; ++phase) {
+        cJSON_AddNumberToObject(phase_rays, bake_phase_name(phase), (double)bake_phase_rays(bake, phase));
+    }
     json_add_seconds(json, bake);
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
@@ -363,21 +306,21 @@ static void summary_print(const lmb_bake *bake)
 lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const lmb_progress *progress, lmb_error *error)
 {
     lmb_bake bake = {.settings = settings, .level = level, .progress = progress};
-    lmb_result result = step_place(&bake, error);
+    lmb_result result = bake_place(&bake, error);
     if (result == LMB_OK) {
-        result = step_layout(&bake, error);
+        result = bake_layout(&bake, error);
     }
     if (result == LMB_OK) {
-        result = level_solve(level, settings->estimator, progress, error);
+        result = bake_surface(&bake, error);
     }
     if (result == LMB_OK && settings->dry_run) {
         result = step_dry_run(&bake, error);
     } else {
         if (result == LMB_OK) {
-            result = step_probes(&bake, error);
+            result = bake_probes(&bake, error);
         }
         if (result == LMB_OK) {
-            result = step_lightmaps(&bake, error);
+            result = bake_lightmaps(&bake, error);
         }
         if (result == LMB_OK) {
             result = step_write(&bake, error);
@@ -386,7 +329,6 @@ lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const l
             summary_print(&bake);
         }
     }
-    lmb_lightmap_destroy(bake.lightmap);
-    lmb_grid_destroy(bake.grid);
+    bake_close(&bake);
     return result;
 }

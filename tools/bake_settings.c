@@ -4,6 +4,65 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "command.h"
+
+lmb_bake_settings bake_settings_default(void)
+{
+    return (lmb_bake_settings){
+        .level = {.options = level_options_default()}, .placement = lmb_placement_settings_default(), .samples = 256};
+}
+
+static void quality_set(lmb_bake_settings *settings, lmb_arguments *arguments, const char *name)
+{
+    static const struct {
+        const char *name;
+        uint32_t samples;
+    } qualities[] = {{"draft", 64}, {"medium", 256}, {"high", 1024}};
+    for (size_t i = 0; i < sizeof qualities / sizeof qualities[0]; ++i) {
+        if (strcmp(name, qualities[i].name) == 0) {
+            settings->samples = qualities[i].samples;
+            return;
+        }
+    }
+    arguments_error(arguments, "--quality takes draft, medium or high, not", name);
+}
+
+static void seed_point_add(lmb_bake_settings *settings, lmb_arguments *arguments, const char *option)
+{
+    if (settings->placement.seed_count == BAKE_MAX_SEEDS) {
+        arguments_error(arguments, "too many", option);
+        return;
+    }
+    settings->seeds[settings->placement.seed_count++] = arguments_vector(arguments, option);
+    settings->placement.seeds = settings->seeds;
+}
+
+bool bake_settings_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument)
+{
+    if (level_argument(&settings->level, arguments, argument) ||
+        estimator_argument(&settings->estimator, arguments, argument)) {
+        return true;
+    }
+    if (strcmp(argument, "--spacing") == 0) {
+        settings->placement.spacing = (float)arguments_number(arguments, argument, 1e-6, 1e6);
+    } else if (strcmp(argument, "--max-probes") == 0) {
+        settings->placement.max_probes = (int32_t)arguments_integer(arguments, argument, 27, 1 << 28);
+    } else if (strcmp(argument, "--seed-point") == 0) {
+        seed_point_add(settings, arguments, argument);
+    } else if (strcmp(argument, "--quality") == 0) {
+        quality_set(settings, arguments, arguments_text(arguments, argument));
+    } else if (strcmp(argument, "--samples") == 0) {
+        settings->samples = (uint32_t)arguments_integer(arguments, argument, 1, 1 << 28);
+    } else if (strcmp(argument, "--texels-per-m") == 0) {
+        settings->texels_per_m = (float)arguments_number(arguments, argument, 1e-6, 1e6);
+    } else if (argument[0] != '-' && !settings->level.options.path) {
+        settings->level.options.path = argument;
+    } else {
+        return false;
+    }
+    return true;
+}
+
 void hash_text(uint64_t hash, char text[17])
 {
     snprintf(text, 17, "%016" PRIx64, hash);

@@ -24,6 +24,22 @@ typedef struct lmb_bake_settings {
     bool json_progress;
 } lmb_bake_settings;
 
+/* Medium quality, no lightmaps, the level's own spacing and density; no level. */
+lmb_bake_settings bake_settings_default(void);
+
+/* Takes `argument` when it is the level, one of level_argument's options, or one of those of BAKE_USAGE: what decides
+ * what a bake makes. */
+bool bake_settings_argument(lmb_bake_settings *settings, struct lmb_arguments *arguments, const char *argument);
+#define BAKE_USAGE                                                                                                     \
+    "  --spacing M           metres between probes (default: from the level's size)\n"                                 \
+    "  --max-probes N        the spacing grows until there are no more (default 262144)\n"                             \
+    "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"                              \
+    "  --texels-per-m N      lightmap density (default: from the level's size)\n"                                      \
+    "  --quality NAME        draft, medium or high: 64, 256 or 1024 samples (default medium)\n"                        \
+    "  --samples N           samples at each probe and texel, in place of --quality\n"                                 \
+    "  --estimator NAME      cached: solve the light on surfaces first, then gather it (default);\n"                   \
+    "                        reference: trace every path to its end, unbiased and slower\n"
+
 /* The settings as JSON, with the level's content hash; what does not change bytes (threads, progress) is left out.
  * `spacing` and `lightmap` (NULL: none) are what was used in the end. */
 cJSON *bake_settings_json(const lmb_bake_settings *settings, const lmb_level *level, float spacing,

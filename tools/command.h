@@ -67,6 +67,7 @@ double seconds_now(void);
 
 /* count and values: what follows the command's name. */
 int command_bake(int count, char **values);
+int command_bench(int count, char **values);
 int command_check(int count, char **values);
 int command_info(int count, char **values);
 int command_probe(int count, char **values);

@@ -119,6 +119,9 @@ void level_close(lmb_level *closed)
 
 lmb_result level_solve(lmb_level *level, lmb_estimator estimator, const lmb_progress *progress, lmb_error *error)
 {
+    lmb_surface_light_destroy(level->surface);
+    level->surface = NULL;
+    level->transport.surface = NULL;
     if (estimator == ESTIMATOR_REFERENCE) {
         return LMB_OK;
     }

@@ -72,7 +72,7 @@ typedef struct lmb_level {
 lmb_result level_open(const lmb_level_options *options, lmb_level *opened, lmb_error *error);
 void level_close(lmb_level *closed);
 
-/* Solves the light on the level's surfaces and lets `transport` gather from it, for ESTIMATOR_CACHED. A level with too
+/* Solves the light on the level's surfaces, anew if it was before, and lets `transport` gather from it, for ESTIMATOR_CACHED. A level with too
  * many triangles for that stays with the reference, with a warning unless quiet. */
 lmb_result level_solve(lmb_level *level, lmb_estimator estimator, const lmb_progress *progress, lmb_error *error);
 

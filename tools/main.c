@@ -10,6 +10,7 @@ static const struct {
     const char *about;
 } commands[] = {
     {"bake", command_bake, "bake a level's probe volume and lightmaps into a folder"},
+    {"bench", command_bench, "measure how fast a bake traces"},
     {"check", command_check, "measure a bake against the path-traced truth"},
     {"info", command_info, "say what is in a .vdb, .lmb or .exr of ours"},
     {"probe", command_probe, "trace one probe of a level on the spot"},

@@ -1,0 +1,95 @@
+#include "bake_phases.h"
+
+#include <stdio.h>
+
+#include "command.h"
+
+lmb_result bake_place(lmb_bake *bake, lmb_error *error)
+{
+    const double start = seconds_now();
+    lmb_result result = lmb_placement_make(bake->level->tracer, &bake->settings->placement, bake->level->pool,
+                                           bake->progress, &bake->grid, &bake->record.placement, error);
+    bake->record.seconds_place = seconds_now() - start;
+    if (result != LMB_OK || bake->settings->level.options.quiet) {
+        return result;
+    }
+    if (bake->record.placement.everything_solid) {
+        fprintf(stderr,
+                "lambent: warning: %s: all faces look away from all free space; baking everywhere in its "
+                "bounds\n",
+                bake->level->scene->path);
+    }
+    if (bake->record.placement.seeds_in_solid) {
+        fprintf(stderr, "lambent: warning: a seed point lies inside something, or outside the level: ignored\n");
+    }
+    return LMB_OK;
+}
+
+lmb_result bake_layout(lmb_bake *bake, lmb_error *error)
+{
+    if (!bake->settings->lightmaps) {
+        return LMB_OK;
+    }
+    lmb_lightmap_settings settings = lmb_lightmap_settings_default(bake->level->scene);
+    if (bake->settings->texels_per_m > 0.0f) {
+        settings.texels_per_m = bake->settings->texels_per_m;
+    }
+    const double start = seconds_now();
+    const lmb_result result = lmb_lightmap_create(bake->level->scene, &settings, &bake->lightmap, error);
+    bake->record.seconds_layout = seconds_now() - start;
+    return result;
+}
+
+lmb_result bake_surface(lmb_bake *bake, lmb_error *error)
+{
+    return level_solve(bake->level, bake->settings->estimator, bake->progress, error);
+}
+
+lmb_result bake_probes(lmb_bake *bake, lmb_error *error)
+{
+    const double start = seconds_now();
+    const lmb_result result = lmb_grid_bake(bake->grid, &bake->level->transport, bake->settings->samples,
+                                            bake->level->pool, bake->progress, &bake->record.probes);
+    bake->record.seconds_probes = seconds_now() - start;
+    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "probes: %s", lmb_result_text(result));
+}
+
+lmb_result bake_lightmaps(lmb_bake *bake, lmb_error *error)
+{
+    if (!bake->lightmap) {
+        return LMB_OK;
+    }
+    const double start = seconds_now();
+    const lmb_result result = lmb_lightmap_bake(bake->lightmap, &bake->level->transport, bake->settings->samples,
+                                                bake->level->pool, bake->progress, &bake->record.lightmap);
+    bake->record.seconds_lightmaps = seconds_now() - start;
+    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "lightmaps: %s", lmb_result_text(result));
+}
+
+void bake_close(lmb_bake *bake)
+{
+    lmb_lightmap_destroy(bake->lightmap);
+    lmb_grid_destroy(bake->grid);
+    bake->lightmap = NULL;
+    bake->grid = NULL;
+}
+
+const char *bake_phase_name(lmb_bake_phase phase)
+{
+    static const char *const names[PHASE_COUNT] = {"place", "surface", "probes", "lightmaps"};
+    return names[phase];
+}
+
+uint64_t bake_phase_rays(const lmb_bake *bake, lmb_bake_phase phase)
+{
+    const uint64_t rays[PHASE_COUNT] = {bake->record.placement.rays, bake->level->surface_stats.rays,
+                                        bake->record.probes.rays, bake->record.lightmap.rays};
+    return rays[phase];
+}
+
+double bake_phase_seconds(const lmb_bake *bake, lmb_bake_phase phase)
+{
+    const double seconds[PHASE_COUNT] = {bake->record.seconds_place, bake->level->seconds_surface,
+                                         bake->record.seconds_probes, bake->record.seconds_lightmaps};
+    return seconds[phase];
+}

@@ -1,0 +1,209 @@
+#define _POSIX_C_SOURCE 200809L
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bench_rays.h"
+#include "command.h"
+#include "query.h"
+
+static const char usage[] = "usage: lambent bench --rays LEVEL [options]\n"
+                            "\n"
+                            "Measures how fast a bake with lightmaps traces its rays, phase by phase, beside bare "
+                            "Embree on the same rays: some\n"
+                            "of them are recorded, and replayed on the same BVH by as many threads. Writes no files. "
+                            "Time it on a machine that\n"
+                            "does nothing else.\n"
+                            "\n"
+                            "  --rays LEVEL          the level to bake (.gltf or .glb)\n"
+                            "  --repeat N            medians of N bakes and replays in turn (default 3)\n"
+                            "  --json                one JSON object on standard output\n" BAKE_USAGE LEVEL_USAGE;
+
+/* Of the phases that trace, all together. */
+static lmb_bench_phase phases_sum(const lmb_bench_phase phase[PHASE_COUNT])
+{
+    lmb_bench_phase sum = {0};
+    for (int i = 0; i < PHASE_COUNT; ++i) {
+        if (phase[i].rays > 0) {
+            sum.rays += phase[i].rays;
+            sum.recorded += phase[i].recorded;
+            sum.seconds += phase[i].seconds;
+            sum.cpu_seconds += phase[i].cpu_seconds;
+            sum.bare_seconds += phase[i].bare_seconds;
+            sum.bare_cpu_seconds += phase[i].bare_cpu_seconds;
+            sum.best_seconds += phase[i].best_seconds;
+        }
+    }
+    return sum;
+}
+
+static double quotient(double a, double b)
+{
+    return b > 0.0 ? a / b : 0.0;
+}
+
+/* "model name" of the first processor, as Linux has it. */
+static void processor_name(char *name, size_t size)
+{
+    snprintf(name, size, "unknown processor");
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    char line[256];
+    while (file && fgets(line, sizeof line, file)) {
+        const char *colon = strchr(line, ':');
+        if (strncmp(line, "model name", 10) == 0 && colon && colon[1]) {
+            snprintf(name, size, "%.*s", (int)strcspn(colon + 2, "\n"), colon + 2);
+            break;
+        }
+    }
+    if (file) {
+        fclose(file);
+    }
+}
+
+static void machine_text(char text[512])
+{
+    char name[256];
+    processor_name(name, sizeof name);
+    snprintf(text, 512, "%s, %ld processors, compiler %s, lambent %s", name, sysconf(_SC_NPROCESSORS_ONLN), __VERSION__,
+             LMB_VERSION);
+}
+
+static const char *const call_names[LMB_REPLAY_CALLS] = {"single", "packet of 8", "coherent stream",
+                                                         "incoherent stream"};
+
+static void json_add_rates(cJSON *json, const lmb_bench_phase *phase)
+{
+    const double millions = 1e-6 * (double)phase->rays;
+    cJSON_AddNumberToObject(json, "rays", (double)phase->rays);
+    cJSON_AddNumberToObject(json, "recorded", (double)phase->recorded);
+    cJSON_AddNumberToObject(json, "seconds", phase->seconds);
+    cJSON_AddNumberToObject(json, "mrays_per_s", quotient(millions, phase->seconds));
+    cJSON_AddNumberToObject(json, "bare_mrays_per_s", quotient(millions, phase->bare_seconds));
+    cJSON_AddNumberToObject(json, "best_mrays_per_s", quotient(millions, phase->best_seconds));
+    cJSON_AddNumberToObject(json, "ratio", quotient(phase->bare_seconds, phase->seconds));
+    cJSON_AddNumberToObject(json, "best_ratio", quotient(phase->best_seconds, phase->seconds));
+    cJSON_AddNumberToObject(json, "cpu_ratio", quotient(phase->bare_cpu_seconds, phase->cpu_seconds));
+}
+
+static cJSON *phase_json(const lmb_bench_phase *phase, lmb_bake_phase number)
+{
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "name", bake_phase_name(number));
+    json_add_rates(json, phase);
+    cJSON *best = cJSON_AddObjectToObject(json, "best");
+    cJSON_AddStringToObject(best, "nearest", call_names[phase->best[LMB_RAY_NEAREST]]);
+    cJSON_AddStringToObject(best, "occluded", call_names[phase->best[LMB_RAY_OCCLUDED]]);
+    return json;
+}
+
+/* How many times faster all threads are than one: the bake, and bare Embree. */
+static void scaling_find(const lmb_bench_rays *bench, double *bake, double *bare)
+{
+    const lmb_bench_phase one = phases_sum(bench->phase[0]);
+    const lmb_bench_phase all = phases_sum(bench->phase[1]);
+    *bake = quotient(one.seconds, all.seconds);
+    *bare = quotient(one.bare_seconds, all.bare_seconds);
+}
+
+static void bench_print_json(const lmb_bench_rays *bench, const char *machine)
+{
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "machine", machine);
+    cJSON_AddNumberToObject(json, "threads", bench->threads);
+    cJSON *phases = cJSON_AddArrayToObject(json, "phases");
+    for (int i = 0; i < PHASE_COUNT; ++i) {
+        cJSON_AddItemToArray(phases, phase_json(&bench->phase[1][i], (lmb_bake_phase)i));
+    }
+    const lmb_bench_phase all = phases_sum(bench->phase[1]);
+    json_add_rates(json, &all);
+    double bake, bare;
+    scaling_find(bench, &bake, &bare);
+    cJSON *scaling = cJSON_AddObjectToObject(json, "scaling");
+    cJSON_AddNumberToObject(scaling, "bake", bake);
+    cJSON_AddNumberToObject(scaling, "bare", bare);
+    cJSON_AddNumberToObject(scaling, "ratio", quotient(bake, bare));
+    json_print_line(json);
+}
+
+static void row_print(const char *name, const lmb_bench_phase *phase)
+{
+    const double millions = 1e-6 * (double)phase->rays;
+    printf("%-10s %9.3f %9.3f %8.2f %8.2f %7.1f %% %8.2f %7.1f %%\n", name, millions, phase->seconds,
+           quotient(millions, phase->seconds), quotient(millions, phase->bare_seconds),
+           100.0 * quotient(phase->bare_seconds, phase->seconds), quotient(millions, phase->best_seconds),
+           100.0 * quotient(phase->best_seconds, phase->seconds));
+}
+
+static void bench_print(const lmb_bench_rays *bench, const char *machine)
+{
+    printf(
+        "%s\n%d threads. Rates in million rays a second; bare: Embree, single rays as the bake traced them; best: its\n"
+        "best call for each kind of ray.\n\n",
+        machine, bench->threads);
+    printf("%-10s %9s %9s %8s %8s %9s %8s %9s\n", "phase", "Mrays", "seconds", "bake", "bare", "of bare", "best",
+           "of best");
+    for (int i = 0; i < PHASE_COUNT; ++i) {
+        row_print(bake_phase_name((lmb_bake_phase)i), &bench->phase[1][i]);
+    }
+    const lmb_bench_phase all = phases_sum(bench->phase[1]);
+    row_print("all", &all);
+    double bake, bare;
+    scaling_find(bench, &bake, &bare);
+    printf("\nby CPU seconds %.1f %% of bare\nfrom 1 to %d threads: bake %.3f times, bare %.3f times, ratio %.3f\n",
+           100.0 * quotient(all.bare_cpu_seconds, all.cpu_seconds), bench->threads, bake, bare, quotient(bake, bare));
+}
+
+/* Reads the command line. False: a usage error was printed, or --help. */
+static bool bench_arguments(lmb_arguments *arguments, lmb_bake_settings *settings, int *repeats, bool *json)
+{
+    for (const char *argument; (argument = arguments_next(arguments));) {
+        if (strcmp(argument, "--rays") == 0) {
+            settings->level.options.path = arguments_text(arguments, argument);
+        } else if (strcmp(argument, "--repeat") == 0) {
+            *repeats = (int)arguments_integer(arguments, argument, 1, BENCH_MAX_REPEATS);
+        } else if (strcmp(argument, "--json") == 0) {
+            *json = true;
+        } else if (argument[0] != '-' || !bake_settings_argument(settings, arguments, argument)) {
+            arguments_error(arguments, "unexpected argument (only --rays LEVEL is measured)", argument);
+        }
+    }
+    if (!arguments->failed && !arguments->help && !settings->level.options.path) {
+        arguments_error(arguments, "missing option", "--rays LEVEL");
+    }
+    return !arguments->failed && !arguments->help;
+}
+
+int command_bench(int count, char **values)
+{
+    lmb_arguments arguments = arguments_begin(count, values, "bench", usage);
+    lmb_bake_settings settings = bake_settings_default();
+    settings.lightmaps = true;
+    int repeats = 3;
+    bool json = false;
+    if (!bench_arguments(&arguments, &settings, &repeats, &json)) {
+        return arguments_status(&arguments);
+    }
+    lmb_error error = {{0}};
+    lmb_level level;
+    lmb_result result = level_open(&settings.level.options, &level, &error);
+    if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    lmb_console console;
+    const lmb_progress progress = console_progress(&console, settings.level.options.quiet || json, false);
+    lmb_bench_rays bench;
+    result = bench_rays_measure(&settings, &level, repeats, &progress, &bench, &error);
+    console_finish(&console);
+    level_close(&level);
+    if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    char machine[512];
+    machine_text(machine);
+    if (json) {
+        bench_print_json(&bench, machine);
+    } else {
+        bench_print(&bench, machine);
+    }
+    return EXIT_DONE;
+}
