@@ -14,7 +14,7 @@ enum { PROBES_PER_TASK = 4 };
 typedef struct lmb_grid_work {
     lmb_grid *grid;
     const lmb_transport *transport;
-    uint32_t samples;
+    const lmb_gather_effort *effort;
     lmb_grid_bake_stats *stats; /* [probe] zero when not baked */
 } lmb_grid_work;
 
@@ -35,19 +35,20 @@ static void grid_task(void *context, size_t task, int worker)
         const lmb_gather_point point = {.position = position,
                                         .min_light_distance = LIGHT_DISTANCE_SPACINGS * grid->spacing};
         lmb_gathered gathered;
-        lmb_gather_sh3(work->transport, &point, work->samples, &gathered);
+        lmb_gather_sh3_area(work->transport, &point, 1, work->effort, &gathered);
         grid->radiance[i] = gathered.moments;
-        work->stats[i] = (lmb_grid_bake_stats){rays + gathered.rays, gathered.squared_error, gathered.squared_length};
+        work->stats[i] = (lmb_grid_bake_stats){gathered.samples, rays + gathered.rays, gathered.squared_error,
+                                               gathered.squared_length};
     }
 }
 
-lmb_result lmb_grid_bake(lmb_grid *grid, const lmb_transport *transport, uint32_t samples, lmb_pool *pool,
-                         const lmb_progress *progress, lmb_grid_bake_stats *stats)
+lmb_result lmb_grid_bake(lmb_grid *grid, const lmb_transport *transport, const lmb_gather_effort *effort,
+                         lmb_pool *pool, const lmb_progress *progress, lmb_grid_bake_stats *stats)
 {
     const size_t count = (size_t)grid->probe_count;
     lmb_grid_work work = {.grid = grid,
                           .transport = transport,
-                          .samples = samples,
+                          .effort = effort,
                           .stats = calloc(count + 1, sizeof(lmb_grid_bake_stats))};
     lmb_result result = work.stats ? LMB_OK : LMB_ERROR_MEMORY;
     if (result == LMB_OK) {
@@ -57,6 +58,7 @@ lmb_result lmb_grid_bake(lmb_grid *grid, const lmb_transport *transport, uint32_
     if (result == LMB_OK) {
         *stats = (lmb_grid_bake_stats){0};
         for (size_t i = 0; i < count; ++i) {
+            stats->samples += work.stats[i].samples;
             stats->rays += work.stats[i].rays;
             stats->squared_error += work.stats[i].squared_error;
             stats->squared_length += work.stats[i].squared_length;

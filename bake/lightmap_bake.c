@@ -24,6 +24,7 @@ typedef struct bake_texel {
 /* What one task has counted. */
 typedef struct bake_count {
     uint64_t pushed_out;
+    uint64_t samples;
     uint64_t rays;
     double squared_error;
     double squared_length;
@@ -32,7 +33,7 @@ typedef struct bake_count {
 typedef struct bake_work {
     lmb_lightmap *lightmap;
     const lmb_transport *transport;
-    uint32_t samples;
+    const lmb_gather_effort *effort;
     size_t texel_count;
     bake_texel *texels;
     bake_count *counts; /* [task] */
@@ -93,7 +94,7 @@ static void texel_bake(const bake_work *work, const bake_texel *texel, bake_coun
     const lmb_gather_point point =
         lmb_surface_gather_point(tracer, &place, work->lightmap->region[texel->instance].texel_size, &pushed_out);
     lmb_gathered gathered;
-    lmb_gather_sh3(work->transport, &point, work->samples, &gathered);
+    lmb_gather_sh3_area(work->transport, &point, 1, work->effort, &gathered);
     lmb_sh3_rgb radiance;
     for (int c = 0; c < 3; ++c) {
         radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered.moments.channel[c], point.normal);
@@ -102,6 +103,7 @@ static void texel_bake(const bake_work *work, const bake_texel *texel, bake_coun
     image->texel[texel->pixel] = lmb_irradz_encode(&radiance, point.normal, 0.0f);
     image->state[texel->pixel] = LMB_TEXEL_GATHERED;
     count->pushed_out += pushed_out;
+    count->samples += gathered.samples;
     count->rays += gathered.rays;
     count->squared_error += gathered.squared_error;
     count->squared_length += gathered.squared_length;
@@ -133,6 +135,7 @@ static lmb_lightmap_stats counts_sum(const bake_work *work, size_t tasks)
     lmb_lightmap_stats stats = {.texels = work->texel_count};
     for (size_t i = 0; i < tasks; ++i) {
         stats.pushed_out += work->counts[i].pushed_out;
+        stats.samples += work->counts[i].samples;
         stats.rays += work->counts[i].rays;
         stats.squared_error += work->counts[i].squared_error;
         stats.squared_length += work->counts[i].squared_length;
@@ -140,15 +143,15 @@ static lmb_lightmap_stats counts_sum(const bake_work *work, size_t tasks)
     return stats;
 }
 
-lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, uint32_t samples, lmb_pool *pool,
-                             const lmb_progress *progress, lmb_lightmap_stats *stats)
+lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, const lmb_gather_effort *effort,
+                             lmb_pool *pool, const lmb_progress *progress, lmb_lightmap_stats *stats)
 {
     const size_t texels = (size_t)lightmap->covered_texel_count;
     const size_t tasks = (texels + TEXELS_PER_TASK - 1) / TEXELS_PER_TASK;
     bake_work work = {
         .lightmap = lightmap,
         .transport = transport,
-        .samples = samples,
+        .effort = effort,
         .texels = malloc((texels + 1u) * sizeof(bake_texel)),
         .counts = calloc(tasks + 1u, sizeof(bake_count)),
     };

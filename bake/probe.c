@@ -79,46 +79,48 @@ static lmb_sh3 basis_factors(void)
     return factors;
 }
 
-/* Mean moments of one replicate. */
-static void replicate_gather(const lmb_transport *transport, const lmb_gather_samples *samples, lmb_moment_sum *mean,
-                             uint64_t *rays)
-{
-    const lmb_sh3 factors = basis_factors();
-    memset(mean, 0, sizeof *mean);
-    lmb_gather(transport, samples, moment_sink, mean, rays);
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-            mean->c[c][i] *= (double)factors.c[i] / (double)samples->count;
-        }
-    }
-}
+/* An element while it is gathered. */
+typedef struct gather_work {
+    const lmb_transport *transport;
+    lmb_gather_samples samples;                /* those to be taken now, of the first replicate */
+    lmb_moment_sum sum[LMB_GATHER_REPLICATES]; /* of polynomials */
+    uint64_t rays[LMB_GATHER_REPLICATES];
+} gather_work;
 
-static uint32_t replicate_samples(uint32_t samples)
+static void replicate_task(void *context, size_t task, int worker)
 {
-    const uint32_t share = (samples + LMB_GATHER_REPLICATES - 1) / LMB_GATHER_REPLICATES;
-    return share > 0 ? share : 1;
+    (void)worker;
+    gather_work *work = context;
+    lmb_gather_samples samples = work->samples;
+    samples.replicate = (uint32_t)task;
+    lmb_gather(work->transport, &samples, moment_sink, &work->sum[task], &work->rays[task]);
 }
 
 /* Mean of the replicates, and the standard error of that mean from their spread. */
-static void replicates_combine(const lmb_moment_sum mean[LMB_GATHER_REPLICATES], lmb_gathered *gathered)
+static void replicates_combine(const gather_work *work, lmb_gathered *gathered)
 {
     const double count = LMB_GATHER_REPLICATES;
-    gathered->squared_length = 0.0;
-    gathered->squared_error = 0.0;
+    const lmb_sh3 factors = basis_factors();
+    const uint32_t taken = work->samples.first + work->samples.count;
+    *gathered = (lmb_gathered){.samples = LMB_GATHER_REPLICATES * taken};
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            const double scale = (double)factors.c[i] / (double)taken;
             double sum = 0.0;
             for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-                sum += mean[r].c[c][i];
+                sum += scale * work->sum[r].c[c][i];
             }
             const double average = sum / count;
             for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-                const double off = mean[r].c[c][i] - average;
+                const double off = scale * work->sum[r].c[c][i] - average;
                 gathered->squared_error += off * off / (count * (count - 1.0));
             }
             gathered->squared_length += average * average;
             gathered->moments.channel[c].c[i] = (float)average;
         }
+    }
+    for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+        gathered->rays += work->rays[r];
     }
 }
 
@@ -127,55 +129,62 @@ double lmb_relative_error(double squared_error, double squared_length)
     return squared_length > 0.0 ? sqrt(squared_error / squared_length) : 0.0;
 }
 
-typedef struct lmb_replicate_work {
-    const lmb_transport *transport;
-    lmb_gather_samples samples; /* of the first replicate */
-    lmb_moment_sum mean[LMB_GATHER_REPLICATES];
-    uint64_t rays[LMB_GATHER_REPLICATES];
-} lmb_replicate_work;
-
-static void replicate_task(void *context, size_t task, int worker)
+static uint32_t replicate_share(uint32_t samples, uint32_t multiple)
 {
-    (void)worker;
-    lmb_replicate_work *work = context;
-    lmb_gather_samples samples = work->samples;
-    samples.replicate = (uint32_t)task;
-    replicate_gather(work->transport, &samples, &work->mean[task], &work->rays[task]);
+    const uint32_t step = LMB_GATHER_REPLICATES * multiple;
+    const uint32_t shares = samples / step + (samples % step > 0);
+    return (shares > 0 ? shares : 1) * multiple;
 }
 
-static void replicates_finish(const lmb_replicate_work *work, lmb_gathered *gathered)
+static gather_work work_begin(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
+                              uint32_t count)
 {
-    replicates_combine(work->mean, gathered);
-    gathered->rays = 0;
-    for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-        gathered->rays += work->rays[r];
-    }
+    return (gather_work){.transport = transport,
+                         .samples = {.points = points, .point_count = point_count, .count = count}};
+}
+
+static bool effort_is_enough(const lmb_gather_effort *effort, const lmb_gathered *gathered)
+{
+    const double floor_squared = effort->floor * effort->floor;
+    const double squared = gathered->squared_length > floor_squared ? gathered->squared_length : floor_squared;
+    return gathered->squared_error <= effort->tolerance * effort->tolerance * squared;
 }
 
 void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
-                         uint32_t samples, lmb_gathered *gathered)
+                         const lmb_gather_effort *effort, lmb_gathered *gathered)
 {
-    lmb_replicate_work work = {.transport = transport,
-                               .samples = {points, point_count, 0, 0, replicate_samples(samples)}};
-    for (size_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-        replicate_task(&work, r, 0);
+    const bool adapts = effort->max_samples > effort->samples;
+    const uint32_t begin = replicate_share(effort->samples, adapts ? LMB_GATHER_BLOCK : 1);
+    const uint32_t most = adapts ? replicate_share(effort->max_samples, LMB_GATHER_BLOCK) : begin;
+    gather_work work = work_begin(transport, points, point_count, begin);
+    for (;;) {
+        for (size_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+            replicate_task(&work, r, 0);
+        }
+        replicates_combine(&work, gathered);
+        const uint32_t taken = work.samples.first + work.samples.count;
+        if (taken >= most || effort_is_enough(effort, gathered)) {
+            return;
+        }
+        work.samples.first = taken;
+        work.samples.count = most - taken < taken ? most - taken : taken;
     }
-    replicates_finish(&work, gathered);
 }
 
 void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                     lmb_gathered *gathered)
 {
-    lmb_gather_sh3_area(transport, point, 1, samples, gathered);
+    const lmb_gather_effort effort = {.samples = samples};
+    lmb_gather_sh3_area(transport, point, 1, &effort, gathered);
 }
 
 lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                                    lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered)
 {
-    lmb_replicate_work work = {.transport = transport, .samples = {point, 1, 0, 0, replicate_samples(samples)}};
+    gather_work work = work_begin(transport, point, 1, replicate_share(samples, 1));
     const lmb_result result = lmb_pool_run(pool, LMB_GATHER_REPLICATES, replicate_task, &work, "probe", progress);
     if (result == LMB_OK) {
-        replicates_finish(&work, gathered);
+        replicates_combine(&work, gathered);
     }
     return result;
 }

@@ -241,6 +241,28 @@ float lmb_cell_area_share(const lmb_cell *cell)
     return (2.0f * strip + 1.0f) / (strips * strips * (float)grid->columns);
 }
 
+double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *tracer)
+{
+    double sum = 0.0;
+    double total = 0.0;
+    for (uint32_t number = 0; number < light->cell_count; ++number) {
+        const lmb_cell cell = lmb_cell_find(light, number);
+        lmb_vec3 corner[3];
+        lmb_trace_corners(tracer, cell.instance, cell.triangle, corner);
+        const double area =
+            (double)vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
+        const double share = area * (double)lmb_cell_area_share(&cell);
+        for (size_t side = 2 * (size_t)number; side < 2 * (size_t)number + 2; ++side) {
+            const double luminance = (double)lmb_luminance(light->irradiance[side]);
+            if (luminance > 0.0 && isfinite(luminance * share)) {
+                sum += luminance * share;
+                total += share;
+            }
+        }
+    }
+    return total > 0.0 ? sum / total : 0.0;
+}
+
 /* Cells of less than this share of the largest cell's length are too small for anybody to see texture within. */
 #define EVEN_CELL_SHARE 0.25f
 

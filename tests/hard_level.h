@@ -136,8 +136,9 @@ static inline bool hard_bake_volume(hard_level *level, const hard_settings *sett
     lmb_result result = lmb_placement_make(level->traced.tracer, &placement, level->traced.pool, NULL, &level->grid,
                                            &level->placement, &error);
     if (result == LMB_OK) {
-        result = lmb_grid_bake(level->grid, &level->traced.transport, settings->samples, level->traced.pool, NULL,
-                               &level->baked);
+        result =
+            lmb_grid_bake(level->grid, &level->traced.transport, &(lmb_gather_effort){.samples = settings->samples},
+                          level->traced.pool, NULL, &level->baked);
     }
     size_t size = 0;
     if (result == LMB_OK) {
@@ -160,8 +161,9 @@ static inline bool hard_bake_lightmap(hard_level *level, const hard_settings *se
     const lmb_lightmap_settings layout = {settings->texels_per_m, 256};
     lmb_result result = lmb_lightmap_create(level->traced.scene, &layout, &level->lightmap, &error);
     if (result == LMB_OK) {
-        result = lmb_lightmap_bake(level->lightmap, &level->traced.transport, settings->samples, level->traced.pool,
-                                   NULL, &level->lit);
+        result = lmb_lightmap_bake(level->lightmap, &level->traced.transport,
+                                   &(lmb_gather_effort){.samples = settings->samples}, level->traced.pool, NULL,
+                                   &level->lit);
     }
     CHECK(result == LMB_OK, "lightmap: %s: %s", lmb_result_text(result), error.message);
     if (result == LMB_OK) {

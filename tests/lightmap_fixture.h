@@ -39,7 +39,8 @@ static inline bool lightmap_make(baked *bake, float texels_per_m, int32_t max_im
 static inline bool lightmap_bake(baked *bake, uint32_t samples)
 {
     const lmb_result result =
-        lmb_lightmap_bake(bake->lightmap, &bake->level.transport, samples, bake->level.pool, NULL, &bake->stats);
+        lmb_lightmap_bake(bake->lightmap, &bake->level.transport, &(lmb_gather_effort){.samples = samples},
+                          bake->level.pool, NULL, &bake->stats);
     CHECK(result == LMB_OK, "%s", lmb_result_text(result));
     return result == LMB_OK;
 }

@@ -353,7 +353,8 @@ static void lightmaps_take_part(void)
     lmb_lightmap_stats stats;
     lmb_lightmap *lightmap = NULL;
     const bool baked = lmb_lightmap_create(level.scene, &texels, &lightmap, &error) == LMB_OK &&
-                       lmb_lightmap_bake(lightmap, &level.transport, 1024, level.pool, NULL, &stats) == LMB_OK;
+                       lmb_lightmap_bake(lightmap, &level.transport, &(lmb_gather_effort){.samples = 1024}, level.pool,
+                                         NULL, &stats) == LMB_OK;
     CHECK(baked, "%s", error.message);
     const check_subject subject = {&level.transport, light.volume, lightmap, level.pool};
     const check_settings settings = {.points = 200, .samples = 128, .seed = 2};

@@ -464,7 +464,8 @@ static void bake_can_be_stopped(void)
     const lmb_progress progress = {stop_at_once, &calls};
     if (lightmap_make(&bake, 16.0f, 1024)) {
         const lmb_result result =
-            lmb_lightmap_bake(bake.lightmap, &bake.level.transport, 64, bake.level.pool, &progress, &bake.stats);
+            lmb_lightmap_bake(bake.lightmap, &bake.level.transport, &(lmb_gather_effort){.samples = 64},
+                              bake.level.pool, &progress, &bake.stats);
         CHECK(result == LMB_ERROR_INTERRUPTED && calls > 0, "%s", lmb_result_text(result));
         CHECK(count_state(bake.lightmap, LMB_TEXEL_GATHERED) == 0, "a stopped bake left light");
     }

@@ -44,7 +44,9 @@ static void probes_on_walls_see_the_room(void)
     if (grid) {
         CHECK(grid->probe_count == 125 && stats.probes_valid == 125, "%d probes, %d valid", grid->probe_count,
               stats.probes_valid);
-        CHECK(lmb_grid_bake(grid, &level.transport, 1024, level.pool, NULL, &baked) == LMB_OK, "bake");
+        CHECK(lmb_grid_bake(grid, &level.transport, &(lmb_gather_effort){.samples = 1024}, level.pool, NULL, &baked) ==
+                  LMB_OK,
+              "bake");
         for (int32_t i = 0; i < grid->probe_count; ++i) {
             const lmb_vec3 p = lmb_grid_position(grid, i);
             CHECK_NEAR(grid->radiance[i].channel[1].c[0], 2.0 * sqrt(PI) * 2.0, 0.2, "probe at %g %g %g", (double)p.x,

@@ -252,7 +252,8 @@ static void threads_do_not_matter(void)
         lmb_result result =
             lmb_placement_make(level.tracer, &settings, level.pool, NULL, &grids[i], &placement, &error);
         if (result == LMB_OK) {
-            result = lmb_grid_bake(grids[i], &level.transport, 32, level.pool, NULL, &baked);
+            result = lmb_grid_bake(grids[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
+                                   &baked);
         }
         CHECK(result == LMB_OK, "%d threads: %s", threads[i], error.message);
         CHECK(i == 0 || (grids[0] && grids[i] && same_grid(grids[0], grids[i])), "%d threads differ from 1",
@@ -410,6 +411,43 @@ static void cycles_probes(void)
     cJSON_Delete(json);
 }
 
+/* Sampling goes on where the error is above the tolerance, and ends where it is met or the most is taken. */
+static void effort_follows_the_error(void)
+{
+    lmb_error error = {{0}};
+    level_fixture level;
+    if (!level_fixture_open(&level, output_path("effort"), lmb_level_cornell(output_path("effort"), &error), &error,
+                            1)) {
+        return;
+    }
+    static const double tolerances[] = {0.5, 0.1, 0.05, 0.02};
+    const lmb_gather_point point = {.position = {0, 1, 0}};
+    uint32_t before = 0;
+    for (size_t i = 0; i < sizeof tolerances / sizeof tolerances[0]; ++i) {
+        const lmb_gather_effort effort = {.samples = 64, .max_samples = 1 << 16, .tolerance = tolerances[i]};
+        lmb_gathered gathered, fixed;
+        lmb_gather_sh3_area(&level.transport, &point, 1, &effort, &gathered);
+        const double off = lmb_relative_error(gathered.squared_error, gathered.squared_length);
+        CHECK(off <= tolerances[i] && gathered.samples >= before, "tolerance %g: %g by %u samples", tolerances[i], off,
+              gathered.samples);
+        before = gathered.samples;
+        /* The same samples at once: the same light. */
+        lmb_gather_sh3(&level.transport, &point, gathered.samples, &fixed);
+        CHECK(fixed.samples == gathered.samples && fixed.rays == gathered.rays, "%u samples", gathered.samples);
+        CHECK_NEAR(fixed.moments.channel[0].c[0], gathered.moments.channel[0].c[0],
+                   1e-5 * (double)fixed.moments.channel[0].c[0], "tolerance %g", tolerances[i]);
+    }
+    CHECK(before > 256, "%u samples at the last", before);
+    const lmb_gather_effort bounded = {.samples = 8, .max_samples = 100, .tolerance = 1e-6};
+    lmb_gathered most;
+    lmb_gather_sh3_area(&level.transport, &point, 1, &bounded, &most);
+    CHECK(most.samples == 128, "100 samples in whole blocks: %u", most.samples);
+    const lmb_gather_effort dark = {.samples = 64, .max_samples = 1 << 16, .tolerance = 0.01, .floor = 1e6};
+    lmb_gather_sh3_area(&level.transport, &point, 1, &dark, &most);
+    CHECK(most.samples == 64, "far below the floor: %u", most.samples);
+    level_fixture_close(&level);
+}
+
 static const test_case cases[] = {
     {"furnace_is_uniform", furnace_is_uniform},
     {"bounces_are_counted", bounces_are_counted},
@@ -424,6 +462,7 @@ static const test_case cases[] = {
     {"analytic_references", analytic_references},
     {"environment_references", environment_references},
     {"cycles_probes", cycles_probes},
+    {"effort_follows_the_error", effort_follows_the_error},
 };
 
 TEST_MAIN(cases)

@@ -45,11 +45,27 @@ lmb_result bake_surface(lmb_bake *bake, lmb_error *error)
     return level_solve(bake->level, bake->settings->estimator, bake->progress, error);
 }
 
+/* What is darker than this share of the level's mean light is held to that. */
+#define DARK_SHARE 0.01
+
+/* Length of the SH3 moments of three channels of radiance 1 over a hemisphere: sqrt(3 pi + 9 pi / 4). */
+#define UNIT_LENGTH 4.06
+
+lmb_gather_effort bake_effort(const lmb_bake *bake)
+{
+    const lmb_bake_settings *settings = bake->settings;
+    return (lmb_gather_effort){.samples = settings->samples,
+                               .max_samples = settings->max_samples,
+                               .tolerance = settings->tolerance,
+                               .floor = DARK_SHARE * UNIT_LENGTH * bake->level->mean_light};
+}
+
 lmb_result bake_probes(lmb_bake *bake, lmb_error *error)
 {
     const double start = seconds_now();
-    const lmb_result result = lmb_grid_bake(bake->grid, &bake->level->transport, bake->settings->samples,
-                                            bake->level->pool, bake->progress, &bake->record.probes);
+    const lmb_gather_effort effort = bake_effort(bake);
+    const lmb_result result = lmb_grid_bake(bake->grid, &bake->level->transport, &effort, bake->level->pool,
+                                            bake->progress, &bake->record.probes);
     bake->record.seconds_probes = seconds_now() - start;
     return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "probes: %s", lmb_result_text(result));
 }
@@ -60,8 +76,9 @@ lmb_result bake_lightmaps(lmb_bake *bake, lmb_error *error)
         return LMB_OK;
     }
     const double start = seconds_now();
-    const lmb_result result = lmb_lightmap_bake(bake->lightmap, &bake->level->transport, bake->settings->samples,
-                                                bake->level->pool, bake->progress, &bake->record.lightmap);
+    const lmb_gather_effort effort = bake_effort(bake);
+    const lmb_result result = lmb_lightmap_bake(bake->lightmap, &bake->level->transport, &effort, bake->level->pool,
+                                                bake->progress, &bake->record.lightmap);
     bake->record.seconds_lightmaps = seconds_now() - start;
     return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "lightmaps: %s", lmb_result_text(result));
 }

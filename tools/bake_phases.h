@@ -35,6 +35,9 @@ lmb_result bake_probes(lmb_bake *bake, lmb_error *error);
 lmb_result bake_lightmaps(lmb_bake *bake, lmb_error *error);
 void bake_close(lmb_bake *bake);
 
+/* The effort for probes and texels, once the surface phase has run. */
+lmb_gather_effort bake_effort(const lmb_bake *bake);
+
 /* Rays and seconds of the phases that trace. */
 typedef enum lmb_bake_phase { PHASE_PLACE, PHASE_SURFACE, PHASE_PROBES, PHASE_LIGHTMAPS, PHASE_COUNT } lmb_bake_phase;
 const char *bake_phase_name(lmb_bake_phase phase);

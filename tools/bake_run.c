@@ -178,6 +178,7 @@ static cJSON *record_json(const lmb_bake *bake, cJSON *settings)
     cJSON_AddNumberToObject(json, "texels", (double)record->lightmap.texels);
     cJSON_AddNumberToObject(json, "texels_pushed_out", (double)record->lightmap.pushed_out);
     cJSON_AddNumberToObject(json, "triangles_dropped", bake->level->scene->dropped_triangle_count);
+    cJSON_AddNumberToObject(json, "samples", (double)(record->probes.samples + record->lightmap.samples));
     cJSON_AddNumberToObject(json, "rays", (double)bake_rays(bake));
     cJSON *phase_rays = cJSON_AddObjectToObject(json, "phase_rays");
     for (lmb_bake_phase phase = 0; phase < PHASE_COUNT; ++phase) {
@@ -251,7 +252,8 @@ static void trial_task(void *context, size_t task, int worker)
     }
     const lmb_gather_point point = {.position = lmb_grid_position(grid, probe)};
     lmb_gathered gathered;
-    lmb_gather_sh3(&work->bake->level->transport, &point, work->bake->settings->samples, &gathered);
+    const lmb_gather_effort effort = bake_effort(work->bake);
+    lmb_gather_sh3_area(&work->bake->level->transport, &point, 1, &effort, &gathered);
     work->rays[task] = gathered.rays;
 }
 
@@ -278,8 +280,7 @@ static lmb_result step_dry_run(lmb_bake *bake, lmb_error *error)
         printf("cells   %u on surfaces, of %.3g m, solved in %.3g s\n", bake->level->surface_stats.cells,
                (double)lmb_surface_light_cell_size(bake->level->surface), bake->level->seconds_surface);
     }
-    printf("expect  about %.3g s on %d threads, %u samples each\n", seconds, lmb_pool_threads(bake->level->pool),
-           bake->settings->samples);
+    printf("expect  about %.3g s on %d threads\n", seconds, lmb_pool_threads(bake->level->pool));
     return LMB_OK;
 }
 
@@ -296,6 +297,9 @@ static void summary_print(const lmb_bake *bake)
         printf("lightmap  %llu texels in %d images, %.1f s\n", (unsigned long long)record->lightmap.texels,
                bake->lightmap->image_count, record->seconds_lightmaps);
     }
+    const double elements = (double)record->placement.probes_valid + (double)record->lightmap.texels;
+    printf("samples   %.0f for a probe or texel on average\n",
+           (double)(record->probes.samples + record->lightmap.samples) / (elements > 0.0 ? elements : 1.0));
     printf("rays      %.3g million, %.2f million a second\n", 1e-6 * (double)bake_rays(bake), bake_mrays_per_s(bake));
     printf("error     %.2f %% estimated (standard error, relative, of probes and texels)\n",
            100.0 * record_relative_error(record));

@@ -6,21 +6,36 @@
 
 #include "command.h"
 
+enum { MIN_SAMPLES = 64 };
+
+typedef struct bake_quality {
+    const char *name;
+    double tolerance;
+    uint32_t max_samples;
+} bake_quality;
+
+static const bake_quality qualities[] = {{"draft", 0.12, 256}, {"medium", 0.06, 1024}, {"high", 0.03, 4096}};
+
+static void quality_use(lmb_bake_settings *settings, const bake_quality *quality)
+{
+    settings->samples = MIN_SAMPLES;
+    settings->max_samples = quality->max_samples;
+    settings->tolerance = quality->tolerance;
+}
+
 lmb_bake_settings bake_settings_default(void)
 {
-    return (lmb_bake_settings){
-        .level = {.options = level_options_default()}, .placement = lmb_placement_settings_default(), .samples = 256};
+    lmb_bake_settings settings = {.level = {.options = level_options_default()},
+                                  .placement = lmb_placement_settings_default()};
+    quality_use(&settings, &qualities[1]);
+    return settings;
 }
 
 static void quality_set(lmb_bake_settings *settings, lmb_arguments *arguments, const char *name)
 {
-    static const struct {
-        const char *name;
-        uint32_t samples;
-    } qualities[] = {{"draft", 64}, {"medium", 256}, {"high", 1024}};
     for (size_t i = 0; i < sizeof qualities / sizeof qualities[0]; ++i) {
         if (strcmp(name, qualities[i].name) == 0) {
-            settings->samples = qualities[i].samples;
+            quality_use(settings, &qualities[i]);
             return;
         }
     }
@@ -53,6 +68,9 @@ bool bake_settings_argument(lmb_bake_settings *settings, lmb_arguments *argument
         quality_set(settings, arguments, arguments_text(arguments, argument));
     } else if (strcmp(argument, "--samples") == 0) {
         settings->samples = (uint32_t)arguments_integer(arguments, argument, 1, 1 << 28);
+        settings->max_samples = settings->samples;
+    } else if (strcmp(argument, "--tolerance") == 0) {
+        settings->tolerance = arguments_number(arguments, argument, 1e-6, 1.0);
     } else if (strcmp(argument, "--texels-per-m") == 0) {
         settings->texels_per_m = (float)arguments_number(arguments, argument, 1e-6, 1e6);
     } else if (argument[0] != '-' && !settings->level.options.path) {
@@ -92,6 +110,8 @@ cJSON *bake_settings_json(const lmb_bake_settings *settings, const lmb_level *le
     cJSON_AddNumberToObject(json, "bounces", options->bounces);
     cJSON_AddNumberToObject(json, "seed", (double)options->seed);
     cJSON_AddNumberToObject(json, "samples", settings->samples);
+    cJSON_AddNumberToObject(json, "max_samples", settings->max_samples);
+    cJSON_AddNumberToObject(json, "tolerance", settings->tolerance);
     cJSON_AddStringToObject(json, "estimator", estimator_name(settings->estimator));
     cJSON_AddNumberToObject(json, "spacing", (double)spacing);
     cJSON_AddNumberToObject(json, "max_probes", settings->placement.max_probes);

@@ -16,7 +16,9 @@ typedef struct lmb_bake_settings {
     const char *directory;
     lmb_placement_settings placement;
     lmb_vec3 seeds[BAKE_MAX_SEEDS];
-    uint32_t samples; /* at each probe and texel */
+    uint32_t samples; /* at each probe and texel; at least, if max_samples is more */
+    uint32_t max_samples;
+    double tolerance; /* relative standard error that ends an element's sampling */
     lmb_estimator estimator;
     bool lightmaps;
     float texels_per_m; /* 0: lmb_lightmap_settings_default */
@@ -35,8 +37,10 @@ bool bake_settings_argument(lmb_bake_settings *settings, struct lmb_arguments *a
     "  --max-probes N        the spacing grows until there are no more (default 262144)\n"                             \
     "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"                              \
     "  --texels-per-m N      lightmap density (default: from the level's size)\n"                                      \
-    "  --quality NAME        draft, medium or high: 64, 256 or 1024 samples (default medium)\n"                        \
-    "  --samples N           samples at each probe and texel, in place of --quality\n"                                 \
+    "  --quality NAME        draft, medium or high: noise of 12, 6 or 3 %, by at most 256, 1024 or\n"                  \
+    "                        4096 samples at each probe and texel (default medium)\n"                                  \
+    "  --tolerance E         the noise as a share of the light, in place of the quality's\n"                           \
+    "  --samples N           just so many samples everywhere, in place of both\n"                                      \
     "  --estimator NAME      cached: solve the light on surfaces first, then gather it (default);\n"                   \
     "                        reference: trace every path to its end, unbiased and slower\n"
 

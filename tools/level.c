@@ -131,6 +131,9 @@ lmb_result level_solve(lmb_level *level, lmb_estimator estimator, const lmb_prog
                                                       &level->surface, &level->surface_stats, error);
     level->transport.surface = level->surface;
     level->seconds_surface = seconds_now() - start;
+    if (result == LMB_OK) {
+        level->mean_light = lmb_surface_light_mean(level->surface, level->tracer);
+    }
     if (result != LMB_ERROR_UNSUPPORTED) {
         return result;
     }

@@ -62,6 +62,7 @@ typedef struct lmb_level {
     lmb_transport transport;    /* ready to gather with */
     lmb_surface_light *surface; /* what `transport` gathers from; NULL: reference */
     lmb_surface_light_stats surface_stats;
+    double mean_light; /* lmb_surface_light_mean; 0 without surface light */
     double seconds_load;
     double seconds_bvh;
     double seconds_surface;
@@ -72,8 +73,8 @@ typedef struct lmb_level {
 lmb_result level_open(const lmb_level_options *options, lmb_level *opened, lmb_error *error);
 void level_close(lmb_level *closed);
 
-/* Solves the light on the level's surfaces, anew if it was before, and lets `transport` gather from it, for ESTIMATOR_CACHED. A level with too
- * many triangles for that stays with the reference, with a warning unless quiet. */
+/* Solves the light on the level's surfaces, anew if it was before, and lets `transport` gather from it, for
+ * ESTIMATOR_CACHED. A level with too many triangles for that stays with the reference, with a warning unless quiet. */
 lmb_result level_solve(lmb_level *level, lmb_estimator estimator, const lmb_progress *progress, lmb_error *error);
 
 #endif

@@ -61,16 +61,17 @@ void lmb_lightmap_destroy(lmb_lightmap *lightmap);
 typedef struct lmb_lightmap_stats {
     uint64_t texels;     /* gathered */
     uint64_t pushed_out; /* texels whose point started inside geometry and was moved */
+    uint64_t samples;
     uint64_t rays;
     double squared_error; /* summed over the gathered texels, as lmb_gathered has them */
     double squared_length;
 } lmb_lightmap_stats;
 
-/* Gathers `samples` samples at every covered texel over its hemisphere, fits SH3, encodes, and dilates into the
+/* Gathers with that effort at every covered texel over its hemisphere, fits SH3, encodes, and dilates into the
  * padding. Texels of triangles that are partly covered are sampled at the covered point nearest their centre.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
-lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, uint32_t samples, lmb_pool *pool,
-                             const lmb_progress *progress, lmb_lightmap_stats *stats);
+lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, const lmb_gather_effort *effort,
+                             lmb_pool *pool, const lmb_progress *progress, lmb_lightmap_stats *stats);
 
 /* The surface point whose light stands for a point of a triangle, pushed out of geometry that it starts inside of: the
  * gather point of texels, and of checks against them. `radius` is the texel's size in metres. */

@@ -16,6 +16,7 @@ typedef struct lmb_gathered {
     lmb_sh3_rgb moments;
     double squared_error;  /* of the moments' vector: the sum of its components' squared standard errors */
     double squared_length; /* of the moments' vector */
+    uint32_t samples;      /* that were taken */
     uint64_t rays;
 } lmb_gathered;
 
@@ -27,10 +28,21 @@ double lmb_relative_error(double squared_error, double squared_length);
 void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                     lmb_gathered *gathered);
 
+/* How many samples an element gets: `samples`, and then twice as many again and again up to `max_samples` while the
+ * standard error of its moments is above `tolerance` times their length, or times `floor` where they are shorter. All
+ * of it is fixed beforehand for a whole level, so what an element gets depends on nothing but itself. */
+typedef struct lmb_gather_effort {
+    uint32_t samples;     /* > 0; rounded up: to a multiple of LMB_GATHER_REPLICATES, or of blocks of them where there
+                             may be more */
+    uint32_t max_samples; /* not above `samples`: just those */
+    double tolerance;
+    double floor; /* as lmb_gathered.squared_length, not squared */
+} lmb_gather_effort;
+
 /* The mean over several points (lmb_gather_samples): a texel's light is the mean over its area. As many points as there
  * are blocks of samples spread them best. */
 void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
-                         uint32_t samples, lmb_gathered *gathered);
+                         const lmb_gather_effort *effort, lmb_gathered *gathered);
 
 /* The same as lmb_gather_sh3, its replicates spread over the pool's threads; equal results. @return
  * LMB_ERROR_INTERRUPTED */

@@ -64,6 +64,9 @@ size_t lmb_surface_light_bytes(const lmb_surface_light *light);
 float lmb_surface_light_cell_size(const lmb_surface_light *light);
 float lmb_surface_light_cell_size_at(const lmb_surface_light *light, const lmb_hit *hit);
 
+/* Luminance of the normalised irradiance, as the mean over the area of all sides that light reaches; 0 without any. */
+double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *tracer);
+
 /* Normalised irradiance on one side of a surface at a hit: radiance is albedo times this. */
 lmb_rgb lmb_surface_light_at(const lmb_surface_light *light, const lmb_hit *hit, bool front);
 

@@ -1,0 +1,264 @@
+/* Error against samples and against time of both estimators, and the cache's bias against its resolution:
+ *
+ *     convergence LEVEL [level options] [--points N] [--truth N]
+ *
+ * Probes and texels are taken evenly from the level's own, traced on one thread, and timed by its CPU time. One line
+ * for each measurement, tabs between: kind, estimator, cells of the cache, samples, CPU seconds (the solve apart),
+ * relative RMSE of the SH3 moments over all points. The truth is the reference's, by many more samples; its own
+ * standard error is printed first. tools/plot_convergence draws it. */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include <lambent/lightmap.h>
+#include <lambent/placement.h>
+#include <lambent/probe.h>
+#include <lambent/sequence.h>
+
+#include "command.h"
+#include "level.h"
+#include "vector_math.h"
+
+static const char usage[] =
+    "usage: convergence LEVEL [options]\n"
+    "\n"
+    "  --points N            probes, and as many texels (default 64)\n"
+    "  --truth N             samples of the truth (default 65536)\n"
+    "  --spacing M           metres between the lattice points that probes are taken from\n" LEVEL_USAGE;
+
+enum { MOST_POINTS = 4096, KINDS = 2 };
+static const char *const kind_names[KINDS] = {"probes", "texels"};
+
+typedef struct point_set {
+    lmb_gather_point point[MOST_POINTS];
+    lmb_gathered truth[MOST_POINTS];
+    int count;
+} point_set;
+
+typedef struct convergence {
+    lmb_level level;
+    point_set *set[KINDS];
+    int points;
+    uint32_t truth_samples;
+    float spacing;
+} convergence;
+
+static lmb_result probes_take(convergence *work, lmb_error *error)
+{
+    lmb_grid *grid = NULL;
+    lmb_placement_settings settings = lmb_placement_settings_default();
+    settings.spacing = work->spacing;
+    lmb_placement_stats stats;
+    const lmb_result result =
+        lmb_placement_make(work->level.tracer, &settings, work->level.pool, NULL, &grid, &stats, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    point_set *set = work->set[0];
+    const int32_t valid = stats.probes_valid;
+    int32_t passed = 0;
+    for (int32_t i = 0; i < grid->probe_count; ++i) {
+        if (grid->validity[i] < LMB_GRID_MIN_VALIDITY) {
+            continue;
+        }
+        if (set->count < work->points && (int64_t)passed * work->points >= (int64_t)set->count * valid) {
+            uint64_t rays = 0;
+            set->point[set->count++] =
+                (lmb_gather_point){.position = lmb_placement_relocate(work->level.tracer, lmb_grid_position(grid, i),
+                                                                      grid->spacing, &rays),
+                                   .min_light_distance = 0.5f * grid->spacing};
+        }
+        ++passed;
+    }
+    lmb_grid_destroy(grid);
+    return LMB_OK;
+}
+
+static double triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
+{
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, instance, triangle, corner);
+    const lmb_vec3 a = vector_sub(corner[1], corner[0]);
+    const lmb_vec3 b = vector_sub(corner[2], corner[0]);
+    return 0.5 * (double)vector_length(vector_cross(a, b));
+}
+
+static double level_area(const lmb_level *level)
+{
+    double area = 0.0;
+    for (uint32_t i = 0; i < level->scene->instance_count; ++i) {
+        const lmb_instance *instance = &level->scene->instances[i];
+        for (uint32_t t = 0; t < level->scene->meshes[instance->mesh].triangle_count && !instance->dynamic; ++t) {
+            area += triangle_area(level->tracer, i, t);
+        }
+    }
+    return area;
+}
+
+/* A point on the front of a triangle, by the number of the point. */
+static lmb_gather_point texel_point(const lmb_level *level, uint32_t instance, uint32_t triangle, uint32_t number)
+{
+    float numbers[2];
+    lmb_sequence_2d(level->options.seed, number, 0, numbers);
+    const float root = sqrtf(numbers[0]);
+    const lmb_place place =
+        lmb_trace_place(level->tracer, instance, triangle, root * (1.0f - numbers[1]), root * numbers[1]);
+    bool pushed_out;
+    return lmb_surface_gather_point(level->tracer, &place, 0.0f, &pushed_out);
+}
+
+/* Points on triangles, evenly by area. */
+static void texels_take(convergence *work)
+{
+    const lmb_scene *scene = work->level.scene;
+    const double total = level_area(&work->level);
+    point_set *set = work->set[1];
+    double passed = 0.0;
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const uint32_t count = scene->meshes[scene->instances[i].mesh].triangle_count;
+        for (uint32_t t = 0; t < count && !scene->instances[i].dynamic; ++t) {
+            passed += triangle_area(work->level.tracer, i, t);
+            for (; set->count < work->points && passed * work->points > (set->count + 0.5) * total; ++set->count) {
+                set->point[set->count] = texel_point(&work->level, i, t, (uint32_t)set->count);
+            }
+        }
+    }
+}
+
+typedef struct truth_work {
+    convergence *work;
+    int kind;
+} truth_work;
+
+static void truth_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    const truth_work *truth = context;
+    point_set *set = truth->work->set[truth->kind];
+    lmb_transport reference = truth->work->level.transport;
+    reference.surface = NULL;
+    reference.seed += 1;
+    lmb_gather_sh3(&reference, &set->point[task], truth->work->truth_samples, &set->truth[task]);
+}
+
+static double seconds_used(void)
+{
+    struct timespec used;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+    return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
+}
+
+static void measure(const convergence *work, const lmb_transport *transport, const char *name, uint32_t samples)
+{
+    for (int kind = 0; kind < KINDS; ++kind) {
+        const point_set *set = work->set[kind];
+        double off = 0.0;
+        double all = 0.0;
+        const double start = seconds_used();
+        for (int i = 0; i < set->count; ++i) {
+            lmb_gathered found;
+            lmb_gather_sh3(transport, &set->point[i], samples, &found);
+            for (int c = 0; c < 3; ++c) {
+                for (int k = 0; k < LMB_SH3_COUNT; ++k) {
+                    const double truth = (double)set->truth[i].moments.channel[c].c[k];
+                    off += pow((double)found.moments.channel[c].c[k] - truth, 2.0);
+                    all += truth * truth;
+                }
+            }
+        }
+        printf("%s\t%s\t%u\t%u\t%.6f\t%.6f\n", kind_names[kind], name,
+               transport->surface ? work->level.surface_stats.cells : 0, samples, seconds_used() - start,
+               sqrt(off / all));
+        fflush(stdout);
+    }
+}
+
+static void truth_print(const convergence *work, int kind)
+{
+    double squared_error = 0.0;
+    double squared_length = 0.0;
+    for (int i = 0; i < work->set[kind]->count; ++i) {
+        squared_error += work->set[kind]->truth[i].squared_error;
+        squared_length += work->set[kind]->truth[i].squared_length;
+    }
+    printf("# %d %s, standard error of the truth %.5f\n", work->set[kind]->count, kind_names[kind],
+           lmb_relative_error(squared_error, squared_length));
+}
+
+static lmb_result convergence_run(convergence *work, lmb_error *error)
+{
+    lmb_result result = probes_take(work, error);
+    texels_take(work);
+    for (int kind = 0; kind < KINDS && result == LMB_OK; ++kind) {
+        truth_work truth = {work, kind};
+        result = lmb_pool_run(work->level.pool, (size_t)work->set[kind]->count, truth_task, &truth, "truth", NULL);
+        truth_print(work, kind);
+    }
+    lmb_transport reference = work->level.transport;
+    for (uint32_t samples = 16; samples <= 4096 && result == LMB_OK; samples *= 4) {
+        measure(work, &reference, "reference", samples);
+    }
+    for (uint32_t cells = 2048; cells <= 524288 && result == LMB_OK; cells *= 4) {
+        lmb_surface_light_settings settings = lmb_surface_light_settings_default();
+        settings.max_cells = cells;
+        lmb_surface_light_destroy(work->level.surface);
+        work->level.surface = NULL;
+        const double start = seconds_now();
+        result = lmb_surface_light_solve(&reference, &settings, work->level.pool, NULL, &work->level.surface,
+                                         &work->level.surface_stats, error);
+        if (result != LMB_OK) {
+            break;
+        }
+        printf("# solved %u cells of %.4g m in %.3f s\n", work->level.surface_stats.cells,
+               (double)lmb_surface_light_cell_size(work->level.surface), seconds_now() - start);
+        lmb_transport cached = reference;
+        cached.surface = work->level.surface;
+        for (uint32_t samples = 16; samples <= 16384; samples *= 4) {
+            measure(work, &cached, "cached", samples);
+        }
+    }
+    return result;
+}
+
+int main(int count, char **values)
+{
+    static convergence work = {.points = 64, .truth_samples = 65536};
+    lmb_arguments arguments = arguments_begin(count - 1, values + 1, "convergence", usage);
+    lmb_level_arguments level = {.options = level_options_default()};
+    for (const char *argument; (argument = arguments_next(&arguments));) {
+        if (level_argument(&level, &arguments, argument)) {
+            continue;
+        }
+        if (strcmp(argument, "--points") == 0) {
+            work.points = (int)arguments_integer(&arguments, argument, 1, MOST_POINTS);
+        } else if (strcmp(argument, "--truth") == 0) {
+            work.truth_samples = (uint32_t)arguments_integer(&arguments, argument, 1, 1 << 28);
+        } else if (strcmp(argument, "--spacing") == 0) {
+            work.spacing = (float)arguments_number(&arguments, argument, 1e-6, 1e6);
+        } else if (argument[0] != '-' && !level.options.path) {
+            level.options.path = argument;
+        } else {
+            arguments_error(&arguments, "unexpected argument", argument);
+        }
+    }
+    if (arguments.failed || arguments.help || !level.options.path) {
+        fputs(usage, stderr);
+        return 2;
+    }
+    lmb_error error = {{0}};
+    lmb_result result = level_open(&level.options, &work.level, &error);
+    for (int kind = 0; kind < KINDS && result == LMB_OK; ++kind) {
+        work.set[kind] = calloc(1, sizeof *work.set[kind]);
+        result = work.set[kind] ? LMB_OK : LMB_ERROR_MEMORY;
+    }
+    if (result == LMB_OK) {
+        result = convergence_run(&work, &error);
+        level_close(&work.level);
+    }
+    free(work.set[0]);
+    free(work.set[1]);
+    return result == LMB_OK ? 0 : command_fail(result, &error);
+}
