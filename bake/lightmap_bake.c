@@ -7,11 +7,15 @@
 #include <string.h>
 
 #include <lambent/occlusion.h>
+#include <lambent/sequence.h>
 
 #include "bake_internal.h"
 
 /* Texels that one task of the pool gathers. */
 enum { TEXELS_PER_TASK = 32 };
+
+/* Places that a texel's light is the mean over. */
+enum { MAX_POINTS = 64 };
 
 /* One covered texel: the surface point that stands for it, and where its light goes. */
 typedef struct bake_texel {
@@ -34,6 +38,7 @@ typedef struct bake_work {
     lmb_lightmap *lightmap;
     const lmb_transport *transport;
     const lmb_gather_effort *effort;
+    uint32_t points_per_texel;
     size_t texel_count;
     bake_texel *texels;
     bake_count *counts; /* [task] */
@@ -86,23 +91,62 @@ static lmb_result texels_list(bake_work *work)
     return LMB_OK;
 }
 
-static void texel_bake(const bake_work *work, const bake_texel *texel, bake_count *count)
+/* Whether a point of a texel is on its middle's side of all walls, rather than in what stands on its triangle. */
+static bool point_is_open(const lmb_tracer *tracer, lmb_vec3 middle, lmb_vec3 position, uint64_t *rays)
 {
+    return rgb_max(lmb_trace_transmittance(tracer, middle, position, rays)) > 0.0f;
+}
+
+/* The places that a texel's light is the mean over, spread over its area; or one, where that was pushed out of a
+ * solid. Returns how many. */
+static uint32_t texel_points(const bake_work *work, const bake_texel *texel, lmb_gather_point points[MAX_POINTS],
+                             bake_count *count)
+{
+    const lmb_lightmap *lightmap = work->lightmap;
+    const lmb_lightmap_region *region = &lightmap->region[texel->instance];
     const lmb_tracer *tracer = work->transport->tracer;
     const lmb_place place = lmb_trace_place(tracer, texel->instance, texel->triangle, texel->u, texel->v);
     bool pushed_out;
-    const lmb_gather_point point =
-        lmb_surface_gather_point(tracer, &place, work->lightmap->region[texel->instance].texel_size, &pushed_out);
+    const lmb_gather_point middle = lmb_surface_gather_point(tracer, &place, region->texel_size, &pushed_out);
+    points[0] = middle;
+    count->pushed_out += pushed_out;
+    if (pushed_out) {
+        return 1;
+    }
+    const uint32_t mesh = lightmap->scene->instances[texel->instance].mesh;
+    const uint32_t width = (uint32_t)lightmap->image[texel->image].width;
+    const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, texel->instance);
+    const uint64_t stream = lmb_stream_of_position(work->transport->seed, middle.position);
+    float weights[MAX_POINTS][2];
+    const uint32_t spread = lmb_texel_spread(
+        &lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh], &grid, (int32_t)(texel->pixel % width) - region->x,
+        (int32_t)(texel->pixel / width) - region->y, texel->triangle, stream, work->points_per_texel, weights);
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < spread; ++i) {
+        const lmb_place at = lmb_trace_place(tracer, texel->instance, texel->triangle, weights[i][0], weights[i][1]);
+        const lmb_vec3 position = lmb_trace_offset(at.position, at.geometric_normal, at.rounding, at.geometric_normal);
+        if (point_is_open(tracer, middle.position, position, &count->rays)) {
+            points[open] = middle;
+            points[open++].position = position;
+        }
+    }
+    return open > 0 ? open : 1;
+}
+
+static void texel_bake(const bake_work *work, const bake_texel *texel, bake_count *count)
+{
+    lmb_gather_point points[MAX_POINTS];
+    const uint32_t point_count = texel_points(work, texel, points, count);
+    const lmb_vec3 normal = points[0].normal;
     lmb_gathered gathered;
-    lmb_gather_sh3_area(work->transport, &point, 1, work->effort, &gathered);
+    lmb_gather_sh3_area(work->transport, points, point_count, work->effort, &gathered);
     lmb_sh3_rgb radiance;
     for (int c = 0; c < 3; ++c) {
-        radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered.moments.channel[c], point.normal);
+        radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered.moments.channel[c], normal);
     }
     lmb_lightmap_image *image = &work->lightmap->image[texel->image];
-    image->texel[texel->pixel] = lmb_irradz_encode(&radiance, point.normal, 0.0f);
+    image->texel[texel->pixel] = lmb_irradz_encode(&radiance, normal, 0.0f);
     image->state[texel->pixel] = LMB_TEXEL_GATHERED;
-    count->pushed_out += pushed_out;
     count->samples += gathered.samples;
     count->rays += gathered.rays;
     count->squared_error += gathered.squared_error;
@@ -143,6 +187,14 @@ static lmb_lightmap_stats counts_sum(const bake_work *work, size_t tasks)
     return stats;
 }
 
+/* One for each block of samples. */
+static uint32_t points_per_texel(const lmb_gather_effort *effort)
+{
+    const uint32_t samples = effort->samples > effort->max_samples ? effort->samples : effort->max_samples;
+    const uint32_t blocks = samples / LMB_GATHER_BLOCK;
+    return blocks < 1 ? 1 : blocks < MAX_POINTS ? blocks : MAX_POINTS;
+}
+
 lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, const lmb_gather_effort *effort,
                              lmb_pool *pool, const lmb_progress *progress, lmb_lightmap_stats *stats)
 {
@@ -152,6 +204,7 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
         .lightmap = lightmap,
         .transport = transport,
         .effort = effort,
+        .points_per_texel = points_per_texel(effort),
         .texels = malloc((texels + 1u) * sizeof(bake_texel)),
         .counts = calloc(tasks + 1u, sizeof(bake_count)),
     };

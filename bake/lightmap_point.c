@@ -42,11 +42,7 @@ static lmb_vec3 frame_direction(const lmb_frame *frame, int step, float height)
 static bool sees_back(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction)
 {
     lmb_hit hit;
-    if (!lmb_trace_nearest(tracer, origin, direction, 0.0f, FLT_MAX, &hit)) {
-        return false;
-    }
-    const lmb_place place = lmb_trace_place(tracer, hit.instance, hit.triangle, hit.u, hit.v);
-    return vec3_dot(place.geometric_normal, direction) > 0.0f;
+    return lmb_trace_nearest(tracer, origin, direction, 0.0f, FLT_MAX, &hit) && !hit.front;
 }
 
 /* How many of INSIDE_COUNT directions over the hemisphere see a back face first. */
@@ -78,10 +74,10 @@ static int ways_out_find(const lmb_tracer *tracer, lmb_vec3 origin, const lmb_fr
         if (!lmb_trace_nearest(tracer, origin, direction, 0.0f, reach, &hit)) {
             continue;
         }
-        const lmb_place place = lmb_trace_place(tracer, hit.instance, hit.triangle, hit.u, hit.v);
-        if (!(vec3_dot(place.geometric_normal, direction) > 0.0f)) {
+        if (hit.front) {
             continue;
         }
+        const lmb_place place = lmb_trace_place(tracer, hit.instance, hit.triangle, hit.u, hit.v);
         int at = count++;
         for (; at > 0 && ways[at - 1].distance > hit.distance; --at) {
             ways[at] = ways[at - 1];
@@ -101,11 +97,11 @@ lmb_gather_point lmb_surface_gather_point(const lmb_tracer *tracer, const lmb_pl
         .hemisphere = true,
         .normal = place->shading_normal,
     };
-    *pushed_out = false;
     lmb_frame frame = {.normal = place->geometric_normal};
     vec3_frame(frame.normal, &frame.tangent, &frame.bitangent);
     lmb_way_out ways[SEARCH_COUNT];
     const int count = ways_out_find(tracer, point.position, &frame, REACH_TEXELS * radius, ways);
+    *pushed_out = false;
     if (count == 0 || back_count(tracer, point.position, &frame) < INSIDE_MIN_BACK) {
         return point;
     }

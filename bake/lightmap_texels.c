@@ -4,6 +4,8 @@
 #include <assert.h>
 #include <math.h>
 
+#include <lambent/sequence.h>
+
 /* A triangle that reaches less than this far into a texel (texels) does not touch it: rounding of UVs that are meant
  * to lie on the border. */
 #define TOUCH_SLACK 1e-3
@@ -195,6 +197,64 @@ lmb_vec2 lmb_texels_corner_uv(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, u
     return corner_uv ? corner_uv[3 * (size_t)triangle + (size_t)corner] : mesh->uv[1][mesh->triangle[triangle][corner]];
 }
 
+static void triangle_in_texels(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid, uint32_t t,
+                               texel_vertex corner[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        const lmb_vec2 uv = lmb_texels_corner_uv(mesh, corner_uv, t, k);
+        corner[k] = (texel_vertex){(double)uv.x * grid->density - grid->shift_x,
+                                   (double)uv.y * grid->density - grid->shift_y, k == 1, k == 2};
+    }
+}
+
+/* A point of a convex polygon, uniform over its area for uniform numbers; the first chooses the triangle of its fan. */
+static texel_vertex polygon_point(const texel_polygon *polygon, const double fan_area[], double total, double first,
+                                  double second)
+{
+    double left = first * total;
+    int k = 0;
+    while (k + 3 < polygon->count && left >= fan_area[k]) {
+        left -= fan_area[k++];
+    }
+    const double share = fan_area[k] > 0.0 ? fmin(left / fan_area[k], 1.0) : 0.0;
+    const double root = sqrt(share);
+    const texel_vertex far_side = vertex_lerp(polygon->vertex[k + 1], polygon->vertex[k + 2], second);
+    return vertex_lerp(polygon->vertex[0], far_side, root);
+}
+
+uint32_t lmb_texel_spread(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid, int32_t x,
+                          int32_t y, uint32_t triangle, uint64_t stream, uint32_t count, float (*weights)[2])
+{
+    texel_vertex corner[3];
+    triangle_in_texels(mesh, corner_uv, grid, triangle, corner);
+    texel_polygon covered = {{corner[0], corner[1], corner[2]}, 3};
+    covered = polygon_clip(&covered, true, y, 1.0);
+    covered = polygon_clip(&covered, true, y + 1, -1.0);
+    covered = polygon_clip(&covered, false, x, 1.0);
+    covered = polygon_clip(&covered, false, x + 1, -1.0);
+    double fan_area[sizeof covered.vertex / sizeof covered.vertex[0]];
+    double total = 0.0;
+    for (int k = 0; k + 2 < covered.count; ++k) {
+        fan_area[k] = fabs(cross_2d(covered.vertex[0], covered.vertex[k + 1], covered.vertex[k + 2]));
+        total += fan_area[k];
+    }
+    if (!(total > 0.0)) {
+        return 0;
+    }
+    const texel_vertex middle = polygon_middle(&covered);
+    for (uint32_t i = 0; i < count; ++i) {
+        float numbers[2];
+        lmb_sequence_2d(stream, i, 0, numbers);
+        texel_vertex point = polygon_point(&covered, fan_area, total, (double)numbers[0], (double)numbers[1]);
+        if (triangle_depth(corner, &point) < EDGE_MARGIN) {
+            point = vertex_lerp(point, middle, EDGE_PULL);
+        }
+        weights[i][0] = (float)fmin(fmax(point.u, 0.0), 1.0);
+        weights[i][1] = (float)fmin(fmax(point.v, 0.0), 1.0 - (double)weights[i][0]);
+    }
+    return count;
+}
+
 void lmb_texels_cover(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid,
                       lmb_texel_source *source)
 {
@@ -205,11 +265,7 @@ void lmb_texels_cover(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb
     }
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         texel_vertex corner[3];
-        for (int k = 0; k < 3; ++k) {
-            const lmb_vec2 uv = lmb_texels_corner_uv(mesh, corner_uv, t, k);
-            corner[k] = (texel_vertex){(double)uv.x * grid->density - grid->shift_x,
-                                       (double)uv.y * grid->density - grid->shift_y, k == 1, k == 2};
-        }
+        triangle_in_texels(mesh, corner_uv, grid, t, corner);
         /* A sliver may lie wholly in the slack of two texels: then it touches both. */
         if (!triangle_cover(corner, t, grid, TOUCH_SLACK, source)) {
             triangle_cover(corner, t, grid, -TOUCH_SLACK, source);
