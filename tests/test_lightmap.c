@@ -444,6 +444,67 @@ static void block_has_no_dark_rim(void)
     baked_close(&bake);
 }
 
+/* A sheet at height 1 over a floor whose edge is x = 0.3 + slope z, under a sun that falls towards +x at 45 degrees. */
+static lmb_result write_sheet_over_floor(const char *path, float slope, lmb_error *error)
+{
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    lmb_level_material black = lmb_level_material_default();
+    black.base_color = (lmb_rgb){{0, 0, 0}};
+    const int material = lmb_level_builder_add_material(builder, &black);
+    const int floor = lmb_level_builder_add_mesh(builder, "floor");
+    lmb_level_builder_add_quad(builder, floor, material, (lmb_vec3){-4, 0, 4}, (lmb_vec3){8, 0, 0},
+                               (lmb_vec3){0, 0, -8});
+    lmb_level_builder_place(builder, "floor", floor, (lmb_vec3){0, 0, 0});
+    const int sheet = lmb_level_builder_add_mesh(builder, "sheet");
+    lmb_level_builder_add_quad(builder, sheet, material, (lmb_vec3){0.3f + 10.0f * slope, 1, 10},
+                               (lmb_vec3){-20.0f * slope, 0, -20}, (lmb_vec3){-15, 0, 0});
+    lmb_level_builder_place(builder, "sheet", sheet, (lmb_vec3){0, 0, 0});
+    const lmb_level_light sun = {
+        .name = "sun", .type = LMB_LEVEL_LIGHT_DIRECTIONAL, .color = {{1, 1, 1}}, .intensity = 3.0f};
+    lmb_level_node node = lmb_level_node_default("sun");
+    node.light = lmb_level_builder_add_light(builder, &sun);
+    lmb_level_look_along((lmb_vec3){1, -1, 0}, node.rotation);
+    lmb_level_builder_add_node(builder, &node);
+    const lmb_result written = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return written;
+}
+
+/* Texels hold the share of their area that the sun reaches: along a line across the shadow's edge the map adds up to
+ * the lit length, to a small part of its texels of half a metre. */
+static void texels_are_means(void)
+{
+    static const float slopes[] = {0.0f, 0.07f, -0.3f};
+    for (size_t k = 0; k < sizeof slopes / sizeof slopes[0]; ++k) {
+        lmb_error error = {""};
+        const char *path = OUTPUT("lightmap_sheet.glb");
+        baked bake;
+        if (!baked_open(&bake, path, write_sheet_over_floor(path, slopes[k], &error), &error, 2.0f, 512, 2)) {
+            return;
+        }
+        uint32_t floor;
+        instance_named(bake.level.scene, "floor", &floor);
+        const double full = 3.0 * sqrt(0.5) / 3.14159265358979323846;
+        for (int line = 0; line < 6; ++line) {
+            /* Off the quad's diagonal, whose texels are the mean over one of its triangles. */
+            const float z = (float)(line < 3 ? -2.9 + 0.3 * line : 2.1 + 0.3 * line - 0.9);
+            double lit = 0.0;
+            const double step = 0.01;
+            const double from = 0.0, to = 2.6;
+            for (double x = from + 0.5 * step; x < to; x += step) {
+                const lmb_vec3 above = {(float)x, 0.5f, z};
+                lmb_hit hit;
+                CHECK(lmb_trace_nearest(bake.level.tracer, above, (lmb_vec3){0, -1, 0}, 0.0f, 1.0f, &hit), "floor");
+                const lmb_irradz found = lmb_lightmap_sample(bake.lightmap, floor, hit.triangle, hit.u, hit.v);
+                lit += step * (double)found.irradiance_z.c[0] / full;
+            }
+            const double edge = 1.3 + (double)slopes[k] * (double)z;
+            CHECK_NEAR(lit, to - edge, 0.03, "slope %g, z %g", (double)slopes[k], (double)z);
+        }
+        baked_close(&bake);
+    }
+}
+
 static bool stop_at_once(void *context, const char *phase, double done)
 {
     (void)phase;
@@ -570,6 +631,7 @@ static const test_case CASES[] = {
     {"charts do not bleed", charts_do_not_bleed},
     {"texels leave solids", texels_leave_solids},
     {"a block has no dark rim", block_has_no_dark_rim},
+    {"texels are means over their area", texels_are_means},
     {"a bake can be stopped", bake_can_be_stopped},
     {"settings are checked", settings_are_checked},
     {"a real level with UVs", real_level_with_uvs},
