@@ -33,7 +33,7 @@ lmb_result lmb_pool_create(int threads, lmb_pool **pool);
 void lmb_pool_destroy(lmb_pool *pool);
 int lmb_pool_threads(const lmb_pool *pool);
 
-/* Runs every task and waits for them. Tasks are handed out in order. Must not be called from inside a task.
+/* Runs every task and waits for them, in an order that makes progress even. Must not be called from inside a task.
  * `progress` may be NULL. @return LMB_OK, or LMB_ERROR_INTERRUPTED when `progress` asked to stop: then some tasks have
  * not run */
 lmb_result lmb_pool_run(lmb_pool *pool, size_t count, lmb_task_function function, void *context, const char *phase,
