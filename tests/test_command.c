@@ -260,6 +260,43 @@ static void bench_counts_the_bakes_rays(void)
     cJSON_Delete(json);
 }
 
+/* JSON progress: phases in order, none going back, time left once there is a forecast. */
+static void progress_runs_forward(void)
+{
+    static const char *const keys[] = {"phase", "done", "seconds", "seconds_left", "total_seconds", "total_done", NULL};
+    char printed[65536];
+    if (!level_make()) {
+        return;
+    }
+    CHECK(run(printed, sizeof printed, LMB_COMMAND " bake " QUOTED " -o " OUTPUT "/p --json-progress" BAKE_OPTIONS) ==
+              0,
+          "%s", printed);
+    char phase[64] = "";
+    double done = 0.0, total_seconds = 0.0, total_done = 0.0, left = -1.0;
+    int phases = 0;
+    for (char *line = strtok(printed, "\n"); line; line = strtok(NULL, "\n")) {
+        cJSON *json = cJSON_Parse(line);
+        CHECK(has_keys(json, keys, line), "%s", line);
+        const char *name = cJSON_GetStringValue(cJSON_GetObjectItem(json, "phase"));
+        if (name && strcmp(name, phase) != 0) {
+            snprintf(phase, sizeof phase, "%s", name);
+            done = 0.0;
+            ++phases;
+        }
+        CHECK(cJSON_GetNumberValue(cJSON_GetObjectItem(json, "done")) >= done, "%s", line);
+        CHECK(cJSON_GetNumberValue(cJSON_GetObjectItem(json, "total_seconds")) >= total_seconds, "%s", line);
+        CHECK(cJSON_GetNumberValue(cJSON_GetObjectItem(json, "total_done")) >= total_done, "%s", line);
+        done = cJSON_GetNumberValue(cJSON_GetObjectItem(json, "done"));
+        total_seconds = cJSON_GetNumberValue(cJSON_GetObjectItem(json, "total_seconds"));
+        total_done = cJSON_GetNumberValue(cJSON_GetObjectItem(json, "total_done"));
+        left = cJSON_GetNumberValue(cJSON_GetObjectItem(json, "seconds_left"));
+        cJSON_Delete(json);
+    }
+    CHECK(phases == 6 && strcmp(phase, "lightmaps") == 0, "%d phases, the last %s", phases, phase);
+    CHECK(done == 1.0 && left >= 0.0 && total_done > 0.0 && total_done <= 1.0, "%g done, %g left, %g in all", done,
+          left, total_done);
+}
+
 static void many_points_on_standard_input(void)
 {
     char printed[8192];
@@ -341,6 +378,7 @@ static const test_case cases[] = {
     {"threads_give_equal_bytes", threads_give_equal_bytes},
     {"json_outputs", json_outputs},
     {"bench_counts_the_bakes_rays", bench_counts_the_bakes_rays},
+    {"progress_runs_forward", progress_runs_forward},
     {"many_points_on_standard_input", many_points_on_standard_input},
     {"pictures", pictures},
     {"another_level_is_refused", another_level_is_refused},

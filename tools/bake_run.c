@@ -15,7 +15,7 @@
 
 #include "command.h"
 
-enum { PATH_SIZE = 4096, DRY_RUN_PROBES = 64 };
+enum { PATH_SIZE = 4096 };
 
 static lmb_result path_make(const char *directory, const char *name, char path[PATH_SIZE], lmb_error *error)
 {
@@ -236,52 +236,21 @@ static lmb_result step_write(lmb_bake *bake, lmb_error *error)
     return result;
 }
 
-typedef struct lmb_trial_work {
-    const lmb_bake *bake;
-    uint64_t rays[DRY_RUN_PROBES];
-} lmb_trial_work;
-
-static void trial_task(void *context, size_t task, int worker)
+/* Prints what the bake would make, and how long what is left of it would take. */
+static void dry_run_print(const lmb_bake *bake, const lmb_forecast *forecast)
 {
-    (void)worker;
-    lmb_trial_work *work = context;
-    const lmb_grid *grid = work->bake->grid;
-    int32_t probe = (int32_t)((int64_t)grid->probe_count * (int64_t)task / DRY_RUN_PROBES);
-    while (probe + 1 < grid->probe_count && grid->validity[probe] < LMB_GRID_MIN_VALIDITY) {
-        ++probe;
-    }
-    const lmb_gather_point point = {.position = lmb_grid_position(grid, probe)};
-    lmb_gathered gathered;
-    const lmb_gather_effort effort = bake_effort(work->bake);
-    lmb_gather_sh3_area(&work->bake->level->transport, &point, 1, &effort, &gathered);
-    work->rays[task] = gathered.rays;
-}
-
-/* Prints what the bake would make, and how long it would take: probes spread over the level are traced as a trial. */
-static lmb_result step_dry_run(lmb_bake *bake, lmb_error *error)
-{
-    lmb_trial_work work = {.bake = bake};
-    const double start = seconds_now();
-    const lmb_result result =
-        lmb_pool_run(bake->level->pool, DRY_RUN_PROBES, trial_task, &work, "trial", bake->progress);
-    if (result != LMB_OK) {
-        return lmb_error_set(error, result, "dry run: %s", lmb_result_text(result));
-    }
-    const double each = (seconds_now() - start) / DRY_RUN_PROBES;
-    const double texels = bake->lightmap ? (double)bake->lightmap->covered_texel_count : 0.0;
-    const double seconds = each * ((double)bake->record.placement.probes_valid + texels);
     printf("probes  %d at %g m (%d traced, %d dilated)\n", bake->grid->probe_count, (double)bake->grid->spacing,
            bake->record.placement.probes_valid, bake->record.placement.probes_dilated);
     if (bake->lightmap) {
-        printf("texels  %.0f at %g a metre, in %d images\n", texels, (double)bake->lightmap->settings.texels_per_m,
-               bake->lightmap->image_count);
+        printf("texels  %lld at %g a metre, in %d images\n", (long long)bake->lightmap->covered_texel_count,
+               (double)bake->lightmap->settings.texels_per_m, bake->lightmap->image_count);
     }
     if (bake->level->surface) {
         printf("cells   %u on surfaces, of %.3g m, solved in %.3g s\n", bake->level->surface_stats.cells,
                (double)lmb_surface_light_cell_size(bake->level->surface), bake->level->seconds_surface);
     }
-    printf("expect  about %.3g s on %d threads\n", seconds, lmb_pool_threads(bake->level->pool));
-    return LMB_OK;
+    printf("expect  about %.3g s on %d threads\n", forecast_left(forecast, "probes", 0.0, 0.0),
+           lmb_pool_threads(bake->level->pool));
 }
 
 static void summary_print(const lmb_bake *bake)
@@ -307,7 +276,14 @@ static void summary_print(const lmb_bake *bake)
            1e-3 * (double)record->bytes_vdb, 1e-3 * (double)record->bytes_lmb, 1e-3 * (double)record->bytes_lightmaps);
 }
 
-lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const lmb_progress *progress, lmb_error *error)
+static lmb_result step_forecast(const lmb_bake *bake, lmb_forecast *forecast, lmb_error *error)
+{
+    const lmb_result result = forecast_make(bake, forecast);
+    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "trial: %s", lmb_result_text(result));
+}
+
+lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const lmb_progress *progress,
+                    lmb_forecast *forecast, lmb_error *error)
 {
     lmb_bake bake = {.settings = settings, .level = level, .progress = progress};
     lmb_result result = bake_place(&bake, error);
@@ -315,10 +291,16 @@ lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const l
         result = bake_layout(&bake, error);
     }
     if (result == LMB_OK) {
+        result = step_forecast(&bake, forecast, error);
+    }
+    if (result == LMB_OK) {
         result = bake_surface(&bake, error);
     }
+    if (result == LMB_OK) {
+        result = step_forecast(&bake, forecast, error);
+    }
     if (result == LMB_OK && settings->dry_run) {
-        result = step_dry_run(&bake, error);
+        dry_run_print(&bake, forecast);
     } else {
         if (result == LMB_OK) {
             result = bake_probes(&bake, error);

@@ -3,9 +3,11 @@
 #define LMB_TOOLS_BAKE_RUN_H
 
 #include "bake_phases.h"
+#include "forecast.h"
 
-/* Places, bakes and writes; prints what it found unless quiet. */
+/* Places, bakes and writes; prints what it found unless quiet. `*forecast` is kept up to date for what reports
+ * progress. */
 lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const lmb_progress *progress,
-                    lmb_error *error);
+                    lmb_forecast *forecast, lmb_error *error);
 
 #endif

@@ -51,12 +51,17 @@ bool vector_parse(const char *text, lmb_vec3 *vector);
 
 /* Progress as a bar with time left on a terminal (or JSON lines when `json`), and Ctrl-C: after SIGINT or SIGTERM the
  * running work stops with LMB_ERROR_INTERRUPTED. */
+struct lmb_forecast;
 typedef struct lmb_console {
     bool quiet;
     bool json;
+    const struct lmb_forecast *forecast; /* time left is of all; NULL: of the phase at hand. May be set later */
+    double start;
     double phase_start;
     double printed;
+    double total_done;
     const char *phase;
+    bool phase_done;
 } lmb_console;
 lmb_progress console_progress(lmb_console *console, bool quiet, bool json);
 /* Ends the bar's line, so that other output starts clean. */

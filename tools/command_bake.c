@@ -56,7 +56,9 @@ int command_bake(int count, char **values)
     }
     lmb_console console;
     const lmb_progress progress = console_progress(&console, settings.level.options.quiet, settings.json_progress);
-    result = bake_run(&settings, &level, &progress, &error);
+    lmb_forecast forecast = {0};
+    console.forecast = &forecast;
+    result = bake_run(&settings, &level, &progress, &forecast, &error);
     console_finish(&console);
     level_close(&level);
     return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);

@@ -1,0 +1,152 @@
+#include "forecast.h"
+
+#include <string.h>
+
+#include <lambent/placement.h>
+
+#include "check_points.h"
+#include "command.h"
+
+/* A trial takes no more elements than this, nor more than one of so many, nor more samples over all of them. */
+enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1 << 17 };
+
+#define TRIAL_WEIGHT 0.05
+
+/* Rough, for as long as the surface light is not solved: every side of every cell gets some pilot samples, then half of
+ * them, the lit ones, the rest of theirs, but those of small triangles; bounces take a part more. */
+#define PILOT_SAMPLES 4.0
+#define LIT_SHARE 0.5
+#define BOUNCES_SHARE 0.1
+
+/* Measured; writing is a small part of any bake. */
+#define WRITE_SECONDS_PER_PROBE 3e-6
+#define WRITE_SECONDS_PER_TEXEL 1e-6
+
+typedef struct trial_work {
+    const lmb_bake *bake;
+    lmb_transport transport;
+    opaque_surface surface;
+    lmb_gather_effort effort;
+    uint32_t count;
+    uint32_t samples[TRIAL_MOST]; /* that each element took */
+} trial_work;
+
+static void probe_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    trial_work *work = context;
+    const lmb_grid *grid = work->bake->grid;
+    int32_t probe = (int32_t)((int64_t)grid->probe_count * (int64_t)task / work->count);
+    while (probe + 1 < grid->probe_count && grid->validity[probe] < LMB_GRID_MIN_VALIDITY) {
+        ++probe;
+    }
+    uint64_t rays = 0;
+    const lmb_gather_point point = {.position = lmb_placement_relocate(
+                                        work->transport.tracer, lmb_grid_position(grid, probe), grid->spacing, &rays)};
+    lmb_gathered gathered;
+    lmb_gather_sh3_area(&work->transport, &point, 1, &work->effort, &gathered);
+    work->samples[task] = gathered.samples;
+}
+
+static void texel_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    trial_work *work = context;
+    const lmb_tracer *tracer = work->transport.tracer;
+    const surface_point at = opaque_surface_point(&work->surface, 0, (uint32_t)task, work->count);
+    const lmb_place place = lmb_trace_place(tracer, at.instance, at.triangle, at.u, at.v);
+    bool pushed_out;
+    const lmb_gather_point point =
+        lmb_surface_gather_point(tracer, &place, 1.0f / work->bake->lightmap->settings.texels_per_m, &pushed_out);
+    lmb_gathered gathered;
+    lmb_gather_sh3_area(&work->transport, &point, 1, &work->effort, &gathered);
+    work->samples[task] = gathered.samples;
+}
+
+/* Seconds for all of `total` elements, from some of them, and for one sample. */
+static double trial_run(trial_work *work, lmb_task_function task, double total, double *seconds_per_sample)
+{
+    double count = total / TRIAL_ONE_OF;
+    count = count < TRIAL_MOST ? count : TRIAL_MOST;
+    const double affordable = (double)TRIAL_SAMPLES / work->bake->settings->samples;
+    count = count < affordable ? count : affordable;
+    work->count = count > 1.0 ? (uint32_t)count : 1;
+    const double start = seconds_now();
+    lmb_pool_run(work->bake->level->pool, work->count, task, work, "trial", NULL);
+    const double seconds = seconds_now() - start;
+    double samples = 0.0;
+    for (uint32_t i = 0; i < work->count; ++i) {
+        samples += work->samples[i];
+    }
+    *seconds_per_sample = samples > 0.0 ? seconds / samples : 0.0;
+    return seconds * total / work->count;
+}
+
+/* Rough seconds of solving the surface light, by what a sample of a probe costs. */
+static void surface_guess(const lmb_bake *bake, double seconds_per_sample, lmb_forecast *forecast)
+{
+    const lmb_surface_light_settings settings = lmb_surface_light_settings_default();
+    const lmb_scene *scene = bake->level->scene;
+    double triangles = 0.0;
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        triangles += scene->instances[i].dynamic ? 0.0 : scene->meshes[scene->instances[i].mesh].triangle_count;
+    }
+    const double pilot = 2.0 * PILOT_SAMPLES * (settings.max_cells + triangles);
+    const double lit = 2.0 * LIT_SHARE * (settings.samples - PILOT_SAMPLES) * settings.max_cells;
+    forecast->seconds[FORECAST_PILOT] = pilot * seconds_per_sample;
+    forecast->seconds[FORECAST_SURFACE] = lit * seconds_per_sample;
+    forecast->seconds[FORECAST_BOUNCES] = BOUNCES_SHARE * (pilot + lit) * seconds_per_sample;
+}
+
+lmb_result forecast_make(const lmb_bake *bake, lmb_forecast *forecast)
+{
+    trial_work work = {.bake = bake, .transport = bake->level->transport, .effort = bake_effort(bake)};
+    double seconds_per_sample = 0.0;
+    const bool unsolved = bake->settings->estimator == ESTIMATOR_CACHED && !bake->level->surface;
+    if (unsolved) {
+        work.transport.bounces = 0; /* as many rays as when bounces are looked up */
+    }
+    const double probes = bake->record.placement.probes_valid;
+    const double texels = bake->lightmap ? (double)bake->lightmap->covered_texel_count : 0.0;
+    *forecast = (lmb_forecast){.known = true};
+    if (probes > 0.0) {
+        forecast->seconds[FORECAST_PROBES] = trial_run(&work, probe_task, probes, &seconds_per_sample);
+    }
+    if (texels > 0.0) {
+        const lmb_result result = opaque_surface_create(work.transport.tracer, &work.surface);
+        if (result != LMB_OK) {
+            return result;
+        }
+        if (opaque_surface_area(&work.surface) > 0.0) {
+            forecast->seconds[FORECAST_LIGHTMAPS] = trial_run(&work, texel_task, texels, &(double){0.0});
+        }
+        opaque_surface_free(&work.surface);
+    }
+    if (unsolved && probes > 0.0) {
+        surface_guess(bake, seconds_per_sample, forecast);
+    }
+    forecast->seconds[FORECAST_WRITE] = WRITE_SECONDS_PER_PROBE * probes + WRITE_SECONDS_PER_TEXEL * texels;
+    return LMB_OK;
+}
+
+double forecast_left(const lmb_forecast *forecast, const char *phase, double done, double elapsed)
+{
+    static const char *const phases[FORECAST_STEPS] = {"surface pilot", "surface",   "bounces",
+                                                       "probes",        "lightmaps", "write"};
+    int step = 0;
+    while (step < FORECAST_STEPS && strcmp(phases[step], phase) != 0) {
+        ++step;
+    }
+    if (!forecast->known || step == FORECAST_STEPS) {
+        return -1.0;
+    }
+    /* Bounces say nothing of how many there will be. How another step gets on counts as much as the trial once
+     * TRIAL_WEIGHT of it is done. */
+    const double expected = forecast->seconds[step];
+    double left = step == FORECAST_BOUNCES ? expected
+                                           : (1.0 - done) * (TRIAL_WEIGHT * expected + elapsed) / (TRIAL_WEIGHT + done);
+    for (int later = step + 1; later < FORECAST_STEPS; ++later) {
+        left += forecast->seconds[later];
+    }
+    return left;
+}
