@@ -10,15 +10,25 @@
 #define ROULETTE_AFTER 2
 #define ROULETTE_MAX_SURVIVAL 0.999f
 
+/* A gap is narrow below this share of a cell's size. */
+#define NARROW_SHARE 0.125f
+
+/* Whether a landing of a gather ray is so near that a cell's mean is no measure of what one point of it sends: nearer
+ * than the cell is wide, or, after that, within a gap that is narrow beside its cells, where light goes to and fro.
+ * Counting the reflections forbids to put one more before what is stored. */
+static bool landing_is_near(const lmb_path *path, const lmb_landing *landing)
+{
+    const float cell_size = lmb_surface_light_cell_size_at(path->transport->surface, &landing->hit);
+    const float near_by = path->vertex == 0 ? cell_size : NARROW_SHARE * cell_size;
+    return path->transport->bounces < 0 && landing->hit.distance < near_by;
+}
+
 /* Whether what a landing reflects is to be looked up, and that. A camera sees each cell's edges, so its own landing is
- * traced. So is one of a gather ray that is nearer than a cell is wide, where a cell's mean is no measure of what one
- * point of it sends, unless counting the reflections forbids to put one more before what is stored. */
+ * traced. */
 static bool landing_look_up(const lmb_path *path, const lmb_leg *leg, const lmb_landing *landing, lmb_rgb *irradiance)
 {
     const lmb_surface_light *light = path->transport->surface;
-    const bool may_trace_on = path->vertex == 0 && path->transport->bounces < 0;
-    if (!light || !leg->from ||
-        (may_trace_on && landing->hit.distance < lmb_surface_light_cell_size_at(light, &landing->hit))) {
+    if (!light || !leg->from || landing_is_near(path, landing)) {
         return false;
     }
     *irradiance = lmb_surface_light_at(light, &landing->hit, landing->hit.front);
