@@ -88,7 +88,8 @@ static void direct_add_triangle(const lmb_path *path, const lmb_receiver *receiv
     lmb_path_numbers(path, PAIR_TRIANGLE, point);
     lmb_path_numbers(path, PAIR_CHOICE, choice);
     lmb_light_sample sample;
-    if (!lmb_emitters_sample_triangle(transport->emitters, receiver->position, choice[0], point, &sample) ||
+    if (!lmb_emitters_sample_triangle(transport->emitters, receiver->position, lmb_receiver_normal(receiver), choice[0],
+                                      point, &sample) ||
         !lmb_receiver_sees(receiver, sample.direction)) {
         return;
     }
@@ -112,11 +113,11 @@ static void direct_add_environment(const lmb_path *path, const lmb_receiver *rec
     direct_add_sample(direct, receiver, &sample, share);
 }
 
-int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, float choice, int max,
+int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
 {
     const lmb_punctual_query query = {.position = receiver->position,
-                                      .normal = receiver->kind == LMB_LOBE_SPHERE ? NULL : &receiver->normal,
+                                      .normal = lmb_receiver_normal(receiver),
                                       .min_distance = receiver->min_light_distance,
                                       .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
     return lmb_emitters_punctual(transport->emitters, &query, choice, max, sample);
@@ -128,7 +129,7 @@ static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiv
     float choice[2];
     lmb_path_numbers(path, PAIR_CHOICE, choice);
     lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX];
-    const int count = lmb_receiver_punctual(transport, receiver, choice[1], 1, sample);
+    const int count = lmb_receiver_punctual(transport, receiver, choice, 1, sample);
     for (int i = 0; i < count; ++i) {
         if (!lmb_receiver_sees(receiver, sample[i].direction)) {
             continue;

@@ -35,6 +35,12 @@ typedef struct lmb_receiver {
 /* One side of a surface. */
 lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front);
 
+/* The normal of the plane that light must come from before of; NULL for a point in space. */
+static inline const lmb_vec3 *lmb_receiver_normal(const lmb_receiver *receiver)
+{
+    return receiver->kind == LMB_LOBE_SPHERE ? NULL : &receiver->normal;
+}
+
 /* Density of the direction that direction sampling picks, per solid angle. */
 float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 direction);
 
@@ -61,7 +67,7 @@ typedef struct lmb_direct_light {
 } lmb_direct_light;
 
 /* Punctual lights that a receiver is to look at (lmb_emitters_punctual). */
-int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, float choice, int max,
+int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
 
 /* Next-event estimation of everything that can be aimed at, for a surface. */

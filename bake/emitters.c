@@ -90,7 +90,12 @@ static bool emitter_make(const lmb_emitters *emitters, uint32_t instance, uint32
                       .area = 0.5f * vec3_length(normal),
                       .rounding = place.rounding,
                       .normal = place.geometric_normal,
-                      .bound = {corner[0], corner[0], 0.0f},
+                      .bound = {.low = corner[0],
+                                .high = corner[0],
+                                .axis = place.geometric_normal,
+                                .cos_spread = 1.0f,
+                                .cos_reach = 0.0f,
+                                .range = INFINITY},
                       .even = material_emits_evenly(material),
                       .radiance = material->emissive};
     for (int k = 1; k < 3; ++k) {
@@ -149,7 +154,7 @@ static lmb_result triangles_collect(lmb_emitters *emitters)
     for (uint32_t i = 0; i < emitters->triangle_count; ++i) {
         bounds[i] = emitters->triangles[i].bound;
     }
-    const lmb_result result = lmb_light_tree_create(bounds, emitters->triangle_count, &emitters->tree);
+    const lmb_result result = lmb_light_tree_create(bounds, emitters->triangle_count, true, &emitters->tree);
     free(bounds);
     return result;
 }
@@ -207,14 +212,15 @@ static float density_per_solid_angle(const emitter *light, double probability, f
     return cosine > 1e-6f ? per_area * distance * distance / cosine : 0.0f;
 }
 
-bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, float choice, const float point[2],
-                                  lmb_light_sample *sample)
+bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal, float choice,
+                                  const float point[2], lmb_light_sample *sample)
 {
     if (!emitters->tree) {
         return false;
     }
+    const lmb_light_query query = {.position = position, .normal = normal};
     double probability;
-    const uint32_t number = lmb_light_tree_choose(emitters->tree, position, (double)choice, &probability);
+    const uint32_t number = lmb_light_tree_choose(emitters->tree, &query, (double)choice, &probability);
     const emitter *chosen = &emitters->triangles[number];
     const float root = sqrtf(point[0]);
     const float u = root * (1.0f - point[1]);
@@ -236,15 +242,16 @@ bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 positio
     return sample->density > 0.0f && isfinite(sample->density) && rgb_max(sample->radiance) > 0.0f;
 }
 
-float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 position, const lmb_hit *hit,
-                                    lmb_vec3 direction)
+float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal,
+                                    const lmb_hit *hit, lmb_vec3 direction)
 {
     const uint32_t *numbers = emitters->emitter_of[hit->instance];
     if (!numbers || numbers[hit->triangle] == UINT32_MAX) {
         return 0.0f;
     }
     const uint32_t number = numbers[hit->triangle];
-    const double probability = lmb_light_tree_probability(emitters->tree, position, number);
+    const lmb_light_query query = {.position = position, .normal = normal};
+    const double probability = lmb_light_tree_probability(emitters->tree, &query, number);
     return density_per_solid_angle(&emitters->triangles[number], probability, hit->distance, direction);
 }
 
@@ -272,7 +279,7 @@ void lmb_emitters_environment_look(const lmb_emitters *emitters, const float *co
     lmb_sky_look_batch(&emitters->sky, direction, count, seen);
 }
 
-int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice, int max,
+int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
 {
     return lmb_punctual_choose(emitters->punctual, query, choice, max, sample);

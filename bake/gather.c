@@ -160,7 +160,9 @@ static void gather_triangles(gather_batch *batch)
     for (uint32_t i = 0; i < batch->count; ++i) {
         const float point[2] = {x[i], y[i]};
         lmb_light_sample light;
-        if (lmb_emitters_sample_triangle(emitters, batch_receiver(batch, i)->position, choice[i], point, &light)) {
+        const lmb_receiver *receiver = batch_receiver(batch, i);
+        if (lmb_emitters_sample_triangle(emitters, receiver->position, lmb_receiver_normal(receiver), choice[i], point,
+                                         &light)) {
             aimed_add(batch, &aimed, i, &light, false);
         }
     }
@@ -196,7 +198,7 @@ static void receiver_punctual(gather_batch *batch, uint32_t number)
     aimed_light aimed;
     float choice[2];
     lmb_sequence_2d(batch->stream, (batch->first + first) / batch->per_receiver, PAIR_CHOICE, choice);
-    const int count = lmb_receiver_punctual(batch->transport, receiver, choice[1], max, light);
+    const int count = lmb_receiver_punctual(batch->transport, receiver, choice, max, light);
     batch->rays.count = 0;
     for (int i = 0; i < count; ++i) {
         if (!lmb_receiver_sees(receiver, light[i].direction)) {

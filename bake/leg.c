@@ -26,7 +26,8 @@ static float emission_mis(const lmb_transport *transport, const lmb_leg *leg, co
     if (!leg->from) {
         return 1.0f;
     }
-    const float density = lmb_emitters_triangle_density(transport->emitters, leg->from->position, hit, leg->direction);
+    const float density = lmb_emitters_triangle_density(transport->emitters, leg->from->position,
+                                                        lmb_receiver_normal(leg->from), hit, leg->direction);
     return lmb_balance(lmb_receiver_density(leg->from, leg->direction), density);
 }
 

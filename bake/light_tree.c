@@ -1,216 +1,171 @@
 #include "light_tree.h"
 
-#include <stdlib.h>
+#include <float.h>
 
 #include "bake_internal.h"
+#include "light_tree_internal.h"
 
 #define EVEN_SHARE 0.1
 
-typedef struct light_node {
-    lmb_vec3 middle;
-    float radius_squared; /* of the sphere about its box */
-    float power;
-} light_node;
+/* A bound must miss by this much, in cosines and in shares of a range, before it counts: far more than rounding. */
+#define SLACK 1e-3f
 
-struct lmb_light_tree {
-    uint32_t count;
-    uint32_t *light;  /* [place] in the order of the curve */
-    uint32_t *place;  /* [light] where it is in that order */
-    light_node *node; /* the root's is 1, the children's of n are 2 n and 2 n + 1 */
-};
+/* What the cosines count at least where light can arrive, so that none that is misjudged weighs without bound. */
+#define MIN_EMITTED 0.02f
+#define MIN_RECEIVED 0.25f
 
-typedef struct curve_key {
-    uint64_t key;
-    uint32_t light;
-} curve_key;
-
-/* Spreads the 21 lowest bits three apart. */
-static uint64_t bits_spread(uint64_t x)
+static float sine_of(float cosine)
 {
-    x &= 0x1fffff;
-    x = (x | x << 32) & UINT64_C(0x1f00000000ffff);
-    x = (x | x << 16) & UINT64_C(0x1f0000ff0000ff);
-    x = (x | x << 8) & UINT64_C(0x100f00f00f00f00f);
-    x = (x | x << 4) & UINT64_C(0x10c30c30c30c30c3);
-    return (x | x << 2) & UINT64_C(0x1249249249249249);
+    const float square = (1.0f - cosine) * (1.0f + cosine);
+    return sqrtf(square > 0.0f ? square : 0.0f);
 }
 
-static uint64_t grid_place(float middle, float low, float high)
+/* Cosine of max(0, a - b), angles in [0, pi]. */
+static float cosine_less(float cos_a, float sin_a, float cos_b, float sin_b)
 {
-    const double share = high > low ? ((double)middle - (double)low) / ((double)high - (double)low) : 0.0;
-    return share > 0.0 ? (uint64_t)(fmin(share, 1.0) * 0x1fffff) : 0;
+    return cos_a >= cos_b ? 1.0f : cos_a * cos_b + sin_a * sin_b;
 }
 
-static lmb_vec3 box_middle(lmb_vec3 low, lmb_vec3 high)
+static float sine_less(float cos_a, float sin_a, float cos_b, float sin_b)
 {
-    return vec3_mad(vec3_scale(low, 0.5f), high, 0.5f);
+    return cos_a >= cos_b ? 0.0f : sin_a * cos_b - cos_a * sin_b;
 }
 
-static void box_grow(lmb_vec3 *low, lmb_vec3 *high, lmb_vec3 by_low, lmb_vec3 by_high)
+/* Share of the window of the range that is left at the node's near side (KHR_lights_punctual). */
+static float range_share(const lmb_light_node *node, float distance)
 {
-    *low = vec3(fminf(low->x, by_low.x), fminf(low->y, by_low.y), fminf(low->z, by_low.z));
-    *high = vec3(fmaxf(high->x, by_high.x), fmaxf(high->y, by_high.y), fmaxf(high->z, by_high.z));
-}
-
-static int key_compare(const void *left, const void *right)
-{
-    const curve_key *a = left;
-    const curve_key *b = right;
-    if (a->key != b->key) {
-        return a->key < b->key ? -1 : 1;
+    const float ratio = (distance - node->radius) / node->range;
+    if (!(ratio > 0.0f)) {
+        return 1.0f;
     }
-    return a->light < b->light ? -1 : a->light > b->light;
+    const float squared = ratio * ratio;
+    return ratio > 1.0f + SLACK ? 0.0f : fmaxf(1.0f - squared * squared, MIN_EMITTED);
 }
 
-static bool lights_order(lmb_light_tree *tree, const lmb_light_bound *lights)
+/* About the most that the node's lights can give; 0 only where they can give nothing. Angles are the least that the
+ * sphere about the node leaves: its own half angle `cone` comes off each. */
+static double node_importance(const lmb_light_tree *tree, const lmb_light_node *node, const lmb_light_query *query)
 {
-    curve_key *keys = malloc(tree->count * sizeof *keys);
-    if (!keys) {
-        return false;
-    }
-    lmb_vec3 low = lights[0].low, high = lights[0].high;
-    for (uint32_t i = 1; i < tree->count; ++i) {
-        box_grow(&low, &high, lights[i].low, lights[i].high);
-    }
-    for (uint32_t i = 0; i < tree->count; ++i) {
-        const lmb_vec3 middle = box_middle(lights[i].low, lights[i].high);
-        keys[i].key = bits_spread(grid_place(middle.x, low.x, high.x)) |
-                      bits_spread(grid_place(middle.y, low.y, high.y)) << 1 |
-                      bits_spread(grid_place(middle.z, low.z, high.z)) << 2;
-        keys[i].light = i;
-    }
-    qsort(keys, tree->count, sizeof *keys, key_compare);
-    for (uint32_t i = 0; i < tree->count; ++i) {
-        tree->light[i] = keys[i].light;
-        tree->place[keys[i].light] = i;
-    }
-    free(keys);
-    return true;
-}
-
-/* Makes the node that covers places first .. end - 1, and all below it. Returns its box and power. */
-static lmb_light_bound node_make(lmb_light_tree *tree, const lmb_light_bound *lights, size_t number, uint32_t first,
-                                 uint32_t end)
-{
-    lmb_light_bound bound = lights[tree->light[first]];
-    if (end - first > 1) {
-        const uint32_t middle = first + (end - first) / 2;
-        bound = node_make(tree, lights, 2 * number, first, middle);
-        const lmb_light_bound other = node_make(tree, lights, 2 * number + 1, middle, end);
-        box_grow(&bound.low, &bound.high, other.low, other.high);
-        bound.power += other.power;
-    }
-    const lmb_vec3 half = vec3_scale(vec3_sub(bound.high, bound.low), 0.5f);
-    tree->node[number] = (light_node){box_middle(bound.low, bound.high), vec3_dot(half, half), bound.power};
-    return bound;
-}
-
-/* Nodes are numbered as if all leaves lay at the deepest level. */
-static size_t node_numbers(uint32_t count)
-{
-    size_t leaves = 1;
-    while (leaves < count) {
-        leaves *= 2;
-    }
-    return 2 * leaves;
-}
-
-lmb_result lmb_light_tree_create(const lmb_light_bound *lights, uint32_t count, lmb_light_tree **tree)
-{
-    *tree = NULL;
-    if (count == 0) {
-        return LMB_OK;
-    }
-    lmb_light_tree *created = calloc(1, sizeof *created);
-    if (!created) {
-        return LMB_ERROR_MEMORY;
-    }
-    created->count = count;
-    created->light = malloc(count * sizeof *created->light);
-    created->place = malloc(count * sizeof *created->place);
-    created->node = calloc(node_numbers(count), sizeof *created->node);
-    if (!created->light || !created->place || !created->node || !lights_order(created, lights)) {
-        lmb_light_tree_destroy(created);
-        return LMB_ERROR_MEMORY;
-    }
-    node_make(created, lights, 1, 0, count);
-    *tree = created;
-    return LMB_OK;
-}
-
-void lmb_light_tree_destroy(lmb_light_tree *tree)
-{
-    if (tree) {
-        free(tree->light);
-        free(tree->place);
-        free(tree->node);
-        free(tree);
-    }
-}
-
-static double node_importance(const light_node *node, lmb_vec3 position)
-{
-    const lmb_vec3 apart = vec3_sub(node->middle, position);
-    const float distance_squared = vec3_dot(apart, apart);
-    const float squared = distance_squared > node->radius_squared ? distance_squared : node->radius_squared;
-    return (double)node->power / ((double)squared + 1e-30);
-}
-
-/* Probability of the first of a node's two children. */
-static double first_share(const lmb_light_tree *tree, size_t number, lmb_vec3 position)
-{
-    const double first = node_importance(&tree->node[2 * number], position);
-    const double second = node_importance(&tree->node[2 * number + 1], position);
-    return first / (first + second);
-}
-
-/* Walks from the root to a place: the one that `number` chooses, or `target` when that is one. */
-static uint32_t tree_walk(const lmb_light_tree *tree, lmb_vec3 position, double number, uint32_t target,
-                          double *probability)
-{
-    uint32_t first = 0;
-    uint32_t end = tree->count;
-    *probability = 1.0;
-    for (size_t node = 1; end - first > 1;) {
-        const uint32_t middle = first + (end - first) / 2;
-        const double share = first_share(tree, node, position);
-        const bool into_first = target < tree->count ? target < middle : number < share;
-        if (into_first) {
-            number /= share;
-            *probability *= share;
-            end = middle;
-        } else {
-            number = (number - share) / (1.0 - share);
-            *probability *= 1.0 - share;
-            first = middle;
+    const lmb_vec3 apart = vec3_sub(query->position, node->middle);
+    const float distance = sqrtf(fminf(vec3_dot(apart, apart), FLT_MAX));
+    const float counted = fmaxf(fmaxf(distance, node->radius), query->min_distance);
+    float share = range_share(node, distance);
+    if (distance > node->radius * (1.0f + SLACK)) {
+        const lmb_vec3 from = vec3_scale(apart, 1.0f / distance);
+        const float sin_cone = node->radius / distance;
+        const float cos_cone = sine_of(sin_cone);
+        const float along = vec3_dot(node->axis, from);
+        const float cos_axis = tree->two_sided ? fabsf(along) : along;
+        const float sin_axis = sine_of(cos_axis);
+        const float cos_off = cosine_less(cos_axis, sin_axis, node->cos_spread, node->sin_spread);
+        const float sin_off = sine_less(cos_axis, sin_axis, node->cos_spread, node->sin_spread);
+        const float emitted = cosine_less(cos_off, sin_off, cos_cone, sin_cone);
+        share *= emitted < node->cos_reach - SLACK ? 0.0f : fmaxf(emitted, MIN_EMITTED);
+        if (query->normal) {
+            const float cosine = -vec3_dot(*query->normal, from);
+            const float received = cosine_less(cosine, sine_of(cosine), cos_cone, sin_cone);
+            share *= received < -SLACK ? 0.0f : MIN_RECEIVED + (1.0f - MIN_RECEIVED) * fmaxf(received, 0.0f);
         }
-        node = 2 * node + (into_first ? 0 : 1);
     }
-    return first;
+    return (double)node->power * (double)share / ((double)counted * (double)counted + 1e-30);
 }
 
-static double with_even_share(const lmb_light_tree *tree, double probability)
+/* Probability of the first child of a node. */
+static double first_share(const lmb_light_tree *tree, uint32_t number, const lmb_light_query *query)
 {
-    return (1.0 - EVEN_SHARE) * probability + EVEN_SHARE / tree->count;
+    const double first = node_importance(tree, &tree->node[number + 1], query);
+    const double second = node_importance(tree, &tree->node[tree->node[number].second], query);
+    return first + second > 0.0 ? first / (first + second) : 0.5;
 }
 
-uint32_t lmb_light_tree_choose(const lmb_light_tree *tree, lmb_vec3 position, double number, double *probability)
+static double with_even_share(const lmb_light_tree *tree, uint32_t cluster, double probability)
 {
-    uint32_t place;
+    return (1.0 - EVEN_SHARE) * probability + EVEN_SHARE / tree->node[cluster].count;
+}
+
+/* Probability of getting to a leaf from a node above it, by strength alone. */
+static double leaf_probability(const lmb_light_tree *tree, const lmb_light_query *query, uint32_t from, uint32_t leaf)
+{
+    double probability = 1.0;
+    while (leaf != from) {
+        const uint32_t parent = tree->node[leaf].parent;
+        const double share = first_share(tree, parent, query);
+        probability *= leaf == parent + 1 ? share : 1.0 - share;
+        leaf = parent;
+    }
+    return probability;
+}
+
+/* The leaf that `number` chooses by strength, and its probability. */
+static uint32_t leaf_choose(const lmb_light_tree *tree, const lmb_light_query *query, uint32_t from, double number,
+                            double *probability)
+{
+    uint32_t at = from;
+    *probability = 1.0;
+    while (tree->node[at].second) {
+        const double share = first_share(tree, at, query);
+        const bool into_first = number < share;
+        *probability *= into_first ? share : 1.0 - share;
+        /* What is left of the number is again uniform; rounding must not carry it to 1, where no child may be. */
+        number = into_first ? number / share : (number - share) / (1.0 - share);
+        number = fmin(number, 1.0 - DBL_EPSILON);
+        at = into_first ? at + 1 : tree->node[at].second;
+    }
+    return at;
+}
+
+uint32_t lmb_light_tree_choose_in(const lmb_light_tree *tree, uint32_t cluster, const lmb_light_query *query,
+                                  double number, double *probability)
+{
+    const lmb_light_node *node = &tree->node[cluster];
+    uint32_t light;
     if (number < EVEN_SHARE) {
-        const uint32_t even = (uint32_t)(number / EVEN_SHARE * tree->count);
-        place = even < tree->count ? even : tree->count - 1;
-        tree_walk(tree, position, 0.0, place, probability);
+        const uint32_t even = (uint32_t)(number / EVEN_SHARE * node->count);
+        light = tree->light[node->first_place + (even < node->count ? even : node->count - 1)];
+        *probability = leaf_probability(tree, query, cluster, tree->leaf_of[light]);
     } else {
-        place = tree_walk(tree, position, (number - EVEN_SHARE) / (1.0 - EVEN_SHARE), UINT32_MAX, probability);
+        const double rest = fmin((number - EVEN_SHARE) / (1.0 - EVEN_SHARE), 1.0 - DBL_EPSILON);
+        light = tree->light[tree->node[leaf_choose(tree, query, cluster, rest, probability)].first_place];
     }
-    *probability = with_even_share(tree, *probability);
-    return tree->light[place];
+    *probability = with_even_share(tree, cluster, *probability);
+    return light;
 }
 
-double lmb_light_tree_probability(const lmb_light_tree *tree, lmb_vec3 position, uint32_t light)
+uint32_t lmb_light_tree_choose(const lmb_light_tree *tree, const lmb_light_query *query, double number,
+                               double *probability)
 {
-    double probability;
-    tree_walk(tree, position, 0.0, tree->place[light], &probability);
-    return with_even_share(tree, probability);
+    return lmb_light_tree_choose_in(tree, 0, query, number, probability);
+}
+
+double lmb_light_tree_probability(const lmb_light_tree *tree, const lmb_light_query *query, uint32_t light)
+{
+    return with_even_share(tree, 0, leaf_probability(tree, query, 0, tree->leaf_of[light]));
+}
+
+int lmb_light_tree_split(const lmb_light_tree *tree, const lmb_light_query *query, int max, uint32_t *cluster)
+{
+    double importance[LMB_LIGHT_CLUSTERS];
+    importance[0] = node_importance(tree, &tree->node[0], query);
+    cluster[0] = 0;
+    int count = importance[0] > 0.0 ? 1 : 0;
+    while (count < max) {
+        int strongest = -1;
+        for (int i = 0; i < count; ++i) {
+            const bool divisible = tree->node[cluster[i]].second != 0;
+            strongest = divisible && (strongest < 0 || importance[i] > importance[strongest]) ? i : strongest;
+        }
+        if (strongest < 0) {
+            break;
+        }
+        const uint32_t children[2] = {cluster[strongest] + 1, tree->node[cluster[strongest]].second};
+        --count;
+        cluster[strongest] = cluster[count];
+        importance[strongest] = importance[count];
+        for (int k = 0; k < 2; ++k) {
+            cluster[count] = children[k];
+            importance[count] = node_importance(tree, &tree->node[children[k]], query);
+            count += importance[count] > 0.0;
+        }
+    }
+    return count;
 }

@@ -1,36 +1,58 @@
 /* Choosing one of many lights by how much of it may arrive at a point, in time that grows with the logarithm of their
  * number.
  *
- * A binary tree over the lights in the order of a space-filling curve: a node covers a run of them and its two halves
- * are its children, so no links are stored. On the way down the child is chosen in proportion to its power over the
- * square of its distance (its own radius where that is larger, so that no child's chance is ever 0). After Conty
- * Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting", without orientation. A
- * tenth of the choices are even: what is chosen by strength alone never finds a candle in a room whose walls keep the
- * sun out. */
+ * A binary tree over the lights. A node knows the box that they lie in, their power, and a cone that their axes lie in;
+ * on the way down the child is chosen in proportion to a bound of what it can give. After Conty Estevez and Kulla 2018,
+ * "Importance Sampling of Many Lights with Adaptive Tree Splitting". */
 #ifndef LMB_LIGHT_TREE_H
 #define LMB_LIGHT_TREE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include <lambent/error.h>
 #include <lambent/types.h>
 
+/* A light that shines by the cosine to its axis, up to the angle `reach` from it. */
 typedef struct lmb_light_bound {
     lmb_vec3 low, high; /* box that it lies in */
-    float power;        /* > 0, finite */
+    float power;        /* > 0, finite; beside the others' */
+    lmb_vec3 axis;      /* unit */
+    float cos_spread;   /* axes lie within this angle of `axis`: 1 for one axis, -1 for a light without */
+    float cos_reach;
+    float range; /* metres, of KHR_lights_punctual's window; INFINITY: without */
 } lmb_light_bound;
 
 typedef struct lmb_light_tree lmb_light_tree;
 
-/* @return LMB_ERROR_MEMORY. Without lights `*tree` is NULL. */
-lmb_result lmb_light_tree_create(const lmb_light_bound *lights, uint32_t count, lmb_light_tree **tree);
+/* `two_sided`: lights shine to both sides of their axis. @return LMB_ERROR_MEMORY. Without lights `*tree` is NULL. */
+lmb_result lmb_light_tree_create(const lmb_light_bound *lights, uint32_t count, bool two_sided, lmb_light_tree **tree);
 void lmb_light_tree_destroy(lmb_light_tree *tree);
 
-/* The light that `number` in [0, 1) chooses at a position, and the probability of that, > 0. Numbers that lie close
- * choose lights that lie close. */
-uint32_t lmb_light_tree_choose(const lmb_light_tree *tree, lmb_vec3 position, double number, double *probability);
+/* Where light is to arrive. */
+typedef struct lmb_light_query {
+    lmb_vec3 position;
+    const lmb_vec3 *normal; /* unit; lights behind this plane give nothing. NULL: a point in space */
+    float min_distance;     /* nearer lights count as this far */
+} lmb_light_query;
+
+/* The light that `number` in [0, 1) chooses, and the probability of that. It is never 0, whatever the bounds say: a
+ * tenth of the choices are even. What is chosen by strength alone never finds a candle in a room whose walls keep the
+ * sun out. */
+uint32_t lmb_light_tree_choose(const lmb_light_tree *tree, const lmb_light_query *query, double number,
+                               double *probability);
 
 /* The probability with which that chooses `light`. */
-double lmb_light_tree_probability(const lmb_light_tree *tree, lmb_vec3 position, uint32_t light);
+double lmb_light_tree_probability(const lmb_light_tree *tree, const lmb_light_query *query, uint32_t light);
+
+/* Divides the lights into at most `max` <= LMB_LIGHT_CLUSTERS clusters, those that may give most into the smallest,
+ * down to single lights. Lights that cannot give any are in none; bounds are wide enough for rounding not to leave out
+ * others. Returns how many there are. */
+enum { LMB_LIGHT_CLUSTERS = 16 };
+int lmb_light_tree_split(const lmb_light_tree *tree, const lmb_light_query *query, int max, uint32_t *cluster);
+
+/* lmb_light_tree_choose within a cluster. */
+uint32_t lmb_light_tree_choose_in(const lmb_light_tree *tree, uint32_t cluster, const lmb_light_query *query,
+                                  double number, double *probability);
 
 #endif

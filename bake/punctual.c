@@ -22,6 +22,26 @@ struct lmb_punctual {
  * finds a candle in a room whose walls keep the sun out; this bounds how much rarer than any other it is chosen. */
 #define EVEN_SHARE 0.1
 
+/* Candidates that are looked at for each light that is wanted. */
+enum { CANDIDATES_PER_SAMPLE = 4 };
+
+/* Of clusters' numbers, each by this further on than the one before, any few lie far apart. */
+#define GOLDEN_RATIO 0.6180339887498949
+
+static lmb_light_bound light_bound(const lmb_light *light)
+{
+    const bool sun = light->type == LMB_LIGHT_DIRECTIONAL;
+    const bool spot = light->type == LMB_LIGHT_SPOT;
+    const lmb_vec3 position = sun ? vec3(0.0f, 0.0f, 0.0f) : light->position;
+    return (lmb_light_bound){.low = position,
+                             .high = position,
+                             .power = lmb_luminance(light->intensity),
+                             .axis = spot ? light->direction : vec3(0.0f, 1.0f, 0.0f),
+                             .cos_spread = spot ? 1.0f : -1.0f,
+                             .cos_reach = spot ? light->cos_outer : -1.0f,
+                             .range = light->range > 0.0f ? light->range : INFINITY};
+}
+
 static bool light_set_tree(light_set *set, const lmb_scene *scene)
 {
     lmb_light_bound *bounds = malloc(set->count * sizeof *bounds);
@@ -30,16 +50,13 @@ static bool light_set_tree(light_set *set, const lmb_scene *scene)
     }
     uint32_t giving = 0;
     for (uint32_t i = 0; i < set->count; ++i) {
-        const lmb_light *light = &scene->lights[set->light[i]];
-        const float power = lmb_luminance(light->intensity);
-        if (power > 0.0f && isfinite(power)) {
-            const lmb_vec3 position = light->type == LMB_LIGHT_DIRECTIONAL ? vec3(0.0f, 0.0f, 0.0f) : light->position;
-            set->light[giving] = set->light[i];
-            bounds[giving++] = (lmb_light_bound){position, position, power};
+        bounds[giving] = light_bound(&scene->lights[set->light[i]]);
+        if (bounds[giving].power > 0.0f && isfinite(bounds[giving].power)) {
+            set->light[giving++] = set->light[i];
         }
     }
     set->count = giving;
-    const lmb_result result = lmb_light_tree_create(bounds, giving, &set->tree);
+    const lmb_result result = lmb_light_tree_create(bounds, giving, false, &set->tree);
     free(bounds);
     return result == LMB_OK;
 }
@@ -142,21 +159,30 @@ static void candidate_add(candidates *found, const lmb_light *light, const lmb_p
 }
 
 static void candidates_find(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query, float choice,
-                            candidates *found)
+                            int max, candidates *found)
 {
     found->count = 0;
     found->total = 0.0;
-    if (set->count <= LMB_PUNCTUAL_MAX) {
+    if (!set->tree) {
         for (uint32_t i = 0; i < set->count; ++i) {
             candidate_add(found, &scene->lights[set->light[i]], query, 1.0);
         }
         return;
     }
-    for (int k = 0; k < LMB_PUNCTUAL_MAX; ++k) {
+    /* Suns have no place: for them all bounds are their power. */
+    const bool suns = scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL;
+    const lmb_light_query asked = suns ? (lmb_light_query){.min_distance = 1.0f}
+                                       : (lmb_light_query){query->position, query->normal, query->min_distance};
+    uint32_t cluster[LMB_PUNCTUAL_MAX];
+    const int most = max * CANDIDATES_PER_SAMPLE < LMB_PUNCTUAL_MAX ? max * CANDIDATES_PER_SAMPLE : LMB_PUNCTUAL_MAX;
+    const int count = lmb_light_tree_split(set->tree, &asked, most, cluster);
+    double number = (double)choice;
+    for (int k = 0; k < count; ++k) {
         double probability;
-        const double number = (k + (double)choice) / LMB_PUNCTUAL_MAX;
-        const uint32_t i = lmb_light_tree_choose(set->tree, query->position, number, &probability);
-        candidate_add(found, &scene->lights[set->light[i]], query, 1.0 / (LMB_PUNCTUAL_MAX * probability));
+        const uint32_t i = lmb_light_tree_choose_in(set->tree, cluster[k], &asked, number, &probability);
+        candidate_add(found, &scene->lights[set->light[i]], query, 1.0 / probability);
+        number += GOLDEN_RATIO;
+        number -= floor(number);
     }
 }
 
@@ -183,15 +209,13 @@ static int candidates_choose(const candidates *found, float choice, int max, lmb
     return given;
 }
 
-static int light_set_choose(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query, float choice,
-                            int max, lmb_punctual_sample *sample)
+static int light_set_choose(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query,
+                            const float choice[2], int max, lmb_punctual_sample *sample)
 {
     candidates found;
-    candidates_find(scene, set, query, choice, &found);
+    candidates_find(scene, set, query, choice[0], max, &found);
     if (found.count > max) {
-        /* The tree has used the number's leading digits: the even steps take the rest. */
-        const float rest = set->tree ? choice * 4096.0f - floorf(choice * 4096.0f) : choice;
-        return candidates_choose(&found, rest, max, sample);
+        return candidates_choose(&found, choice[1], max, sample);
     }
     for (int i = 0; i < found.count; ++i) {
         sample[i] = found.sample[i];
@@ -199,7 +223,7 @@ static int light_set_choose(const lmb_scene *scene, const light_set *set, const 
     return found.count;
 }
 
-int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, float choice, int max,
+int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, const float choice[2], int max,
                         lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
 {
     const int lamps = light_set_choose(punctual->scene, &punctual->lamps, query, choice, max, sample);

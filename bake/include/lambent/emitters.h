@@ -25,16 +25,16 @@ typedef struct lmb_light_sample {
     float density;      /* per solid angle, > 0 */
 } lmb_light_sample;
 
-/* A point on an emissive triangle, seen from `position`: the triangle chosen by its power over its distance squared,
- * the point uniform in its area. Time grows with the logarithm of the triangles' number. Returns false when there are
- * none or when this choice gives no light. */
-bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, float choice, const float point[2],
-                                  lmb_light_sample *sample);
+/* A point on an emissive triangle, seen from `position` on a surface that faces along unit `normal` (NULL: a point in
+ * space): the triangle chosen by what it may give there, the point uniform in its area. Time grows with the logarithm
+ * of the triangles' number. Returns false when there are none or when this choice gives no light. */
+bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal, float choice,
+                                  const float point[2], lmb_light_sample *sample);
 
-/* Density per solid angle with which the function above picks, from `position`, the direction of this hit: `direction`,
- * a unit vector. */
-float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 position, const lmb_hit *hit,
-                                    lmb_vec3 direction);
+/* Density per solid angle with which the function above picks, from there, the direction of this hit: `direction`, a
+ * unit vector. */
+float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal,
+                                    const lmb_hit *hit, lmb_vec3 direction);
 
 /* Whether the environment is an image in which something stands out that is worth aiming at. In an even one rays that
  * leave the scene find the light with less noise. */
@@ -78,12 +78,13 @@ typedef struct lmb_punctual_query {
  * lamps are chosen apart, for what is bright for one is dark for the other.
  *
  * A kind of which there are no more than LMB_PUNCTUAL_MAX is looked at whole, and when no more than `max` of them give
- * light they are returned as they are, without chance. Else LMB_PUNCTUAL_MAX candidates are drawn from a tree, in time
- * that grows with the logarithm of their number. Among candidates the choice is in proportion to their unshadowed
- * light, with an even share for all, because nobody knows which of them walls keep away. `choice` in [0, 1);
- * 1 <= max <= LMB_PUNCTUAL_MAX. Returns how many `sample` has been given. */
+ * light they are returned as they are, without chance. Else a tree divides the lights into clusters, the strongest into
+ * single lights, and one of each is a candidate, in time that grows with the logarithm of their number. Among
+ * candidates the choice is in proportion to their unshadowed light, with an even share for all, because nobody knows
+ * which of them walls keep away. `choice` in [0, 1)^2; 1 <= max <= LMB_PUNCTUAL_MAX. Returns how many `sample` has been
+ * given. */
 enum { LMB_PUNCTUAL_MAX = 16 };
-int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, float choice, int max,
+int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
 
 #ifdef __cplusplus
