@@ -14,67 +14,79 @@
 #define MIN_EMITTED 0.02f
 #define MIN_RECEIVED 0.25f
 
-static float sine_of(float cosine)
+/* These are single instructions, which fmaxf and fminf are not. */
+static inline float larger(float a, float b)
 {
+    return a > b ? a : b;
+}
+
+static inline float smaller(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+/* Rounding must not carry a number to 1, where no child may be. */
+static inline double below_one(double number)
+{
+    return number < 1.0 - DBL_EPSILON ? number : 1.0 - DBL_EPSILON;
+}
+
+/* Cosine of the angle that is left between a direction and the node's axes, of that to the middle one. */
+static float cosine_off(const lmb_light_node *node, float cosine)
+{
+    if (cosine >= node->cos_spread) {
+        return 1.0f;
+    }
     const float square = (1.0f - cosine) * (1.0f + cosine);
-    return sqrtf(square > 0.0f ? square : 0.0f);
-}
-
-/* Cosine of max(0, a - b), angles in [0, pi]. */
-static float cosine_less(float cos_a, float sin_a, float cos_b, float sin_b)
-{
-    return cos_a >= cos_b ? 1.0f : cos_a * cos_b + sin_a * sin_b;
-}
-
-static float sine_less(float cos_a, float sin_a, float cos_b, float sin_b)
-{
-    return cos_a >= cos_b ? 0.0f : sin_a * cos_b - cos_a * sin_b;
+    return cosine * node->cos_spread + sqrtf(larger(square, 0.0f)) * node->sin_spread;
 }
 
 /* Share of the window of the range that is left at the node's near side (KHR_lights_punctual). */
 static float range_share(const lmb_light_node *node, float distance)
 {
-    const float ratio = (distance - node->radius) / node->range;
-    if (!(ratio > 0.0f)) {
+    if (!(distance > node->radius) || isinf(node->range)) {
         return 1.0f;
     }
+    const float ratio = (distance - node->radius) / node->range;
     const float squared = ratio * ratio;
-    return ratio > 1.0f + SLACK ? 0.0f : fmaxf(1.0f - squared * squared, MIN_EMITTED);
+    return ratio > 1.0f + SLACK ? 0.0f : larger(1.0f - squared * squared, MIN_EMITTED);
 }
 
-/* About the most that the node's lights can give; 0 only where they can give nothing. Angles are the least that the
- * sphere about the node leaves: its own half angle `cone` comes off each. */
-static double node_importance(const lmb_light_tree *tree, const lmb_light_node *node, const lmb_light_query *query)
+/* About the most that a node's lights can give is share / squared. */
+typedef struct node_bound {
+    double share; /* power times what directions leave of it; 0 only where the node can give nothing */
+    double squared;
+} node_bound;
+
+/* A sphere of sine r / d in the way of an angle a leaves at most cos(max(0, a - asin(r / d))) <= cos a + r / d. */
+static node_bound node_look(const lmb_light_tree *tree, const lmb_light_node *node, const lmb_light_query *query)
 {
     const lmb_vec3 apart = vec3_sub(query->position, node->middle);
-    const float distance = sqrtf(fminf(vec3_dot(apart, apart), FLT_MAX));
-    const float counted = fmaxf(fmaxf(distance, node->radius), query->min_distance);
+    const float distance = sqrtf(smaller(vec3_dot(apart, apart), FLT_MAX));
+    const float counted = larger(larger(distance, node->radius), query->min_distance);
     float share = range_share(node, distance);
     if (distance > node->radius * (1.0f + SLACK)) {
-        const lmb_vec3 from = vec3_scale(apart, 1.0f / distance);
-        const float sin_cone = node->radius / distance;
-        const float cos_cone = sine_of(sin_cone);
-        const float along = vec3_dot(node->axis, from);
-        const float cos_axis = tree->two_sided ? fabsf(along) : along;
-        const float sin_axis = sine_of(cos_axis);
-        const float cos_off = cosine_less(cos_axis, sin_axis, node->cos_spread, node->sin_spread);
-        const float sin_off = sine_less(cos_axis, sin_axis, node->cos_spread, node->sin_spread);
-        const float emitted = cosine_less(cos_off, sin_off, cos_cone, sin_cone);
-        share *= emitted < node->cos_reach - SLACK ? 0.0f : fmaxf(emitted, MIN_EMITTED);
+        const float inverse = 1.0f / distance;
+        const float sphere = node->radius * inverse;
+        const float along = vec3_dot(node->axis, apart) * inverse;
+        const float emitted = cosine_off(node, tree->two_sided ? fabsf(along) : along) + sphere;
+        share *= emitted < node->cos_reach - SLACK ? 0.0f : smaller(larger(emitted, MIN_EMITTED), 1.0f);
         if (query->normal) {
-            const float cosine = -vec3_dot(*query->normal, from);
-            const float received = cosine_less(cosine, sine_of(cosine), cos_cone, sin_cone);
-            share *= received < -SLACK ? 0.0f : MIN_RECEIVED + (1.0f - MIN_RECEIVED) * fmaxf(received, 0.0f);
+            const float received = sphere - vec3_dot(*query->normal, apart) * inverse;
+            share *=
+                received < -SLACK ? 0.0f : MIN_RECEIVED + (1.0f - MIN_RECEIVED) * smaller(larger(received, 0.0f), 1.0f);
         }
     }
-    return (double)node->power * (double)share / ((double)counted * (double)counted + 1e-30);
+    return (node_bound){(double)node->power * (double)share, (double)counted * (double)counted + 1e-30};
 }
 
 /* Probability of the first child of a node. */
 static double first_share(const lmb_light_tree *tree, uint32_t number, const lmb_light_query *query)
 {
-    const double first = node_importance(tree, &tree->node[number + 1], query);
-    const double second = node_importance(tree, &tree->node[tree->node[number].second], query);
+    const node_bound a = node_look(tree, &tree->node[number + 1], query);
+    const node_bound b = node_look(tree, &tree->node[tree->node[number].second], query);
+    const double first = a.share * b.squared;
+    const double second = b.share * a.squared;
     return first + second > 0.0 ? first / (first + second) : 0.5;
 }
 
@@ -106,9 +118,9 @@ static uint32_t leaf_choose(const lmb_light_tree *tree, const lmb_light_query *q
         const double share = first_share(tree, at, query);
         const bool into_first = number < share;
         *probability *= into_first ? share : 1.0 - share;
-        /* What is left of the number is again uniform; rounding must not carry it to 1, where no child may be. */
+        /* What is left of the number is again uniform. */
         number = into_first ? number / share : (number - share) / (1.0 - share);
-        number = fmin(number, 1.0 - DBL_EPSILON);
+        number = below_one(number);
         at = into_first ? at + 1 : tree->node[at].second;
     }
     return at;
@@ -124,7 +136,7 @@ uint32_t lmb_light_tree_choose_in(const lmb_light_tree *tree, uint32_t cluster, 
         light = tree->light[node->first_place + (even < node->count ? even : node->count - 1)];
         *probability = leaf_probability(tree, query, cluster, tree->leaf_of[light]);
     } else {
-        const double rest = fmin((number - EVEN_SHARE) / (1.0 - EVEN_SHARE), 1.0 - DBL_EPSILON);
+        const double rest = below_one((number - EVEN_SHARE) / (1.0 - EVEN_SHARE));
         light = tree->light[tree->node[leaf_choose(tree, query, cluster, rest, probability)].first_place];
     }
     *probability = with_even_share(tree, cluster, *probability);
@@ -142,10 +154,16 @@ double lmb_light_tree_probability(const lmb_light_tree *tree, const lmb_light_qu
     return with_even_share(tree, 0, leaf_probability(tree, query, 0, tree->leaf_of[light]));
 }
 
+static double node_importance(const lmb_light_tree *tree, uint32_t number, const lmb_light_query *query)
+{
+    const node_bound bound = node_look(tree, &tree->node[number], query);
+    return bound.share / bound.squared;
+}
+
 int lmb_light_tree_split(const lmb_light_tree *tree, const lmb_light_query *query, int max, uint32_t *cluster)
 {
     double importance[LMB_LIGHT_CLUSTERS];
-    importance[0] = node_importance(tree, &tree->node[0], query);
+    importance[0] = node_importance(tree, 0, query);
     cluster[0] = 0;
     int count = importance[0] > 0.0 ? 1 : 0;
     while (count < max) {
@@ -163,7 +181,7 @@ int lmb_light_tree_split(const lmb_light_tree *tree, const lmb_light_query *quer
         importance[strongest] = importance[count];
         for (int k = 0; k < 2; ++k) {
             cluster[count] = children[k];
-            importance[count] = node_importance(tree, &tree->node[children[k]], query);
+            importance[count] = node_importance(tree, children[k], query);
             count += importance[count] > 0.0;
         }
     }

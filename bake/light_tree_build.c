@@ -18,6 +18,16 @@ static float axis_of(lmb_vec3 v, int axis)
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
+static lmb_vec3 vec3_lowest(lmb_vec3 a, lmb_vec3 b)
+{
+    return vec3(a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z);
+}
+
+static lmb_vec3 vec3_highest(lmb_vec3 a, lmb_vec3 b)
+{
+    return vec3(a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z);
+}
+
 static lmb_vec3 bound_middle(const lmb_light_bound *bound)
 {
     return vec3_mad(vec3_scale(bound->low, 0.5f), bound->high, 0.5f);
@@ -72,30 +82,50 @@ static void bound_unite(lmb_light_bound *bound, const lmb_light_bound *other, bo
     cone_unite(bound, other, two_sided);
 }
 
-/* What a node costs: power, spread over the square of its size and over the directions that it shines into. */
-static double bound_cost(const lmb_light_bound *bound, bool two_sided)
-{
-    const lmb_vec3 size = vec3_sub(bound->high, bound->low);
-    double sine, cosine;
-    const double most = two_sided ? LMB_PI / 2.0 : LMB_PI;
-    lmb_sincos(fmin(cone_angle(bound->cos_spread) + cone_angle(bound->cos_reach), most), &sine, &cosine);
-    return (double)bound->power * (double)vec3_dot(size, size) * (1.0 - cosine);
-}
-
-/* Lights whose middles lie in one slice of a node. */
+/* Lights of which one node might be made. */
 typedef struct bin {
-    lmb_light_bound bound;
+    lmb_vec3 low, high;
+    lmb_vec3 axes; /* sum */
+    float power;
+    float cos_reach;
     uint32_t count;
 } bin;
 
-static void bin_add(bin *to, const lmb_light_bound *bound, uint32_t count, bool two_sided)
+static void bin_add(bin *to, const bin *added)
 {
-    if (count > 0 && to->count == 0) {
-        to->bound = *bound;
-    } else if (count > 0) {
-        bound_unite(&to->bound, bound, two_sided);
+    if (to->count == 0 || added->count == 0) {
+        *to = added->count > 0 ? *added : *to;
+        return;
     }
-    to->count += count;
+    to->low = vec3_lowest(to->low, added->low);
+    to->high = vec3_highest(to->high, added->high);
+    to->axes = vec3_add(to->axes, added->axes);
+    to->power += added->power;
+    to->cos_reach = added->cos_reach < to->cos_reach ? added->cos_reach : to->cos_reach;
+    to->count += added->count;
+}
+
+/* One light; two-sided ones are turned to the side of `up`. */
+static bin bin_of(const lmb_light_bound *light, bool two_sided, lmb_vec3 up)
+{
+    const bool turned = two_sided && vec3_dot(light->axis, up) < 0.0f;
+    const float length = 0.5f * (1.0f + light->cos_spread); /* of the mean axis of a cone */
+    return (bin){.low = light->low,
+                 .high = light->high,
+                 .axes = vec3_scale(light->axis, turned ? -length : length),
+                 .power = light->power,
+                 .cos_reach = light->cos_reach,
+                 .count = 1};
+}
+
+/* What a node promises too much: its power, by the square of its size and by about the solid angle that it may shine
+ * into, weighted by the cosine: that of a single axis is a quarter of all. */
+static double bin_cost(const bin *lights)
+{
+    const lmb_vec3 size = vec3_sub(lights->high, lights->low);
+    const float even = vec3_length(lights->axes) / (float)lights->count;
+    return (double)lights->power * (double)vec3_dot(size, size) *
+           (double)(1.0f - lights->cos_reach + 3.0f * (1.0f - even));
 }
 
 /* Slices of a node along an axis. */
@@ -114,7 +144,7 @@ static int slice_of(const slicing *slices, const lmb_light_bound *bound)
 /* The cheapest cut between slices; its cost, or INFINITY when nothing can be divided along this axis. */
 static double cut_find(const build *made, uint32_t first, uint32_t end, const slicing *slices, int *cut)
 {
-    const bool two_sided = made->tree->two_sided;
+    const lmb_vec3 up = made->lights[made->tree->light[first]].axis;
     bin bins[BINS] = {0};
     double after[BINS];
     if (!(slices->high > slices->low) || !isfinite(slices->high - slices->low)) {
@@ -122,18 +152,20 @@ static double cut_find(const build *made, uint32_t first, uint32_t end, const sl
     }
     for (uint32_t i = first; i < end; ++i) {
         const lmb_light_bound *light = &made->lights[made->tree->light[i]];
-        bin_add(&bins[slice_of(slices, light)], light, 1, two_sided);
+        const bin one = bin_of(light, made->tree->two_sided, up);
+        bin_add(&bins[slice_of(slices, light)], &one);
     }
+    /* The first and the last slice are never empty: they hold the lights that the range was taken from. */
     bin sum = {0};
     for (int k = BINS - 1; k > 0; --k) {
-        bin_add(&sum, &bins[k].bound, bins[k].count, two_sided);
-        after[k] = sum.count > 0 ? bound_cost(&sum.bound, two_sided) : (double)INFINITY;
+        bin_add(&sum, &bins[k]);
+        after[k] = bin_cost(&sum);
     }
     double best = (double)INFINITY;
-    sum.count = 0;
+    sum = (bin){0};
     for (int k = 1; k < BINS; ++k) {
-        bin_add(&sum, &bins[k - 1].bound, bins[k - 1].count, two_sided);
-        const double cost = sum.count > 0 ? bound_cost(&sum.bound, two_sided) + after[k] : (double)INFINITY;
+        bin_add(&sum, &bins[k - 1]);
+        const double cost = bin_cost(&sum) + after[k];
         if (cost < best) {
             best = cost;
             *cut = k;
