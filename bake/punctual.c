@@ -22,8 +22,8 @@ struct lmb_punctual {
  * finds a candle in a room whose walls keep the sun out; this bounds how much rarer than any other it is chosen. */
 #define EVEN_SHARE 0.1
 
-/* Candidates that are looked at for each light that is wanted. */
-enum { CANDIDATES_PER_SAMPLE = 4 };
+/* Candidates that are looked at for each light that is wanted, up to LMB_PUNCTUAL_MAX. */
+enum { CANDIDATES_PER_SAMPLE = 8 };
 
 /* Of clusters' numbers, each by this further on than the one before, any few lie far apart. */
 #define GOLDEN_RATIO 0.6180339887498949
