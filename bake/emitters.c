@@ -104,7 +104,8 @@ static bool emitter_make(const lmb_emitters *emitters, uint32_t instance, uint32
         made->bound.high = vec3(fmaxf(made->bound.high.x, corner[k].x), fmaxf(made->bound.high.y, corner[k].y),
                                 fmaxf(made->bound.high.z, corner[k].z));
     }
-    made->bound.power = made->area * triangle_luminance(emitters->tracer, instance, triangle);
+    made->bound.power = made->area * (made->even ? lmb_luminance(made->radiance)
+                                                 : triangle_luminance(emitters->tracer, instance, triangle));
     return made->bound.power > 0.0f && isfinite(made->bound.power);
 }
 

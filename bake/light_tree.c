@@ -14,17 +14,6 @@
 #define MIN_EMITTED 0.02f
 #define MIN_RECEIVED 0.25f
 
-/* These are single instructions, which fmaxf and fminf are not. */
-static inline float larger(float a, float b)
-{
-    return a > b ? a : b;
-}
-
-static inline float smaller(float a, float b)
-{
-    return a < b ? a : b;
-}
-
 /* Rounding must not carry a number to 1, where no child may be. */
 static inline double below_one(double number)
 {
@@ -38,7 +27,7 @@ static float cosine_off(const lmb_light_node *node, float cosine)
         return 1.0f;
     }
     const float square = (1.0f - cosine) * (1.0f + cosine);
-    return cosine * node->cos_spread + sqrtf(larger(square, 0.0f)) * node->sin_spread;
+    return cosine * node->cos_spread + sqrtf(float_larger(square, 0.0f)) * node->sin_spread;
 }
 
 /* Share of the window of the range that is left at the node's near side (KHR_lights_punctual). */
@@ -49,7 +38,7 @@ static float range_share(const lmb_light_node *node, float distance)
     }
     const float ratio = (distance - node->radius) / node->range;
     const float squared = ratio * ratio;
-    return ratio > 1.0f + SLACK ? 0.0f : larger(1.0f - squared * squared, MIN_EMITTED);
+    return ratio > 1.0f + SLACK ? 0.0f : float_larger(1.0f - squared * squared, MIN_EMITTED);
 }
 
 /* About the most that a node's lights can give is share / squared. */
@@ -62,19 +51,20 @@ typedef struct node_bound {
 static node_bound node_look(const lmb_light_tree *tree, const lmb_light_node *node, const lmb_light_query *query)
 {
     const lmb_vec3 apart = vec3_sub(query->position, node->middle);
-    const float distance = sqrtf(smaller(vec3_dot(apart, apart), FLT_MAX));
-    const float counted = larger(larger(distance, node->radius), query->min_distance);
+    const float distance = sqrtf(float_smaller(vec3_dot(apart, apart), FLT_MAX));
+    const float counted = float_larger(float_larger(distance, node->radius), query->min_distance);
     float share = range_share(node, distance);
     if (distance > node->radius * (1.0f + SLACK)) {
         const float inverse = 1.0f / distance;
         const float sphere = node->radius * inverse;
         const float along = vec3_dot(node->axis, apart) * inverse;
         const float emitted = cosine_off(node, tree->two_sided ? fabsf(along) : along) + sphere;
-        share *= emitted < node->cos_reach - SLACK ? 0.0f : smaller(larger(emitted, MIN_EMITTED), 1.0f);
+        share *= emitted < node->cos_reach - SLACK ? 0.0f : float_smaller(float_larger(emitted, MIN_EMITTED), 1.0f);
         if (query->normal) {
             const float received = sphere - vec3_dot(*query->normal, apart) * inverse;
-            share *=
-                received < -SLACK ? 0.0f : MIN_RECEIVED + (1.0f - MIN_RECEIVED) * smaller(larger(received, 0.0f), 1.0f);
+            share *= received < -SLACK
+                         ? 0.0f
+                         : MIN_RECEIVED + (1.0f - MIN_RECEIVED) * float_smaller(float_larger(received, 0.0f), 1.0f);
         }
     }
     return (node_bound){(double)node->power * (double)share, (double)counted * (double)counted + 1e-30};

@@ -20,12 +20,12 @@ static float axis_of(lmb_vec3 v, int axis)
 
 static lmb_vec3 vec3_lowest(lmb_vec3 a, lmb_vec3 b)
 {
-    return vec3(a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z);
+    return vec3(float_smaller(a.x, b.x), float_smaller(a.y, b.y), float_smaller(a.z, b.z));
 }
 
 static lmb_vec3 vec3_highest(lmb_vec3 a, lmb_vec3 b)
 {
-    return vec3(a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z);
+    return vec3(float_larger(a.x, b.x), float_larger(a.y, b.y), float_larger(a.z, b.z));
 }
 
 static lmb_vec3 bound_middle(const lmb_light_bound *bound)
@@ -35,7 +35,7 @@ static lmb_vec3 bound_middle(const lmb_light_bound *bound)
 
 static double cone_angle(float cosine)
 {
-    return 2.0 * LMB_PI * (double)lmb_turn_of(cosine, sqrtf(fmaxf(0.0f, (1.0f - cosine) * (1.0f + cosine))));
+    return 2.0 * LMB_PI * (double)lmb_turn_of(cosine, sqrtf(float_larger(0.0f, (1.0f - cosine) * (1.0f + cosine))));
 }
 
 /* The smallest cone about two; a two-sided one is its own opposite. */
@@ -72,13 +72,13 @@ static void cone_unite(lmb_light_bound *cone, const lmb_light_bound *other, bool
 
 static void bound_unite(lmb_light_bound *bound, const lmb_light_bound *other, bool two_sided)
 {
-    bound->low =
-        vec3(fminf(bound->low.x, other->low.x), fminf(bound->low.y, other->low.y), fminf(bound->low.z, other->low.z));
-    bound->high = vec3(fmaxf(bound->high.x, other->high.x), fmaxf(bound->high.y, other->high.y),
-                       fmaxf(bound->high.z, other->high.z));
-    bound->power = fminf(bound->power + other->power, FLT_MAX);
-    bound->cos_reach = fminf(bound->cos_reach, other->cos_reach);
-    bound->range = fmaxf(bound->range, other->range);
+    bound->low = vec3(float_smaller(bound->low.x, other->low.x), float_smaller(bound->low.y, other->low.y),
+                      float_smaller(bound->low.z, other->low.z));
+    bound->high = vec3(float_larger(bound->high.x, other->high.x), float_larger(bound->high.y, other->high.y),
+                       float_larger(bound->high.z, other->high.z));
+    bound->power = float_smaller(bound->power + other->power, FLT_MAX);
+    bound->cos_reach = float_smaller(bound->cos_reach, other->cos_reach);
+    bound->range = float_larger(bound->range, other->range);
     cone_unite(bound, other, two_sided);
 }
 
@@ -185,8 +185,8 @@ static uint32_t lights_divide(const build *made, uint32_t first, uint32_t end)
         slicing slices = {axis, INFINITY, -INFINITY};
         for (uint32_t i = first; i < end; ++i) {
             const float at = axis_of(bound_middle(&made->lights[light[i]]), axis);
-            slices.low = fminf(slices.low, at);
-            slices.high = fmaxf(slices.high, at);
+            slices.low = float_smaller(slices.low, at);
+            slices.high = float_larger(slices.high, at);
         }
         int cut = 0;
         const double cost = cut_find(made, first, end, &slices, &cut);
@@ -218,7 +218,7 @@ static void node_set(lmb_light_node *node, const lmb_light_bound *bound)
     node->axis = bound->axis;
     node->power = bound->power;
     node->cos_spread = bound->cos_spread;
-    node->sin_spread = sqrtf(fmaxf(0.0f, (1.0f - bound->cos_spread) * (1.0f + bound->cos_spread)));
+    node->sin_spread = sqrtf(float_larger(0.0f, (1.0f - bound->cos_spread) * (1.0f + bound->cos_spread)));
     node->cos_reach = bound->cos_reach;
     node->range = bound->range;
 }

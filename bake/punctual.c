@@ -118,16 +118,16 @@ static bool light_evaluate(const lmb_light *light, lmb_vec3 position, float min_
     }
     sample->direction = vec3_scale(towards, 1.0f / distance);
     sample->end = light->position;
-    const float counted = fmaxf(distance, min_distance);
+    const float counted = float_larger(distance, min_distance);
     float factor = 1.0f / counted / counted;
     if (light->range > 0.0f) {
         const float ratio = distance / light->range;
-        factor *= fminf(fmaxf(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
+        factor *= float_smaller(float_larger(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
     }
     if (light->type == LMB_LIGHT_SPOT) {
         const float cosine = -vec3_dot(sample->direction, light->direction);
-        const float width = fmaxf(light->cos_inner - light->cos_outer, 1e-4f);
-        const float fall = fminf(fmaxf((cosine - light->cos_outer) / width, 0.0f), 1.0f);
+        const float width = float_larger(light->cos_inner - light->cos_outer, 1e-4f);
+        const float fall = float_smaller(float_larger((cosine - light->cos_outer) / width, 0.0f), 1.0f);
         factor *= fall * fall;
     }
     sample->irradiance = rgb_scale(light->intensity, factor);
