@@ -38,7 +38,7 @@ static double cone_angle(float cosine)
     return 2.0 * LMB_PI * (double)lmb_turn_of(cosine, sqrtf(float_larger(0.0f, (1.0f - cosine) * (1.0f + cosine))));
 }
 
-/* The smallest cone about two; a two-sided one is its own opposite. */
+/* Makes a cone the smallest about itself and another; a two-sided one is its own opposite. */
 static void cone_unite(lmb_light_bound *cone, const lmb_light_bound *other, bool two_sided)
 {
     const float towards = vec3_dot(cone->axis, other->axis);
@@ -72,10 +72,8 @@ static void cone_unite(lmb_light_bound *cone, const lmb_light_bound *other, bool
 
 static void bound_unite(lmb_light_bound *bound, const lmb_light_bound *other, bool two_sided)
 {
-    bound->low = vec3(float_smaller(bound->low.x, other->low.x), float_smaller(bound->low.y, other->low.y),
-                      float_smaller(bound->low.z, other->low.z));
-    bound->high = vec3(float_larger(bound->high.x, other->high.x), float_larger(bound->high.y, other->high.y),
-                       float_larger(bound->high.z, other->high.z));
+    bound->low = vec3_lowest(bound->low, other->low);
+    bound->high = vec3_highest(bound->high, other->high);
     bound->power = float_smaller(bound->power + other->power, FLT_MAX);
     bound->cos_reach = float_smaller(bound->cos_reach, other->cos_reach);
     bound->range = float_larger(bound->range, other->range);
@@ -101,7 +99,7 @@ static void bin_add(bin *to, const bin *added)
     to->high = vec3_highest(to->high, added->high);
     to->axes = vec3_add(to->axes, added->axes);
     to->power += added->power;
-    to->cos_reach = added->cos_reach < to->cos_reach ? added->cos_reach : to->cos_reach;
+    to->cos_reach = float_smaller(to->cos_reach, added->cos_reach);
     to->count += added->count;
 }
 
@@ -155,7 +153,7 @@ static double cut_find(const build *made, uint32_t first, uint32_t end, const sl
         const bin one = bin_of(light, made->tree->two_sided, up);
         bin_add(&bins[slice_of(slices, light)], &one);
     }
-    /* The first and the last slice are never empty: they hold the lights that the range was taken from. */
+    /* Neither side of a cut is empty: the first and last slice hold the lights that the range was taken from. */
     bin sum = {0};
     for (int k = BINS - 1; k > 0; --k) {
         bin_add(&sum, &bins[k]);
