@@ -48,7 +48,7 @@ double lmb_light_tree_probability(const lmb_light_tree *tree, const lmb_light_qu
 /* Divides the lights into at most `max` <= LMB_LIGHT_CLUSTERS clusters, those that may give most into the smallest,
  * down to single lights. Lights that cannot give any are in none; bounds are wide enough for rounding not to leave out
  * others. Returns how many there are. */
-enum { LMB_LIGHT_CLUSTERS = 16 };
+enum { LMB_LIGHT_CLUSTERS = 32 };
 int lmb_light_tree_split(const lmb_light_tree *tree, const lmb_light_query *query, int max, uint32_t *cluster);
 
 /* lmb_light_tree_choose within a cluster. */

@@ -22,7 +22,7 @@ struct lmb_punctual {
  * finds a candle in a room whose walls keep the sun out; this bounds how much rarer than any other it is chosen. */
 #define EVEN_SHARE 0.1
 
-/* Candidates that are looked at for each light that is wanted, up to LMB_PUNCTUAL_MAX. */
+/* Candidates that are looked at for each light that is wanted, up to LMB_LIGHT_CLUSTERS. */
 enum { CANDIDATES_PER_SAMPLE = 8 };
 
 /* Of clusters' numbers, each by this further on than the one before, any few lie far apart. */
@@ -136,8 +136,8 @@ static bool light_evaluate(const lmb_light *light, lmb_vec3 position, float min_
 
 /* Lights to choose from, and their unshadowed weights: what the choice is in proportion to. */
 typedef struct candidates {
-    lmb_punctual_sample sample[LMB_PUNCTUAL_MAX];
-    double weight[LMB_PUNCTUAL_MAX];
+    lmb_punctual_sample sample[LMB_LIGHT_CLUSTERS];
+    double weight[LMB_LIGHT_CLUSTERS];
     double total;
     int count;
 } candidates;
@@ -151,8 +151,9 @@ static void candidate_add(candidates *found, const lmb_light *light, const lmb_p
     }
     const float cosine = query->normal ? vec3_dot(*query->normal, sample->direction) : 1.0f;
     sample->irradiance = rgb_scale(sample->irradiance, (float)factor);
-    const double weight = (double)lmb_luminance(sample->irradiance) * (double)cosine;
-    if (weight > 0.0 && isfinite(weight)) {
+    /* Like lmb_hemisphere_density: a texel asks for the light of all its hemisphere and for that by the cosine. */
+    const double weight = (double)lmb_luminance(sample->irradiance) * (0.5 + (double)cosine);
+    if (cosine > 0.0f && weight > 0.0 && isfinite(weight)) {
         found->weight[found->count++] = weight;
         found->total += weight;
     }
@@ -173,8 +174,9 @@ static void candidates_find(const lmb_scene *scene, const light_set *set, const 
     const bool suns = scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL;
     const lmb_light_query asked = suns ? (lmb_light_query){.min_distance = 1.0f}
                                        : (lmb_light_query){query->position, query->normal, query->min_distance};
-    uint32_t cluster[LMB_PUNCTUAL_MAX];
-    const int most = max * CANDIDATES_PER_SAMPLE < LMB_PUNCTUAL_MAX ? max * CANDIDATES_PER_SAMPLE : LMB_PUNCTUAL_MAX;
+    uint32_t cluster[LMB_LIGHT_CLUSTERS];
+    const int wanted = max * CANDIDATES_PER_SAMPLE;
+    const int most = wanted < LMB_LIGHT_CLUSTERS ? wanted : LMB_LIGHT_CLUSTERS;
     const int count = lmb_light_tree_split(set->tree, &asked, most, cluster);
     double number = (double)choice;
     for (int k = 0; k < count; ++k) {
@@ -186,23 +188,44 @@ static void candidates_find(const lmb_scene *scene, const light_set *set, const 
     }
 }
 
-/* Takes `max` of the candidates at even steps through the sum of their probabilities; one that is met several times
- * counts as often. */
+/* Probabilities with which each candidate is to be among `max` < count: in proportion to its weight, but no more than
+ * 1. Those that reach it are taken for certain, and the rest shares what is left of `max`. */
+static void inclusions_find(const candidates *found, int max, double inclusion[LMB_LIGHT_CLUSTERS])
+{
+    double share[LMB_LIGHT_CLUSTERS];
+    bool certain[LMB_LIGHT_CLUSTERS] = {false};
+    double rest = 1.0; /* sum of the shares that are not certain */
+    int left = max;
+    for (int i = 0; i < found->count; ++i) {
+        share[i] = (1.0 - EVEN_SHARE) * found->weight[i] / found->total + EVEN_SHARE / found->count;
+    }
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int i = 0; i < found->count && left > 0; ++i) {
+            if (!certain[i] && share[i] * left >= rest) {
+                certain[i] = changed = true;
+                rest -= share[i];
+                --left;
+            }
+        }
+    }
+    for (int i = 0; i < found->count; ++i) {
+        inclusion[i] = certain[i] ? 1.0 : share[i] * left / rest;
+    }
+}
+
+/* Takes `max` of more candidates at even steps through the sum of their probabilities. */
 static int candidates_choose(const candidates *found, float choice, int max, lmb_punctual_sample *sample)
 {
+    double inclusion[LMB_LIGHT_CLUSTERS];
+    inclusions_find(found, max, inclusion);
     int given = 0;
-    int steps = 0; /* the next is at (steps + choice) / max */
     double passed = 0.0;
-    for (int i = 0; i < found->count; ++i) {
-        const double probability = (1.0 - EVEN_SHARE) * found->weight[i] / found->total + EVEN_SHARE / found->count;
-        passed += probability;
-        int times = 0;
-        for (; steps < max && steps + (double)choice < passed * max; ++steps) {
-            ++times;
-        }
-        if (times > 0) {
+    for (int i = 0; i < found->count && given < max; ++i) {
+        passed += inclusion[i];
+        if (given + (double)choice < passed) {
             sample[given] = found->sample[i];
-            sample[given].irradiance = rgb_scale(found->sample[i].irradiance, (float)(times / (max * probability)));
+            sample[given].irradiance = rgb_scale(found->sample[i].irradiance, (float)(1.0 / inclusion[i]));
             ++given;
         }
     }

@@ -80,9 +80,9 @@ typedef struct lmb_punctual_query {
  * A kind of which there are no more than LMB_PUNCTUAL_MAX is looked at whole, and when no more than `max` of them give
  * light they are returned as they are, without chance. Else a tree divides the lights into clusters, the strongest into
  * single lights, and one of each is a candidate, in time that grows with the logarithm of their number. Among
- * candidates the choice is in proportion to their unshadowed light, with an even share for all, because nobody knows
- * which of them walls keep away. `choice` in [0, 1)^2; 1 <= max <= LMB_PUNCTUAL_MAX. Returns how many `sample` has been
- * given. */
+ * candidates the choice is in proportion to their unshadowed light, the strongest for certain, with an even share for
+ * all, because nobody knows which of them walls keep away. `choice` in [0, 1)^2; 1 <= max <= LMB_PUNCTUAL_MAX. Returns
+ * how many `sample` has been given. */
 enum { LMB_PUNCTUAL_MAX = 16 };
 int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
