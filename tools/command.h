@@ -22,11 +22,11 @@ int command_fail(lmb_result result, const lmb_error *error);
 typedef struct lmb_arguments {
     int count;
     char **values;
-    int at;               /* next to read */
-    const char *command;  /* for messages */
-    const char *usage;    /* the command's --help text */
-    bool failed;          /* a usage error was printed */
-    bool help;            /* --help was asked for and printed */
+    int at;              /* next to read */
+    const char *command; /* for messages */
+    const char *usage;   /* the command's --help text */
+    bool failed;         /* a usage error was printed */
+    bool help;           /* --help was asked for and printed */
 } lmb_arguments;
 
 lmb_arguments arguments_begin(int count, char **values, const char *command, const char *usage);
