@@ -307,6 +307,11 @@ bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direc
     return true;
 }
 
+/* Rays that Embree traces as one. What each hits is the same as when it is traced alone, bit by bit. */
+enum { PACKET = 8 };
+
+static _Alignas(32) const int packet_all[PACKET] = {-1, -1, -1, -1, -1, -1, -1, -1};
+
 static struct RTCRay ray_of_batch(const lmb_ray_batch *rays, uint32_t i)
 {
     return ray_make(vec3(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]),
@@ -314,22 +319,91 @@ static struct RTCRay ray_of_batch(const lmb_ray_batch *rays, uint32_t i)
                     rays->far_distance[i]);
 }
 
-void lmb_trace_nearest_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_hit hit[LMB_RAY_BATCH])
+static void batch_note(const lmb_tracer *tracer, lmb_ray_kind kind, const lmb_ray_batch *rays)
+{
+    for (uint32_t i = 0; tracer->recorder && i < rays->count; ++i) {
+        const struct RTCRay ray = ray_of_batch(rays, i);
+        ray_note(tracer, kind, &ray);
+    }
+}
+
+static void packet_fill(struct RTCRay8 *packet, const lmb_ray_batch *rays, uint32_t first)
+{
+    float *const org[3] = {packet->org_x, packet->org_y, packet->org_z};
+    float *const dir[3] = {packet->dir_x, packet->dir_y, packet->dir_z};
+    for (int axis = 0; axis < 3; ++axis) {
+        memcpy(org[axis], &rays->origin[axis][first], PACKET * sizeof(float));
+        memcpy(dir[axis], &rays->direction[axis][first], PACKET * sizeof(float));
+    }
+    memcpy(packet->tfar, &rays->far_distance[first], PACKET * sizeof(float));
+    for (int lane = 0; lane < PACKET; ++lane) {
+        packet->tnear[lane] = 0.0f;
+        packet->time[lane] = 0.0f;
+        packet->mask[lane] = ~0u;
+        packet->id[lane] = 0;
+        packet->flags[lane] = 0;
+    }
+}
+
+static void hit_set_or_nothing(const lmb_tracer *tracer, const struct RTCRayHit *ray, lmb_hit *hit)
+{
+    if (ray->hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+        hit->instance = LMB_HIT_NOTHING;
+    } else {
+        hit_set(tracer, ray, hit);
+    }
+}
+
+/* What hit_set reads of a ray. */
+static struct RTCRayHit packet_lane(const struct RTCRayHit8 *packet, int lane)
+{
+    return (struct RTCRayHit){.ray = {.dir_x = packet->ray.dir_x[lane],
+                                      .dir_y = packet->ray.dir_y[lane],
+                                      .dir_z = packet->ray.dir_z[lane],
+                                      .tfar = packet->ray.tfar[lane]},
+                              .hit = {.Ng_x = packet->hit.Ng_x[lane],
+                                      .Ng_y = packet->hit.Ng_y[lane],
+                                      .Ng_z = packet->hit.Ng_z[lane],
+                                      .u = packet->hit.u[lane],
+                                      .v = packet->hit.v[lane],
+                                      .primID = packet->hit.primID[lane],
+                                      .geomID = packet->hit.geomID[lane],
+                                      .instID = {packet->hit.instID[0][lane]}}};
+}
+
+static void packet_nearest(const lmb_tracer *tracer, const lmb_ray_batch *rays, uint32_t first, lmb_hit hit[PACKET])
 {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    for (uint32_t i = 0; i < rays->count; ++i) {
+    struct RTCRayHit8 packet;
+    packet_fill(&packet.ray, rays, first);
+    for (int lane = 0; lane < PACKET; ++lane) {
+        packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+        packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(packet_all, tracer->world, &context, &packet);
+    for (int lane = 0; lane < PACKET; ++lane) {
+        const struct RTCRayHit ray = packet_lane(&packet, lane);
+        hit_set_or_nothing(tracer, &ray, &hit[lane]);
+    }
+}
+
+void lmb_trace_nearest_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_hit hit[LMB_RAY_BATCH])
+{
+    batch_note(tracer, LMB_RAY_NEAREST, rays);
+    uint32_t i = 0;
+    for (; i + PACKET <= rays->count; i += PACKET) {
+        packet_nearest(tracer, rays, i, &hit[i]);
+    }
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (; i < rays->count; ++i) {
         struct RTCRayHit ray = {
             .ray = ray_of_batch(rays, i),
             .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
         };
-        ray_note(tracer, LMB_RAY_NEAREST, &ray.ray);
         rtcIntersect1(tracer->world, &context, &ray);
-        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
-            hit[i].instance = LMB_HIT_NOTHING;
-        } else {
-            hit_set(tracer, &ray, &hit[i]);
-        }
+        hit_set_or_nothing(tracer, &ray, &hit[i]);
     }
 }
 
@@ -422,6 +496,24 @@ lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 f
     return trace_transmittance(tracer, from, direction, FLT_MAX, rays);
 }
 
+static lmb_rgb share_of_occluded(float far_distance)
+{
+    const float open = far_distance < 0.0f ? 0.0f : 1.0f;
+    return rgb(open, open, open);
+}
+
+static void packet_occluded(const lmb_tracer *tracer, const lmb_ray_batch *rays, uint32_t first, lmb_rgb share[PACKET])
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRay8 packet;
+    packet_fill(&packet, rays, first);
+    rtcOccluded8(packet_all, tracer->world, &context, &packet);
+    for (int lane = 0; lane < PACKET; ++lane) {
+        share[lane] = share_of_occluded(packet.tfar[lane]);
+    }
+}
+
 void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_rgb share[LMB_RAY_BATCH],
                                    uint64_t *rays_traced)
 {
@@ -433,14 +525,17 @@ void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch
         }
         return;
     }
+    batch_note(tracer, LMB_RAY_OCCLUDED, rays);
+    uint32_t i = 0;
+    for (; i + PACKET <= rays->count; i += PACKET) {
+        packet_occluded(tracer, rays, i, &share[i]);
+    }
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    for (uint32_t i = 0; i < rays->count; ++i) {
+    for (; i < rays->count; ++i) {
         struct RTCRay ray = ray_of_batch(rays, i);
-        ray_note(tracer, LMB_RAY_OCCLUDED, &ray);
         rtcOccluded1(tracer->world, &context, &ray);
-        const float open = ray.tfar < 0.0f ? 0.0f : 1.0f;
-        share[i] = rgb(open, open, open);
+        share[i] = share_of_occluded(ray.tfar);
     }
     *rays_traced += rays->count;
 }
