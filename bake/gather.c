@@ -107,9 +107,18 @@ static void contribution_add(lmb_contributions *found, lmb_vec3 direction, lmb_r
 
 static void found_give(gather_batch *batch, lmb_gather_sink sink, void *context)
 {
-    if (batch->found.count > 0) {
-        sink(context, &batch->found);
-        batch->found.count = 0;
+    while (batch->found.count % LMB_CONTRIBUTION_LANES != 0) {
+        contribution_add(&batch->found, vec3(0.0f, 0.0f, 0.0f), rgb(0.0f, 0.0f, 0.0f));
+    }
+    sink(context, &batch->found);
+    batch->found.count = 0;
+}
+
+/* Gives what there is as soon as SAMPLES more might not fit. */
+static void found_make_room(gather_batch *batch, lmb_gather_sink sink, void *context)
+{
+    if (batch->found.count + SAMPLES > LMB_CONTRIBUTION_BATCH) {
+        found_give(batch, sink, context);
     }
 }
 
@@ -331,19 +340,20 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
         batch_start(&batch, samples, done);
         if (lmb_emitters_triangle_count(transport->emitters) > 0) {
             gather_triangles(&batch);
-            found_give(&batch, sink, context);
+            found_make_room(&batch, sink, context);
         }
         if (lmb_emitters_environment_sampled(transport->emitters)) {
             gather_environment(&batch);
-            found_give(&batch, sink, context);
+            found_make_room(&batch, sink, context);
         }
         if (lmb_tracer_scene(transport->tracer)->light_count > 0) {
             for (uint32_t i = 0; i * batch.per_receiver < batch.count; ++i) {
                 receiver_punctual(&batch, i);
-                found_give(&batch, sink, context);
+                found_make_room(&batch, sink, context);
             }
         }
         gather_rays(&batch);
-        found_give(&batch, sink, context);
+        found_make_room(&batch, sink, context);
     }
+    found_give(&batch, sink, context);
 }

@@ -6,9 +6,11 @@
 #include "bake_internal.h"
 #include "lanes.h"
 
-/* Sums of thousands of samples are kept in double. */
+enum { LANES = LMB_CONTRIBUTION_LANES };
+
+/* Sums of thousands of samples are kept in double, those of every LANES-th contribution apart. */
 typedef struct lmb_moment_sum {
-    double c[3][LMB_SH3_COUNT];
+    double c[3][LMB_SH3_COUNT][LANES];
 } lmb_moment_sum;
 
 /* The basis as polynomials without their factors, in its order. */
@@ -33,22 +35,18 @@ static void basis_make(const lmb_contributions *found, basis_batch *basis)
     }
 }
 
-enum { LANES = 8 };
-
-/* Sum of a[i] b[i] in a fixed order: LANES sums at once, then those. */
-static inline float lanes_dot(const float *restrict a, const float *restrict b, uint32_t count)
+/* Adds a[i] b[i] to sum[i % LANES]. */
+static inline void lanes_dot_add(const float *restrict a, const float *restrict b, uint32_t count, double *restrict sum)
 {
     float lane[LANES] = {0.0f};
-    uint32_t i = 0;
-    for (; i + LANES <= count; i += LANES) {
+    for (uint32_t i = 0; i < count; i += LANES) {
         for (uint32_t k = 0; k < LANES; ++k) {
             lane[k] += a[i + k] * b[i + k];
         }
     }
-    for (uint32_t k = 0; i < count; ++i, ++k) {
-        lane[k] += a[i] * b[i];
+    for (uint32_t k = 0; k < LANES; ++k) {
+        sum[k] += (double)lane[k];
     }
-    return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
 }
 
 LMB_LANES
@@ -56,7 +54,7 @@ static void moments_add(const lmb_contributions *found, const basis_batch *basis
 {
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-            sum->c[c][i] += (double)lanes_dot(found->weight[c], basis->polynomial[i], found->count);
+            lanes_dot_add(found->weight[c], basis->polynomial[i], found->count, sum->c[c][i]);
         }
     }
 }
@@ -96,6 +94,11 @@ static void replicate_task(void *context, size_t task, int worker)
     lmb_gather(work->transport, &samples, moment_sink, &work->sum[task], &work->rays[task]);
 }
 
+static double lanes_sum(const double lane[LANES])
+{
+    return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
+}
+
 /* Mean of the replicates, and the standard error of that mean from their spread. */
 static void replicates_combine(const gather_work *work, lmb_gathered *gathered)
 {
@@ -106,13 +109,15 @@ static void replicates_combine(const gather_work *work, lmb_gathered *gathered)
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
             const double scale = (double)factors.c[i] / (double)taken;
+            double replicate[LMB_GATHER_REPLICATES];
             double sum = 0.0;
             for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-                sum += scale * work->sum[r].c[c][i];
+                replicate[r] = scale * lanes_sum(work->sum[r].c[c][i]);
+                sum += replicate[r];
             }
             const double average = sum / count;
             for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-                const double off = scale * work->sum[r].c[c][i] - average;
+                const double off = replicate[r] - average;
                 gathered->squared_error += off * off / (count * (count - 1.0));
             }
             gathered->squared_length += average * average;

@@ -53,8 +53,9 @@ typedef struct lmb_gather_samples {
 } lmb_gather_samples;
 
 /* Contributions, one array for each number: `weight` = radiance x solid angle that arrives from unit `direction`. Some
- * have weight 0; none has a NaN, infinite or negative one. */
-enum { LMB_CONTRIBUTION_BATCH = 128 };
+ * have weight 0; none has a NaN, infinite or negative one. `count` is a multiple of LMB_CONTRIBUTION_LANES, filled up
+ * by some of weight and direction 0. */
+enum { LMB_CONTRIBUTION_BATCH = 128, LMB_CONTRIBUTION_LANES = 8 };
 typedef struct lmb_contributions {
     float direction[3][LMB_CONTRIBUTION_BATCH];
     float weight[3][LMB_CONTRIBUTION_BATCH];
