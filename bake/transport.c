@@ -1,9 +1,10 @@
 #include <lambent/transport.h>
 
-#include <lambent/surface_light.h>
+#include <float.h>
 
 #include "bake_internal.h"
 #include "leg.h"
+#include "surface_light_internal.h"
 
 /* Roulette starts after this many reflections: short paths carry most of the light. Survival is the albedo itself (a
  * lower one would let weights grow without bound), kept just below 1 so that a white room ends. */
@@ -33,6 +34,18 @@ static bool landing_look_up(const lmb_path *path, const lmb_leg *leg, const lmb_
     }
     *irradiance = lmb_surface_light_at(light, &landing->hit, landing->hit.front);
     return true;
+}
+
+/* The same of what only reflects, before it has been looked at: its radiance. */
+static bool hit_look_up(const lmb_path *path, const lmb_hit *hit, lmb_rgb *radiance)
+{
+    const lmb_transport *transport = path->transport;
+    const lmb_surface_light *light = transport->surface;
+    if (!light || (transport->bounces >= 0 && path->vertex >= (uint32_t)transport->bounces)) {
+        return false;
+    }
+    const bool near_by = hit->distance < NARROW_SHARE * lmb_cell_grid_at(light, hit)->cell_size;
+    return !(near_by && transport->bounces < 0) && lmb_surface_light_radiance(light, hit, false, radiance);
 }
 
 lmb_rgb lmb_path_radiance(lmb_path *path, lmb_leg leg, lmb_landing landing)
@@ -76,7 +89,14 @@ lmb_rgb lmb_path_radiance(lmb_path *path, lmb_leg leg, lmb_landing landing)
         /* Cosine sampling cancels the cosine: the throughput stays. */
         leg.from = here;
         leg.origin = lmb_receiver_ray_origin(here, leg.direction);
-        landing = lmb_leg_follow(path, &leg);
+        lmb_hit hit;
+        ++*path->rays;
+        const bool found = lmb_trace_nearest(transport->tracer, leg.origin, leg.direction, 0.0f, FLT_MAX, &hit);
+        lmb_rgb reflected;
+        if (found && hit_look_up(path, &hit, &reflected)) {
+            return rgb_add(radiance, rgb_mul(leg.throughput, reflected));
+        }
+        landing = lmb_leg_land(path, &leg, found ? &hit : NULL);
     }
 }
 
