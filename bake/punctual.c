@@ -1,15 +1,28 @@
 #include "punctual.h"
 
+#include <float.h>
 #include <stdlib.h>
 
 #include "bake_internal.h"
+#include "lanes.h"
 #include "light_tree.h"
+
+/* Point and spot lights, one array for each number. What has no range or cone has neutral numbers there. */
+typedef struct lamp_lanes {
+    float position[3][LMB_PUNCTUAL_MAX];
+    float luminance[LMB_PUNCTUAL_MAX];
+    float inverse_range[LMB_PUNCTUAL_MAX];
+    float axis[3][LMB_PUNCTUAL_MAX];
+    float cos_outer[LMB_PUNCTUAL_MAX];
+    float inverse_width[LMB_PUNCTUAL_MAX];
+} lamp_lanes;
 
 /* Lights of a kind. */
 typedef struct light_set {
     uint32_t *light; /* numbers in the scene */
     uint32_t count;
     lmb_light_tree *tree; /* NULL while they are few enough to look at all */
+    lamp_lanes lanes;     /* of few lamps */
 } light_set;
 
 struct lmb_punctual {
@@ -61,6 +74,30 @@ static bool light_set_tree(light_set *set, const lmb_scene *scene)
     return result == LMB_OK;
 }
 
+static float spot_width(const lmb_light *light)
+{
+    return float_larger(light->cos_inner - light->cos_outer, 1e-4f);
+}
+
+static void lamp_lanes_make(light_set *set, const lmb_scene *scene)
+{
+    lamp_lanes *lanes = &set->lanes;
+    for (uint32_t i = 0; i < set->count; ++i) {
+        const lmb_light *light = &scene->lights[set->light[i]];
+        const bool spot = light->type == LMB_LIGHT_SPOT;
+        lanes->position[0][i] = light->position.x;
+        lanes->position[1][i] = light->position.y;
+        lanes->position[2][i] = light->position.z;
+        lanes->luminance[i] = lmb_luminance(light->intensity);
+        lanes->inverse_range[i] = light->range > 0.0f ? 1.0f / light->range : 0.0f;
+        lanes->axis[0][i] = spot ? light->direction.x : 0.0f;
+        lanes->axis[1][i] = spot ? light->direction.y : 0.0f;
+        lanes->axis[2][i] = spot ? light->direction.z : 0.0f;
+        lanes->cos_outer[i] = spot ? light->cos_outer : -1.0f;
+        lanes->inverse_width[i] = spot ? 1.0f / spot_width(light) : 1.0f;
+    }
+}
+
 static bool light_set_make(light_set *set, const lmb_scene *scene, bool suns)
 {
     set->light = malloc((scene->light_count + 1u) * sizeof *set->light);
@@ -69,7 +106,16 @@ static bool light_set_make(light_set *set, const lmb_scene *scene, bool suns)
             set->light[set->count++] = i;
         }
     }
-    return set->light && (set->count <= LMB_PUNCTUAL_MAX || light_set_tree(set, scene));
+    if (!set->light) {
+        return false;
+    }
+    if (set->count > LMB_PUNCTUAL_MAX) {
+        return light_set_tree(set, scene);
+    }
+    if (!suns) {
+        lamp_lanes_make(set, scene);
+    }
+    return true;
 }
 
 lmb_result lmb_punctual_create(const lmb_scene *scene, lmb_punctual **punctual)
@@ -126,8 +172,7 @@ static bool light_evaluate(const lmb_light *light, lmb_vec3 position, float min_
     }
     if (light->type == LMB_LIGHT_SPOT) {
         const float cosine = -vec3_dot(sample->direction, light->direction);
-        const float width = float_larger(light->cos_inner - light->cos_outer, 1e-4f);
-        const float fall = float_smaller(float_larger((cosine - light->cos_outer) / width, 0.0f), 1.0f);
+        const float fall = float_smaller(float_larger((cosine - light->cos_outer) / spot_width(light), 0.0f), 1.0f);
         factor *= fall * fall;
     }
     sample->irradiance = rgb_scale(light->intensity, factor);
@@ -136,40 +181,93 @@ static bool light_evaluate(const lmb_light *light, lmb_vec3 position, float min_
 
 /* Lights to choose from, and their unshadowed weights: what the choice is in proportion to. */
 typedef struct candidates {
-    lmb_punctual_sample sample[LMB_LIGHT_CLUSTERS];
+    uint32_t light[LMB_LIGHT_CLUSTERS];
+    double factor[LMB_LIGHT_CLUSTERS]; /* how many lights it stands for */
     double weight[LMB_LIGHT_CLUSTERS];
     double total;
     int count;
 } candidates;
 
-static void candidate_add(candidates *found, const lmb_light *light, const lmb_punctual_query *query, double factor)
+static bool is_asked(const lmb_light *light, const lmb_punctual_query *query)
 {
-    lmb_punctual_sample *sample = &found->sample[found->count];
-    if ((light->indirect_only && query->skip_indirect_only) ||
-        !light_evaluate(light, query->position, query->min_distance, sample)) {
-        return;
-    }
-    const float cosine = query->normal ? vec3_dot(*query->normal, sample->direction) : 1.0f;
-    sample->irradiance = rgb_scale(sample->irradiance, (float)factor);
-    /* Like lmb_hemisphere_density: a texel asks for the light of all its hemisphere and for that by the cosine. */
-    const double weight = (double)lmb_luminance(sample->irradiance) * (0.5 + (double)cosine);
-    if (cosine > 0.0f && weight > 0.0 && isfinite(weight)) {
+    return !(light->indirect_only && query->skip_indirect_only);
+}
+
+static void candidate_add(candidates *found, uint32_t light, double factor, double weight)
+{
+    if (weight > 0.0 && isfinite(weight)) {
+        found->light[found->count] = light;
+        found->factor[found->count] = factor;
         found->weight[found->count++] = weight;
         found->total += weight;
     }
 }
 
-static void candidates_find(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query, float choice,
-                            int max, candidates *found)
+/* Like lmb_hemisphere_density: a texel asks for the light of all its hemisphere and for that by the cosine. */
+static inline float weight_of(float luminance, float cosine)
 {
-    found->count = 0;
-    found->total = 0.0;
-    if (!set->tree) {
+    return cosine > 0.0f ? luminance * (0.5f + cosine) : 0.0f;
+}
+
+static void light_look(const lmb_scene *scene, uint32_t number, const lmb_punctual_query *query, double factor,
+                       candidates *found)
+{
+    const lmb_light *light = &scene->lights[number];
+    lmb_punctual_sample sample;
+    if (is_asked(light, query) && light_evaluate(light, query->position, query->min_distance, &sample)) {
+        const float cosine = query->normal ? vec3_dot(*query->normal, sample.direction) : 1.0f;
+        const double weight = factor * (double)weight_of(lmb_luminance(sample.irradiance), cosine);
+        candidate_add(found, number, factor, weight);
+    }
+}
+
+/* light_evaluate and the weight of all lamps of a set; 0 for those that give nothing. */
+LMB_LANES
+static void lamps_weigh(const lamp_lanes *lamps, const lmb_punctual_query *query, float weight[LMB_PUNCTUAL_MAX])
+{
+    const lmb_vec3 none = {0.0f, 0.0f, 0.0f};
+    const lmb_vec3 normal = query->normal ? *query->normal : none;
+    const float cosine_anyway = query->normal ? 0.0f : 1.0f;
+    for (int i = 0; i < LMB_PUNCTUAL_MAX; ++i) {
+        const float x = lamps->position[0][i] - query->position.x;
+        const float y = lamps->position[1][i] - query->position.y;
+        const float z = lamps->position[2][i] - query->position.z;
+        const float distance = sqrtf(x * x + y * y + z * z);
+        const float inverse = 1.0f / distance;
+        const float along = (x * lamps->axis[0][i] + y * lamps->axis[1][i] + z * lamps->axis[2][i]) * -inverse;
+        const float fall = (along - lamps->cos_outer[i]) * lamps->inverse_width[i];
+        const float fall_in_bounds = float_smaller(float_larger(fall, 0.0f), 1.0f);
+        const float ratio = distance * lamps->inverse_range[i];
+        const float window = float_smaller(float_larger(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
+        const float counted = float_larger(distance, query->min_distance);
+        const float factor = window * fall_in_bounds * fall_in_bounds / (counted * counted);
+        const float cosine = (x * normal.x + y * normal.y + z * normal.z) * inverse + cosine_anyway;
+        const float found = weight_of(lamps->luminance[i] * factor, cosine);
+        weight[i] = found <= FLT_MAX ? found : 0.0f;
+    }
+}
+
+static void candidates_of_few(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query,
+                              candidates *found)
+{
+    if (set->count > 0 && scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL) {
         for (uint32_t i = 0; i < set->count; ++i) {
-            candidate_add(found, &scene->lights[set->light[i]], query, 1.0);
+            light_look(scene, set->light[i], query, 1.0, found);
         }
         return;
     }
+    float weight[LMB_PUNCTUAL_MAX];
+    lamps_weigh(&set->lanes, query, weight);
+    for (uint32_t i = 0; i < set->count; ++i) {
+        if (is_asked(&scene->lights[set->light[i]], query)) {
+            candidate_add(found, set->light[i], 1.0, (double)weight[i]);
+        }
+    }
+}
+
+static void candidates_of_many(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query,
+                               float choice, int max, candidates *found)
+{
     /* Suns have no place: for them all bounds are their power. */
     const bool suns = scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL;
     const lmb_light_query asked = suns ? (lmb_light_query){.min_distance = 1.0f}
@@ -182,7 +280,7 @@ static void candidates_find(const lmb_scene *scene, const light_set *set, const 
     for (int k = 0; k < count; ++k) {
         double probability;
         const uint32_t i = lmb_light_tree_choose_in(set->tree, cluster[k], &asked, number, &probability);
-        candidate_add(found, &scene->lights[set->light[i]], query, 1.0 / probability);
+        light_look(scene, set->light[i], query, 1.0 / probability, found);
         number += GOLDEN_RATIO;
         number -= floor(number);
     }
@@ -214,19 +312,34 @@ static void inclusions_find(const candidates *found, int max, double inclusion[L
     }
 }
 
-/* Takes `max` of more candidates at even steps through the sum of their probabilities. */
-static int candidates_choose(const candidates *found, float choice, int max, lmb_punctual_sample *sample)
+static bool candidate_take(const lmb_scene *scene, const candidates *found, int number, double inclusion,
+                           const lmb_punctual_query *query, lmb_punctual_sample *sample)
+{
+    const lmb_light *light = &scene->lights[found->light[number]];
+    if (!light_evaluate(light, query->position, query->min_distance, sample)) {
+        return false;
+    }
+    sample->irradiance = rgb_scale(sample->irradiance, (float)(found->factor[number] / inclusion));
+    return true;
+}
+
+/* All candidates, or `max` of more, at even steps through the sum of their probabilities. */
+static int candidates_take(const lmb_scene *scene, const candidates *found, const lmb_punctual_query *query,
+                           float choice, int max, lmb_punctual_sample *sample)
 {
     double inclusion[LMB_LIGHT_CLUSTERS];
-    inclusions_find(found, max, inclusion);
+    const bool all = found->count <= max;
+    if (!all) {
+        inclusions_find(found, max, inclusion);
+    }
+    int chosen = 0;
     int given = 0;
     double passed = 0.0;
-    for (int i = 0; i < found->count && given < max; ++i) {
-        passed += inclusion[i];
-        if (given + (double)choice < passed) {
-            sample[given] = found->sample[i];
-            sample[given].irradiance = rgb_scale(found->sample[i].irradiance, (float)(1.0 / inclusion[i]));
-            ++given;
+    for (int i = 0; i < found->count && chosen < max; ++i) {
+        passed += all ? 1.0 : inclusion[i];
+        if (chosen + (double)choice < passed) {
+            given += candidate_take(scene, found, i, all ? 1.0 : inclusion[i], query, &sample[given]);
+            ++chosen;
         }
     }
     return given;
@@ -236,14 +349,14 @@ static int light_set_choose(const lmb_scene *scene, const light_set *set, const 
                             const float choice[2], int max, lmb_punctual_sample *sample)
 {
     candidates found;
-    candidates_find(scene, set, query, choice[0], max, &found);
-    if (found.count > max) {
-        return candidates_choose(&found, choice[1], max, sample);
+    found.count = 0;
+    found.total = 0.0;
+    if (set->tree) {
+        candidates_of_many(scene, set, query, choice[0], max, &found);
+    } else {
+        candidates_of_few(scene, set, query, &found);
     }
-    for (int i = 0; i < found.count; ++i) {
-        sample[i] = found.sample[i];
-    }
-    return found.count;
+    return candidates_take(scene, &found, query, choice[1], max, sample);
 }
 
 int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, const float choice[2], int max,
