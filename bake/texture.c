@@ -95,13 +95,23 @@ static int32_t texel_wrap(int32_t i, int32_t size, lmb_wrap wrap)
     return i < 0 ? 0 : size - 1; /* a mirror repeats the texel at its edge */
 }
 
+/* Sums of 255ths, but for colours of an sRGB image. */
 static void texel_add(const lmb_texture_image *image, int32_t x, int32_t y, double weight, bool srgb, double rgba[4])
 {
     const uint8_t *texel = image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
     for (int c = 0; c < 3; ++c) {
-        rgba[c] += weight * (srgb ? (double)SRGB_TO_LINEAR[texel[c]] : texel[c] / 255.0);
+        rgba[c] += weight * (srgb ? (double)SRGB_TO_LINEAR[texel[c]] : (double)texel[c]);
     }
-    rgba[3] += weight * (texel[3] / 255.0);
+    rgba[3] += weight * (double)texel[3];
+}
+
+/* The last texel whose middle is not beyond `at` (texels, from 0 on), and how far towards the next that is. */
+static int32_t texel_before(double at, double *fraction)
+{
+    const double from_before = at + 0.5;
+    const int32_t next = (int32_t)from_before;
+    *fraction = from_before - next;
+    return next - 1;
 }
 
 void lmb_texture_sample(const lmb_scene *scene, const lmb_texture *texture, lmb_vec2 uv, bool srgb, float rgba[4])
@@ -121,23 +131,22 @@ void lmb_texture_sample(const lmb_scene *scene, const lmb_texture *texture, lmb_
     const double x = coordinate_wrap(u, texture->wrap_u) * image->width;
     const double y = coordinate_wrap(v, texture->wrap_v) * image->height;
     if (texture->nearest) {
-        const int32_t column = texel_wrap((int32_t)floor(x), image->width, texture->wrap_u);
-        const int32_t row = texel_wrap((int32_t)floor(y), image->height, texture->wrap_v);
+        const int32_t column = texel_wrap((int32_t)x, image->width, texture->wrap_u);
+        const int32_t row = texel_wrap((int32_t)y, image->height, texture->wrap_v);
         texel_add(image, column, row, 1.0, srgb, sum);
     } else {
-        const double left = floor(x - 0.5);
-        const double top = floor(y - 0.5);
-        const double fraction_x = x - 0.5 - left;
-        const double fraction_y = y - 0.5 - top;
+        double fraction_x, fraction_y;
+        const int32_t left = texel_before(x, &fraction_x);
+        const int32_t top = texel_before(y, &fraction_y);
         for (int32_t k = 0; k < 4; ++k) {
             const int32_t dx = k & 1;
             const int32_t dy = k >> 1;
             const double weight = (dx ? fraction_x : 1.0 - fraction_x) * (dy ? fraction_y : 1.0 - fraction_y);
-            texel_add(image, texel_wrap((int32_t)left + dx, image->width, texture->wrap_u),
-                      texel_wrap((int32_t)top + dy, image->height, texture->wrap_v), weight, srgb, sum);
+            texel_add(image, texel_wrap(left + dx, image->width, texture->wrap_u),
+                      texel_wrap(top + dy, image->height, texture->wrap_v), weight, srgb, sum);
         }
     }
     for (int c = 0; c < 4; ++c) {
-        rgba[c] = (float)sum[c];
+        rgba[c] = (float)(srgb && c < 3 ? sum[c] : sum[c] / 255.0);
     }
 }
