@@ -81,18 +81,6 @@ static void batch_numbers(const gather_batch *batch, uint32_t pair, float *x, fl
     lmb_sequence_2d_batch(batch->stream, batch->first, batch->count, pair, x, y);
 }
 
-static void ray_add(lmb_ray_batch *rays, lmb_vec3 origin, lmb_vec3 direction, float far_distance)
-{
-    const uint32_t i = rays->count++;
-    rays->origin[0][i] = origin.x;
-    rays->origin[1][i] = origin.y;
-    rays->origin[2][i] = origin.z;
-    rays->direction[0][i] = direction.x;
-    rays->direction[1][i] = direction.y;
-    rays->direction[2][i] = direction.z;
-    rays->far_distance[i] = far_distance;
-}
-
 static void contribution_add(lmb_contributions *found, lmb_vec3 direction, lmb_rgb weight)
 {
     const uint32_t i = found->count++;
@@ -152,9 +140,9 @@ static void aimed_add(gather_batch *batch, aimed_light *aimed, uint32_t sample, 
     aimed->direction[i] = light->direction;
     aimed->weight[i] = rgb_scale(light->radiance, mis / light->density);
     if (at_infinity) {
-        ray_add(&batch->rays, origin, light->direction, FLT_MAX);
+        lmb_ray_batch_add(&batch->rays, origin, light->direction, FLT_MAX);
     } else {
-        ray_add(&batch->rays, origin, vec3_sub(light->end, origin), LMB_TRACE_UP_TO_END);
+        lmb_ray_batch_add(&batch->rays, origin, vec3_sub(light->end, origin), LMB_TRACE_UP_TO_END);
     }
 }
 
@@ -218,9 +206,9 @@ static void receiver_punctual(gather_batch *batch, uint32_t number)
         aimed.direction[k] = light[i].direction;
         aimed.weight[k] = rgb_scale(light[i].irradiance, (float)samples);
         if (light[i].at_infinity) {
-            ray_add(&batch->rays, origin, light[i].direction, FLT_MAX);
+            lmb_ray_batch_add(&batch->rays, origin, light[i].direction, FLT_MAX);
         } else {
-            ray_add(&batch->rays, origin, vec3_sub(light[i].end, origin), LMB_TRACE_UP_TO_END);
+            lmb_ray_batch_add(&batch->rays, origin, vec3_sub(light[i].end, origin), LMB_TRACE_UP_TO_END);
         }
     }
     aimed_trace(batch, &aimed);

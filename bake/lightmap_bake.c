@@ -10,12 +10,13 @@
 #include <lambent/sequence.h>
 
 #include "bake_internal.h"
+#include "trace_internal.h"
 
 /* Texels that one task of the pool gathers. */
 enum { TEXELS_PER_TASK = 32 };
 
 /* Places that a texel's light is the mean over. */
-enum { MAX_POINTS = 64 };
+enum { MAX_POINTS = LMB_RAY_BATCH };
 
 /* One covered texel: the surface point that stands for it, and where its light goes. */
 typedef struct bake_texel {
@@ -91,10 +92,25 @@ static lmb_result texels_list(bake_work *work)
     return LMB_OK;
 }
 
-/* Whether a point of a texel is on its middle's side of all walls, rather than in what stands on its triangle. */
-static bool point_is_open(const lmb_tracer *tracer, lmb_vec3 middle, lmb_vec3 position, uint64_t *rays)
+/* Keeps those of a texel's points that are on its middle's side of all walls, rather than in what stands on its
+ * triangle. Returns how many. */
+static uint32_t points_keep_open(const lmb_tracer *tracer, lmb_vec3 middle, lmb_gather_point points[MAX_POINTS],
+                                 uint32_t count, uint64_t *rays_traced)
 {
-    return rgb_max(lmb_trace_transmittance(tracer, middle, position, rays)) > 0.0f;
+    lmb_ray_batch rays;
+    lmb_rgb share[LMB_RAY_BATCH];
+    rays.count = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        lmb_ray_batch_add(&rays, middle, vec3_sub(points[i].position, middle), LMB_TRACE_UP_TO_END);
+    }
+    lmb_trace_transmittance_batch(tracer, &rays, share, rays_traced);
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (rgb_max(share[i]) > 0.0f) {
+            points[open++] = points[i];
+        }
+    }
+    return open;
 }
 
 /* The places that a texel's light is the mean over, spread over its area; or one, where that was pushed out of a
@@ -108,9 +124,9 @@ static uint32_t texel_points(const bake_work *work, const bake_texel *texel, lmb
     const lmb_place place = lmb_trace_place(tracer, texel->instance, texel->triangle, texel->u, texel->v);
     bool pushed_out;
     const lmb_gather_point middle = lmb_surface_gather_point(tracer, &place, region->texel_size, &pushed_out);
-    points[0] = middle;
     count->pushed_out += pushed_out;
     if (pushed_out) {
+        points[0] = middle;
         return 1;
     }
     const uint32_t mesh = lightmap->scene->instances[texel->instance].mesh;
@@ -121,14 +137,14 @@ static uint32_t texel_points(const bake_work *work, const bake_texel *texel, lmb
     const uint32_t spread = lmb_texel_spread(
         &lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh], &grid, (int32_t)(texel->pixel % width) - region->x,
         (int32_t)(texel->pixel / width) - region->y, texel->triangle, stream, work->points_per_texel, weights);
-    uint32_t open = 0;
     for (uint32_t i = 0; i < spread; ++i) {
-        const lmb_place at = lmb_trace_place(tracer, texel->instance, texel->triangle, weights[i][0], weights[i][1]);
-        const lmb_vec3 position = lmb_trace_offset(at.position, at.geometric_normal, at.rounding, at.geometric_normal);
-        if (point_is_open(tracer, middle.position, position, &count->rays)) {
-            points[open] = middle;
-            points[open++].position = position;
-        }
+        const lmb_vec3 at = lmb_trace_position(tracer, texel->instance, texel->triangle, weights[i][0], weights[i][1]);
+        points[i] = middle;
+        points[i].position = lmb_trace_offset(at, place.geometric_normal, place.rounding, place.geometric_normal);
+    }
+    const uint32_t open = points_keep_open(tracer, middle.position, points, spread, &count->rays);
+    if (open == 0) {
+        points[0] = middle;
     }
     return open > 0 ? open : 1;
 }

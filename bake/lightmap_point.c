@@ -4,6 +4,7 @@
 #include <float.h>
 
 #include "bake_internal.h"
+#include "trace_internal.h"
 
 /* Directions around the texel, and the normal after them, that are searched for a way out. */
 enum { AROUND_COUNT = 8, SEARCH_COUNT = AROUND_COUNT + 1 };
@@ -39,20 +40,21 @@ static lmb_vec3 frame_direction(const lmb_frame *frame, int step, float height)
     return vec3_mad(side, frame->normal, height);
 }
 
-static bool sees_back(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction)
-{
-    lmb_hit hit;
-    return lmb_trace_nearest(tracer, origin, direction, 0.0f, FLT_MAX, &hit) && !hit.front;
-}
-
 /* How many of INSIDE_COUNT directions over the hemisphere see a back face first. */
 static int back_count(const lmb_tracer *tracer, lmb_vec3 origin, const lmb_frame *frame)
 {
-    int count = 0;
+    lmb_ray_batch rays;
+    lmb_hit hit[LMB_RAY_BATCH];
+    rays.count = 0;
     for (size_t row = 0; row < sizeof INSIDE_ROWS / sizeof INSIDE_ROWS[0]; ++row) {
         for (int step = 0; step < AROUND_COUNT; step += INSIDE_ROWS[row].step) {
-            count += sees_back(tracer, origin, frame_direction(frame, step, INSIDE_ROWS[row].height));
+            lmb_ray_batch_add(&rays, origin, frame_direction(frame, step, INSIDE_ROWS[row].height), FLT_MAX);
         }
+    }
+    lmb_trace_nearest_batch(tracer, &rays, hit);
+    int count = 0;
+    for (uint32_t i = 0; i < rays.count; ++i) {
+        count += hit[i].instance != LMB_HIT_NOTHING && !hit[i].front;
     }
     return count;
 }
@@ -67,23 +69,27 @@ typedef struct lmb_way_out {
 static int ways_out_find(const lmb_tracer *tracer, lmb_vec3 origin, const lmb_frame *frame, float reach,
                          lmb_way_out ways[SEARCH_COUNT])
 {
-    int count = 0;
+    lmb_ray_batch rays;
+    lmb_hit hits[LMB_RAY_BATCH];
+    rays.count = 0;
     for (int k = 0; k < SEARCH_COUNT; ++k) {
-        const lmb_vec3 direction = k < AROUND_COUNT ? frame_direction(frame, k, 0.0f) : frame->normal;
-        lmb_hit hit;
-        if (!lmb_trace_nearest(tracer, origin, direction, 0.0f, reach, &hit)) {
+        lmb_ray_batch_add(&rays, origin, k < AROUND_COUNT ? frame_direction(frame, k, 0.0f) : frame->normal, reach);
+    }
+    lmb_trace_nearest_batch(tracer, &rays, hits);
+    int count = 0;
+    for (uint32_t k = 0; k < rays.count; ++k) {
+        const lmb_hit *hit = &hits[k];
+        if (hit->instance == LMB_HIT_NOTHING || hit->front) {
             continue;
         }
-        if (hit.front) {
-            continue;
-        }
-        const lmb_place place = lmb_trace_place(tracer, hit.instance, hit.triangle, hit.u, hit.v);
+        const lmb_vec3 direction = vec3(rays.direction[0][k], rays.direction[1][k], rays.direction[2][k]);
+        const lmb_place place = lmb_trace_place(tracer, hit->instance, hit->triangle, hit->u, hit->v);
         int at = count++;
-        for (; at > 0 && ways[at - 1].distance > hit.distance; --at) {
+        for (; at > 0 && ways[at - 1].distance > hit->distance; --at) {
             ways[at] = ways[at - 1];
         }
         const lmb_vec3 beyond = lmb_trace_offset(place.position, place.geometric_normal, place.rounding, direction);
-        ways[at] = (lmb_way_out){beyond, hit.distance};
+        ways[at] = (lmb_way_out){beyond, hit->distance};
     }
     return count;
 }

@@ -10,6 +10,18 @@
  * already; it stops a hair short of the far one. */
 #define LMB_TRACE_UP_TO_END (1.0f - 4.0f * FLT_EPSILON)
 
+static inline void lmb_ray_batch_add(lmb_ray_batch *rays, lmb_vec3 origin, lmb_vec3 direction, float far_distance)
+{
+    const uint32_t i = rays->count++;
+    rays->origin[0][i] = origin.x;
+    rays->origin[1][i] = origin.y;
+    rays->origin[2][i] = origin.z;
+    rays->direction[0][i] = direction.x;
+    rays->direction[1][i] = direction.y;
+    rays->direction[2][i] = direction.z;
+    rays->far_distance[i] = far_distance;
+}
+
 /* Embree's scene: an RTCScene. */
 struct RTCSceneTy *lmb_tracer_world(const lmb_tracer *tracer);
 
