@@ -413,6 +413,11 @@ bool lmb_tracer_is_see_through(const lmb_tracer *tracer, uint32_t instance, uint
     return tracer->is_see_through[mesh->material[triangle]];
 }
 
+static uint32_t hit_instance(const struct RTCHit *hit)
+{
+    return hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
+}
+
 typedef struct crossing_context {
     struct RTCIntersectContext embree; /* first: Embree hands it back */
     const lmb_tracer *tracer;
@@ -425,7 +430,7 @@ static void crossing_count(const struct RTCFilterFunctionNArguments *arguments)
 {
     crossing_context *context = (crossing_context *)arguments->context;
     const struct RTCHit *hit = (const struct RTCHit *)arguments->hit; /* of one ray: N is 1 */
-    const uint32_t instance = hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
+    const uint32_t instance = hit_instance(hit);
     arguments->valid[0] = 0;
     if (!lmb_tracer_is_see_through(context->tracer, instance, hit->primID)) {
         const lmb_place place = lmb_trace_place(context->tracer, instance, hit->primID, 0.0f, 0.0f);
@@ -447,27 +452,43 @@ int lmb_trace_crossings(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 dire
     return context.crossings;
 }
 
-static bool trace_blocked(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance)
+typedef struct shadow_context {
+    struct RTCIntersectContext embree; /* first: Embree hands it back */
+    const lmb_tracer *tracer;
+    bool met_see_through;
+} shadow_context;
+
+/* Sends a shadow ray on through what is see-through. */
+static void shadow_filter(const struct RTCFilterFunctionNArguments *arguments)
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    shadow_context *context = (shadow_context *)arguments->context;
+    const struct RTCHit *hit = (const struct RTCHit *)arguments->hit; /* of one ray: N is 1 */
+    if (lmb_tracer_is_see_through(context->tracer, hit_instance(hit), hit->primID)) {
+        context->met_see_through = true;
+        arguments->valid[0] = 0;
+    }
+}
+
+/* Whether something opaque is in the way; if not, `*met_see_through` tells whether something else may be. */
+static bool trace_blocked(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
+                          bool *met_see_through)
+{
+    shadow_context context = {.tracer = tracer};
+    rtcInitIntersectContext(&context.embree);
+    context.embree.filter = tracer->any_see_through ? shadow_filter : NULL;
     struct RTCRay ray = ray_make(origin, direction, 0.0f, far_distance);
     ray_note(tracer, LMB_RAY_OCCLUDED, &ray);
-    rtcOccluded1(tracer->world, &context, &ray);
+    rtcOccluded1(tracer->world, &context.embree, &ray);
+    *met_see_through = context.met_see_through;
     return ray.tfar < 0.0f;
 }
 
 /* Walks through see-through surfaces, layer by layer. The distance to the next start is nudged by the hit's own
  * rounding only: coincident layers may count once, which is what coincident faces are. */
-static lmb_rgb trace_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
-                                   uint64_t *rays)
+static lmb_rgb layers_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
+                                    uint64_t *rays)
 {
-    const lmb_rgb none = {{0.0f, 0.0f, 0.0f}};
     lmb_rgb share = {{1.0f, 1.0f, 1.0f}};
-    if (!tracer->any_see_through) {
-        ++*rays;
-        return trace_blocked(tracer, origin, direction, far_distance) ? none : share;
-    }
     float start = 0.0f;
     lmb_hit hit;
     for (;;) {
@@ -476,7 +497,7 @@ static lmb_rgb trace_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lm
             return share;
         }
         if (!lmb_tracer_is_see_through(tracer, hit.instance, hit.triangle)) {
-            return none;
+            return rgb(0.0f, 0.0f, 0.0f);
         }
         share = rgb_mul(share, lmb_trace_surface(tracer, hit.instance, hit.triangle, hit.u, hit.v).pass);
         start = nextafterf(hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
@@ -484,6 +505,19 @@ static lmb_rgb trace_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lm
             return share;
         }
     }
+}
+
+/* Most rays meet nothing, or something opaque: only the others are walked. */
+static lmb_rgb trace_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
+                                   uint64_t *rays)
+{
+    bool met_see_through;
+    ++*rays;
+    if (trace_blocked(tracer, origin, direction, far_distance, &met_see_through)) {
+        return rgb(0.0f, 0.0f, 0.0f);
+    }
+    return met_see_through ? layers_transmittance(tracer, origin, direction, far_distance, rays)
+                           : rgb(1.0f, 1.0f, 1.0f);
 }
 
 lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays)
