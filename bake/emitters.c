@@ -280,6 +280,11 @@ void lmb_emitters_environment_look(const lmb_emitters *emitters, const float *co
     lmb_sky_look_batch(&emitters->sky, direction, count, seen);
 }
 
+bool lmb_emitters_punctual_are_few(const lmb_emitters *emitters)
+{
+    return lmb_punctual_are_few(emitters->punctual);
+}
+
 int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
 {

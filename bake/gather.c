@@ -182,19 +182,12 @@ static void gather_environment(gather_batch *batch)
     aimed_trace(batch, &aimed);
 }
 
-/* Lights of no extent are the same for all of a receiver's samples: each is asked once, and counts for all of them. */
-static void receiver_punctual(gather_batch *batch, uint32_t number)
+/* Asks up to `max` lights of a kind, which count for `samples` samples. */
+static void punctual_ask(gather_batch *batch, const lmb_receiver *receiver, const float choice[2], int max,
+                         uint32_t samples)
 {
-    const uint32_t first = number * batch->per_receiver;
-    const uint32_t left = batch->count - first;
-    const uint32_t samples = left < batch->per_receiver ? left : batch->per_receiver;
-    const uint32_t wanted = samples / SAMPLES_PER_PUNCTUAL;
-    const int max = wanted < 1 ? 1 : wanted < LMB_PUNCTUAL_MAX ? (int)wanted : LMB_PUNCTUAL_MAX;
-    const lmb_receiver *receiver = &batch->receiver[number];
     lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
     aimed_light aimed;
-    float choice[2];
-    lmb_sequence_2d(batch->stream, (batch->first + first) / batch->per_receiver, PAIR_CHOICE, choice);
     const int count = lmb_receiver_punctual(batch->transport, receiver, choice, max, light);
     batch->rays.count = 0;
     for (int i = 0; i < count; ++i) {
@@ -212,6 +205,19 @@ static void receiver_punctual(gather_batch *batch, uint32_t number)
         }
     }
     aimed_trace(batch, &aimed);
+}
+
+/* Lights of no extent are the same for all of a receiver's samples: each is asked once, and counts for all of them. */
+static void receiver_punctual(gather_batch *batch, uint32_t number)
+{
+    const uint32_t first = number * batch->per_receiver;
+    const uint32_t left = batch->count - first;
+    const uint32_t samples = left < batch->per_receiver ? left : batch->per_receiver;
+    const uint32_t wanted = samples / SAMPLES_PER_PUNCTUAL;
+    const int max = wanted < 1 ? 1 : wanted < LMB_PUNCTUAL_MAX ? (int)wanted : LMB_PUNCTUAL_MAX;
+    float choice[2];
+    lmb_sequence_2d(batch->stream, (batch->first + first) / batch->per_receiver, PAIR_CHOICE, choice);
+    punctual_ask(batch, &batch->receiver[number], choice, max, samples);
 }
 
 /* Rays of all directions by the receivers' density, which is returned for each. */
@@ -334,7 +340,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
             gather_environment(&batch);
             found_make_room(&batch, sink, context);
         }
-        if (lmb_tracer_scene(transport->tracer)->light_count > 0) {
+        if (lmb_tracer_scene(transport->tracer)->light_count > 0 && !samples->without_punctual) {
             for (uint32_t i = 0; i * batch.per_receiver < batch.count; ++i) {
                 receiver_punctual(&batch, i);
                 found_make_room(&batch, sink, context);
@@ -344,4 +350,21 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
         found_make_room(&batch, sink, context);
     }
     found_give(&batch, sink, context);
+}
+
+bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point *point, lmb_gather_sink sink,
+                         void *context, uint64_t *rays)
+{
+    if (!lmb_emitters_punctual_are_few(transport->emitters)) {
+        return false;
+    }
+    const lmb_receiver receiver = point_receiver(point);
+    const float choice[2] = {0.0f, 0.0f};
+    gather_batch batch; /* large: only what is used is set */
+    batch.transport = transport;
+    batch.rays_traced = rays;
+    batch.found.count = 0;
+    punctual_ask(&batch, &receiver, choice, LMB_PUNCTUAL_MAX, 1);
+    found_give(&batch, sink, context);
+    return true;
 }

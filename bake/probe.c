@@ -83,6 +83,8 @@ typedef struct gather_work {
     lmb_gather_samples samples;                /* those to be taken now, of the first replicate */
     lmb_moment_sum sum[LMB_GATHER_REPLICATES]; /* of polynomials */
     uint64_t rays[LMB_GATHER_REPLICATES];
+    lmb_moment_sum punctual; /* what they give each sample, where the samples leave it out */
+    uint64_t punctual_rays;
 } gather_work;
 
 static void replicate_task(void *context, size_t task, int worker)
@@ -105,7 +107,7 @@ static void replicates_combine(const gather_work *work, lmb_gathered *gathered)
     const double count = LMB_GATHER_REPLICATES;
     const lmb_sh3 factors = basis_factors();
     const uint32_t taken = work->samples.first + work->samples.count;
-    *gathered = (lmb_gathered){.samples = LMB_GATHER_REPLICATES * taken};
+    *gathered = (lmb_gathered){.samples = LMB_GATHER_REPLICATES * taken, .rays = work->punctual_rays};
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
             const double scale = (double)factors.c[i] / (double)taken;
@@ -116,12 +118,13 @@ static void replicates_combine(const gather_work *work, lmb_gathered *gathered)
                 sum += replicate[r];
             }
             const double average = sum / count;
+            const double whole = average + (double)factors.c[i] * lanes_sum(work->punctual.c[c][i]);
             for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
                 const double off = replicate[r] - average;
                 gathered->squared_error += off * off / (count * (count - 1.0));
             }
-            gathered->squared_length += average * average;
-            gathered->moments.channel[c].c[i] = (float)average;
+            gathered->squared_length += whole * whole;
+            gathered->moments.channel[c].c[i] = (float)whole;
         }
     }
     for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
@@ -144,8 +147,13 @@ static uint32_t replicate_share(uint32_t samples, uint32_t multiple)
 static gather_work work_begin(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
                               uint32_t count)
 {
-    return (gather_work){.transport = transport,
-                         .samples = {.points = points, .point_count = point_count, .count = count}};
+    gather_work work = {.transport = transport,
+                        .samples = {.points = points, .point_count = point_count, .count = count}};
+    if (point_count == 1) {
+        work.samples.without_punctual =
+            lmb_gather_punctual(transport, points, moment_sink, &work.punctual, &work.punctual_rays);
+    }
+    return work;
 }
 
 static bool effort_is_enough(const lmb_gather_effort *effort, const lmb_gathered *gathered)
@@ -219,7 +227,7 @@ void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_poin
 {
     assert(count <= LMB_GATHER_MAX_NORMALS);
     lmb_irradiance_sum sum = {.normals = normals, .count = count};
-    const lmb_gather_samples taken = {point, 1, replicate, 0, samples};
+    const lmb_gather_samples taken = {.points = point, .point_count = 1, .replicate = replicate, .count = samples};
     lmb_gather(transport, &taken, irradiance_sink, &sum, rays);
     for (int k = 0; k < count; ++k) {
         for (int c = 0; c < 3; ++c) {

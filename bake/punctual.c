@@ -359,6 +359,11 @@ static int light_set_choose(const lmb_scene *scene, const light_set *set, const 
     return candidates_take(scene, &found, query, choice[1], max, sample);
 }
 
+bool lmb_punctual_are_few(const lmb_punctual *punctual)
+{
+    return !punctual->lamps.tree && !punctual->suns.tree;
+}
+
 int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, const float choice[2], int max,
                         lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
 {

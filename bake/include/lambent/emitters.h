@@ -87,6 +87,9 @@ enum { LMB_PUNCTUAL_MAX = 16 };
 int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
 
+/* Whether there are so few that with `max` LMB_PUNCTUAL_MAX nothing is left to chance. */
+bool lmb_emitters_punctual_are_few(const lmb_emitters *emitters);
+
 #ifdef __cplusplus
 }
 #endif

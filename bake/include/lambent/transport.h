@@ -50,6 +50,7 @@ typedef struct lmb_gather_samples {
     uint32_t replicate;
     uint32_t first; /* of the replicate's samples; a multiple of LMB_GATHER_BLOCK */
     uint32_t count;
+    bool without_punctual; /* leaves out what lmb_gather_punctual gives */
 } lmb_gather_samples;
 
 /* Contributions, one array for each number: `weight` = radiance x solid angle that arrives from unit `direction`. Some
@@ -69,6 +70,11 @@ typedef void (*lmb_gather_sink)(void *context, const lmb_contributions *found);
  * samples taken. Adds the rays traced to `*rays`. */
 void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *samples, lmb_gather_sink sink, void *context,
                 uint64_t *rays);
+
+/* What punctual lights give a single point is the same for all samples: when they are few enough to ask them all, hands
+ * it to `sink`, without noise and for a single sample, and returns true. */
+bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point *point, lmb_gather_sink sink,
+                         void *context, uint64_t *rays);
 
 /* Radiance that arrives at `origin` from unit `direction`: what a camera sees. */
 lmb_rgb lmb_radiance(const lmb_transport *transport, lmb_vec3 origin, lmb_vec3 direction, uint64_t stream,
