@@ -181,6 +181,22 @@ static void better_lights_come_first(void)
     CHECK(lmb_light_tree_create(NULL, 0, false, &tree) == LMB_OK && !tree, "no lights have no tree");
 }
 
+/* Just above the floor. */
+#define PROBE_HEIGHT 1e-4
+
+/* A probe above the floor of punctual_lights_add_up: few lamps leave no noise. */
+static void probe_check(const level_fixture *level, double expected, int lamps)
+{
+    const lmb_gather_point point = {.position = {0, (float)PROBE_HEIGHT, 0}};
+    lmb_gathered found;
+    lmb_gather_sh3(&level->transport, &point, 8, &found);
+    const double mean = (double)found.moments.channel[1].c[0] * sqrt(4.0 * PI);
+    CHECK_NEAR(mean, expected, 1e-5 * expected, "%d lamps at a probe", lamps);
+    CHECK(found.squared_error <= 0.0, "%d lamps: %g", lamps, found.squared_error);
+    CHECK(found.rays == (uint64_t)(lamps + LMB_GATHER_REPLICATES), "%d lamps: %llu rays", lamps,
+          (unsigned long long)found.rays);
+}
+
 /* A floor under `count` lamps, none of them shadowed: E by lights summed one by one. */
 static void punctual_lights_add_up(void)
 {
@@ -196,6 +212,7 @@ static void punctual_lights_add_up(void)
         lmb_level_builder_place(builder, "floor", floor, (lmb_vec3){0, 0, 0});
         uint64_t state = 3;
         double expected = 0.0;
+        double expected_at_probe = 0.0; /* without cosines */
         for (int i = 0; i < counts[k]; ++i) {
             const lmb_vec3 place = {(float)(40.0 * number_next(&state) - 20.0), (float)(1.0 + number_next(&state)),
                                     (float)(40.0 * number_next(&state) - 20.0)};
@@ -210,6 +227,8 @@ static void punctual_lights_add_up(void)
             const double squared = (double)place.x * (double)place.x + (double)place.y * (double)place.y +
                                    (double)place.z * (double)place.z;
             expected += (double)lamp.intensity * (double)place.y / pow(squared, 1.5) / PI;
+            const double up = (double)place.y - PROBE_HEIGHT;
+            expected_at_probe += (double)lamp.intensity / (squared - (double)place.y * (double)place.y + up * up);
         }
         lmb_error error;
         const char *path = LMB_TEST_OUTPUT_DIR "/many_lamps.glb";
@@ -222,6 +241,9 @@ static void punctual_lights_add_up(void)
         const lmb_rgb found = traced_irradiance(&level, (lmb_vec3){0, 1e-4f, 0}, (lmb_vec3){0, 1, 0}, 4096);
         const double tolerance = counts[k] <= 16 ? 1e-3 : 0.02; /* looked at whole, or drawn */
         CHECK_NEAR(found.c[1], expected, tolerance * expected, "%d lamps", counts[k]);
+        if (counts[k] <= LMB_PUNCTUAL_MAX) {
+            probe_check(&level, expected_at_probe, counts[k]);
+        }
         level_fixture_close(&level);
     }
 }
