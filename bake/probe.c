@@ -144,16 +144,16 @@ static uint32_t replicate_share(uint32_t samples, uint32_t multiple)
     return (shares > 0 ? shares : 1) * multiple;
 }
 
-static gather_work work_begin(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
-                              uint32_t count)
+static void work_begin(gather_work *work, const lmb_transport *transport, const lmb_gather_point *points,
+                       uint32_t point_count, uint32_t count)
 {
-    gather_work work = {.transport = transport,
-                        .samples = {.points = points, .point_count = point_count, .count = count}};
+    memset(work, 0, sizeof *work);
+    work->transport = transport;
+    work->samples = (lmb_gather_samples){.points = points, .point_count = point_count, .count = count};
     if (point_count == 1) {
-        work.samples.without_punctual =
-            lmb_gather_punctual(transport, points, moment_sink, &work.punctual, &work.punctual_rays);
+        work->samples.without_punctual =
+            lmb_gather_punctual(transport, points, moment_sink, &work->punctual, &work->punctual_rays);
     }
-    return work;
 }
 
 static bool effort_is_enough(const lmb_gather_effort *effort, const lmb_gathered *gathered)
@@ -169,7 +169,8 @@ void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point 
     const bool adapts = effort->max_samples > effort->samples;
     const uint32_t begin = replicate_share(effort->samples, adapts ? LMB_GATHER_BLOCK : 1);
     const uint32_t most = adapts ? replicate_share(effort->max_samples, LMB_GATHER_BLOCK) : begin;
-    gather_work work = work_begin(transport, points, point_count, begin);
+    gather_work work; /* large: begun where it is */
+    work_begin(&work, transport, points, point_count, begin);
     for (;;) {
         for (size_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
             replicate_task(&work, r, 0);
@@ -194,7 +195,8 @@ void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *poin
 lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                                    lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered)
 {
-    gather_work work = work_begin(transport, point, 1, replicate_share(samples, 1));
+    gather_work work;
+    work_begin(&work, transport, point, 1, replicate_share(samples, 1));
     const lmb_result result = lmb_pool_run(pool, LMB_GATHER_REPLICATES, replicate_task, &work, "probe", progress);
     if (result == LMB_OK) {
         replicates_combine(&work, gathered);
