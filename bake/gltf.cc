@@ -274,32 +274,65 @@ bool write_no_file(std::string *, const std::string &, const std::vector<unsigne
     return false;
 }
 
-/* tinygltf gets the structure only: bytes and pictures are read by lmb_gltf_file, and nobody needs the rest. Written
- * anew, so that it reads exactly what was checked. Indices stay away from it, because it refuses those of accessors
- * without a buffer view. */
-void loader::parse()
+using json_text = std::unique_ptr<char, void (*)(void *)>;
+
+bool is_read_by_tinygltf(const char *name)
 {
-    std::unique_ptr<cJSON, void (*)(cJSON *)> copy(cJSON_Duplicate(file_->root, true), cJSON_Delete);
-    if (!copy) {
-        throw std::bad_alloc();
+    for (const char *own : {"accessors", "animations", "buffers", "bufferViews", "cameras", "images"}) {
+        if (strcmp(name, own) == 0) {
+            return false;
+        }
     }
-    for (const char *name : {"accessors", "animations", "buffers", "bufferViews", "cameras", "images"}) {
-        cJSON_DeleteItemFromObjectCaseSensitive(copy.get(), name);
-    }
-    const cJSON *mesh;
-    cJSON *primitive;
-    cJSON_ArrayForEach(mesh, cJSON_GetObjectItemCaseSensitive(copy.get(), "meshes"))
+    return true;
+}
+
+/* The meshes without what tinygltf must not see: it refuses indices that are accessors without a buffer view. */
+cJSON *meshes_without_indices(const cJSON *meshes)
+{
+    cJSON *const copy = cJSON_Duplicate(meshes, true);
+    cJSON *mesh, *primitive;
+    cJSON_ArrayForEach(mesh, copy)
     {
         cJSON_ArrayForEach(primitive, cJSON_GetObjectItemCaseSensitive(mesh, "primitives"))
         {
             cJSON_DeleteItemFromObjectCaseSensitive(primitive, "indices");
         }
     }
-    std::unique_ptr<char, void (*)(void *)> text(cJSON_PrintUnformatted(copy.get()), cJSON_free);
+    return copy;
+}
+
+/* The file's JSON as text for tinygltf. It gets the structure only: bytes and pictures are read by lmb_gltf_file, and
+ * nobody needs the rest. Written anew, so that it reads exactly what was checked. */
+json_text text_for_tinygltf(const lmb_gltf_file *file)
+{
+    const std::unique_ptr<cJSON, void (*)(cJSON *)> shown(cJSON_CreateObject(), cJSON_Delete);
+    bool good = shown != nullptr;
+    cJSON *item;
+    cJSON_ArrayForEach(item, file->root)
+    {
+        if (good && strcmp(item->string, "meshes") == 0) {
+            cJSON *const meshes = meshes_without_indices(item);
+            good = meshes && cJSON_AddItemToObject(shown.get(), item->string, meshes);
+        } else if (good && is_read_by_tinygltf(item->string)) {
+            good = cJSON_AddItemReferenceToObject(shown.get(), item->string, item);
+        }
+    }
+    json_text text(good ? cJSON_PrintUnformatted(shown.get()) : nullptr, cJSON_free);
     if (!text) {
         throw std::bad_alloc();
     }
-    copy.reset();
+    return text;
+}
+
+void loader::parse()
+{
+    const auto count = [&](const char *name) {
+        return size_t(cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(file_->root, name)));
+    };
+    const size_t node_count = count("nodes");
+    const json_text text = text_for_tinygltf(file_);
+    /* Nobody reads these again, and a million of them take a gigabyte. */
+    cJSON_DeleteItemFromObjectCaseSensitive(file_->root, "nodes");
     tinygltf::TinyGLTF reader;
     reader.SetFsCallbacks({no_file_exists, same_path, read_no_file, write_no_file, nullptr});
     reader.SetImageLoader(keep_no_image, nullptr);
@@ -307,18 +340,18 @@ void loader::parse()
     if (!reader.LoadASCIIFromString(&model_, &reason, &warning, text.get(), unsigned(strlen(text.get())), "")) {
         fail(LMB_ERROR_FORMAT, "%s", reason.substr(0, reason.find('\n')).c_str());
     }
-    const auto same = [&](const char *name, size_t count) {
-        if (size_t(cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(file_->root, name))) != count) {
-            fail(LMB_ERROR_FORMAT, "%s: tinygltf read %zu of them", name, count);
+    const auto same = [&](const char *name, size_t expected, size_t read) {
+        if (read != expected) {
+            fail(LMB_ERROR_FORMAT, "%s: tinygltf read %zu of them", name, read);
         }
     };
-    same("nodes", model_.nodes.size());
-    same("meshes", model_.meshes.size());
-    same("materials", model_.materials.size());
-    same("textures", model_.textures.size());
-    same("samplers", model_.samplers.size());
-    same("skins", model_.skins.size());
-    same("scenes", model_.scenes.size());
+    same("nodes", node_count, model_.nodes.size());
+    same("meshes", count("meshes"), model_.meshes.size());
+    same("materials", count("materials"), model_.materials.size());
+    same("textures", count("textures"), model_.textures.size());
+    same("samplers", count("samplers"), model_.samplers.size());
+    same("skins", count("skins"), model_.skins.size());
+    same("scenes", count("scenes"), model_.scenes.size());
 }
 
 std::vector<float> loader::decode(uint32_t accessor) const
