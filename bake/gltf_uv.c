@@ -18,6 +18,12 @@ enum { TARGET_VERTICES = 34962, TARGET_INDICES = 34963, MODE_TRIANGLES = 4, NO_V
 
 static const size_t MAX_SIZE = 0x7fffffff;
 
+/* The items of one of the level's lists by number, which cJSON would have to walk to. */
+typedef struct item_list {
+    cJSON **items;
+    uint32_t count;
+} item_list;
+
 typedef struct writer {
     lmb_gltf_file *file;
     lmb_error *error;
@@ -25,7 +31,8 @@ typedef struct writer {
     size_t size, capacity;
     cJSON *views, *accessors;
     uint32_t view_count, accessor_count; /* of those lists; cJSON would count anew each time */
-    const cJSON **source_accessors;      /* [accessor] of the level */
+    uint32_t mesh_count;                 /* with the copies that were added */
+    item_list source_accessors, source_meshes, source_nodes;
 } writer;
 
 static lmb_result out_of_memory(const writer *w)
@@ -66,6 +73,27 @@ static cJSON *root_list(const writer *w, const char *name)
 {
     cJSON *const list = cJSON_GetObjectItemCaseSensitive(w->file->root, name);
     return list ? list : cJSON_AddArrayToObject(w->file->root, name);
+}
+
+static bool items_collect(const writer *w, const char *name, item_list *list)
+{
+    cJSON *const array = cJSON_GetObjectItemCaseSensitive(w->file->root, name);
+    list->items = calloc((size_t)cJSON_GetArraySize(array) + 1, sizeof *list->items);
+    if (!list->items) {
+        return false;
+    }
+    cJSON *item;
+    cJSON_ArrayForEach(item, array)
+    {
+        list->items[list->count++] = item;
+    }
+    return true;
+}
+
+/* NULL for a number that the list does not have. */
+static cJSON *item_at(const item_list *list, int32_t number)
+{
+    return number >= 0 && (uint32_t)number < list->count ? list->items[number] : NULL;
 }
 
 /* New buffer view of bytes that were appended. @return its number, or -1 */
@@ -289,7 +317,7 @@ static lmb_result gather_attribute(writer *w, const split *s, cJSON *item)
     const lmb_gltf_accessor *const source = &w->file->accessors[number];
     const size_t size = source->element_size, stride = (size + 3) / 4 * 4;
     unsigned char *const old = malloc((size_t)source->count * size + 1);
-    cJSON *accessor = cJSON_Duplicate(w->source_accessors[number], true);
+    cJSON *accessor = cJSON_Duplicate(w->source_accessors.items[number], true);
     size_t offset = 0;
     unsigned char *const to = append_bytes(w, s->vertex_count * stride, &offset);
     if (!old || !accessor || !to) {
@@ -426,21 +454,19 @@ cleanup:
 /* Gives a mesh its UVs: in place, or in a copy for the node that poses it alone. */
 static lmb_result rewrite_mesh(writer *w, const lmb_gltf_uv *uv)
 {
-    cJSON *const meshes = cJSON_GetObjectItemCaseSensitive(w->file->root, "meshes");
-    cJSON *const nodes = cJSON_GetObjectItemCaseSensitive(w->file->root, "nodes");
-    cJSON *mesh = cJSON_GetArrayItem(meshes, uv->mesh->source_mesh);
-    cJSON *const node = uv->mesh->source_node >= 0 ? cJSON_GetArrayItem(nodes, uv->mesh->source_node) : NULL;
+    cJSON *mesh = item_at(&w->source_meshes, uv->mesh->source_mesh);
+    cJSON *const node = item_at(&w->source_nodes, uv->mesh->source_node);
     if (!mesh || (uv->mesh->source_node >= 0 && !node)) {
         return lmb_error_set(w->error, LMB_ERROR_ARGUMENT, "%s: meshes[%d]: the UVs are of another level",
                              w->file->path, uv->mesh->source_mesh);
     }
     if (node) {
         mesh = cJSON_Duplicate(mesh, true);
-        if (!mesh || !cJSON_AddItemToArray(meshes, mesh)) {
+        if (!mesh || !cJSON_AddItemToArray(cJSON_GetObjectItemCaseSensitive(w->file->root, "meshes"), mesh)) {
             cJSON_Delete(mesh);
             return out_of_memory(w);
         }
-        if (!set_number(node, "mesh", cJSON_GetArraySize(meshes) - 1)) {
+        if (!set_number(node, "mesh", w->mesh_count++)) {
             return out_of_memory(w);
         }
     }
@@ -515,16 +541,11 @@ static lmb_result edit_level(writer *w, const lmb_gltf_uv *uvs, size_t uv_count)
     w->views = root_list(w, "bufferViews");
     w->accessors = root_list(w, "accessors");
     w->accessor_count = w->file->accessor_count;
-    w->source_accessors = calloc((size_t)w->accessor_count + 1, sizeof *w->source_accessors);
-    if (!w->views || !w->accessors || !w->source_accessors) {
+    if (!w->views || !w->accessors || !items_collect(w, "accessors", &w->source_accessors) ||
+        !items_collect(w, "meshes", &w->source_meshes) || !items_collect(w, "nodes", &w->source_nodes)) {
         return out_of_memory(w);
     }
-    uint32_t number = 0;
-    const cJSON *item;
-    cJSON_ArrayForEach(item, w->accessors)
-    {
-        w->source_accessors[number++] = item;
-    }
+    w->mesh_count = w->source_meshes.count;
     lmb_result result = join_buffers(w);
     if (result == LMB_OK) {
         result = embed_images(w);
@@ -554,7 +575,9 @@ lmb_result lmb_gltf_write_with_uvs(const char *source_path, const lmb_gltf_optio
         result = write_glb(&w, path);
     }
     free(w.bytes);
-    free((void *)w.source_accessors);
+    free(w.source_accessors.items);
+    free(w.source_meshes.items);
+    free(w.source_nodes.items);
     lmb_gltf_file_close(w.file);
     return result;
 }
