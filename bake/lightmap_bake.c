@@ -18,13 +18,14 @@ enum { TEXELS_PER_TASK = 32 };
 /* Places that a texel's light is the mean over. */
 enum { MAX_POINTS = LMB_RAY_BATCH };
 
-/* One covered texel: the surface point that stands for it, and where its light goes. */
+/* One covered texel of an instance's image. */
 typedef struct bake_texel {
-    uint32_t instance, triangle;
-    float u, v;
-    int32_t image;
+    uint32_t instance;
     uint32_t pixel;
 } bake_texel;
+
+/* Until its light is known, a texel holds the surface point that stands for it: levels have many millions of them. */
+_Static_assert(sizeof(lmb_texel_source) <= sizeof(lmb_irradz), "a texel's source fits its light's place");
 
 /* What one task has counted. */
 typedef struct bake_count {
@@ -49,7 +50,7 @@ static void instance_list(bake_work *work, uint32_t number, lmb_texel_source *so
 {
     const lmb_lightmap *lightmap = work->lightmap;
     const lmb_lightmap_region *region = &lightmap->region[number];
-    const int32_t image_width = lightmap->image[region->image].width;
+    const lmb_lightmap_image *image = &lightmap->image[region->image];
     const uint32_t mesh = lightmap->scene->instances[number].mesh;
     const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, number);
     lmb_texels_cover(&lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh], &grid, source);
@@ -58,10 +59,9 @@ static void instance_list(bake_work *work, uint32_t number, lmb_texel_source *so
             const lmb_texel_source *from = &source[(size_t)y * (size_t)grid.width + (size_t)x];
             if (from->triangle != LMB_TEXEL_UNCOVERED) {
                 assert(work->texel_count < lightmap->covered_texel_count);
-                work->texels[work->texel_count++] = (bake_texel){
-                    number,        from->triangle,
-                    from->u,       from->v,
-                    region->image, (uint32_t)(region->y + y) * (uint32_t)image_width + (uint32_t)(region->x + x)};
+                const uint32_t pixel = (uint32_t)(region->y + y) * (uint32_t)image->width + (uint32_t)(region->x + x);
+                work->texels[work->texel_count++] = (bake_texel){number, pixel};
+                memcpy(&image->texel[pixel], from, sizeof *from);
             }
         }
     }
@@ -120,8 +120,11 @@ static uint32_t texel_points(const bake_work *work, const bake_texel *texel, lmb
 {
     const lmb_lightmap *lightmap = work->lightmap;
     const lmb_lightmap_region *region = &lightmap->region[texel->instance];
+    const lmb_lightmap_image *image = &lightmap->image[region->image];
     const lmb_tracer *tracer = work->transport->tracer;
-    const lmb_place place = lmb_trace_place(tracer, texel->instance, texel->triangle, texel->u, texel->v);
+    lmb_texel_source source;
+    memcpy(&source, &image->texel[texel->pixel], sizeof source);
+    const lmb_place place = lmb_trace_place(tracer, texel->instance, source.triangle, source.u, source.v);
     bool pushed_out;
     const lmb_gather_point middle = lmb_surface_gather_point(tracer, &place, region->texel_size, &pushed_out);
     count->pushed_out += pushed_out;
@@ -130,15 +133,15 @@ static uint32_t texel_points(const bake_work *work, const bake_texel *texel, lmb
         return 1;
     }
     const uint32_t mesh = lightmap->scene->instances[texel->instance].mesh;
-    const uint32_t width = (uint32_t)lightmap->image[texel->image].width;
+    const uint32_t width = (uint32_t)image->width;
     const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, texel->instance);
     const uint64_t stream = lmb_stream_of_position(work->transport->seed, middle.position);
     float weights[MAX_POINTS][2];
     const uint32_t spread = lmb_texel_spread(
         &lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh], &grid, (int32_t)(texel->pixel % width) - region->x,
-        (int32_t)(texel->pixel / width) - region->y, texel->triangle, stream, work->points_per_texel, weights);
+        (int32_t)(texel->pixel / width) - region->y, source.triangle, stream, work->points_per_texel, weights);
     for (uint32_t i = 0; i < spread; ++i) {
-        const lmb_vec3 at = lmb_trace_position(tracer, texel->instance, texel->triangle, weights[i][0], weights[i][1]);
+        const lmb_vec3 at = lmb_trace_position(tracer, texel->instance, source.triangle, weights[i][0], weights[i][1]);
         points[i] = middle;
         points[i].position = lmb_trace_offset(at, place.geometric_normal, place.rounding, place.geometric_normal);
     }
@@ -160,7 +163,7 @@ static void texel_bake(const bake_work *work, const bake_texel *texel, bake_coun
     for (int c = 0; c < 3; ++c) {
         radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered.moments.channel[c], normal);
     }
-    lmb_lightmap_image *image = &work->lightmap->image[texel->image];
+    lmb_lightmap_image *image = &work->lightmap->image[work->lightmap->region[texel->instance].image];
     image->texel[texel->pixel] = lmb_irradz_encode(&radiance, normal, 0.0f);
     image->state[texel->pixel] = LMB_TEXEL_GATHERED;
     count->samples += gathered.samples;
@@ -225,20 +228,20 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
         .counts = calloc(tasks + 1u, sizeof(bake_count)),
     };
     lmb_result result = LMB_ERROR_MEMORY;
+    images_clear(lightmap);
     if (work.texels && work.counts) {
         result = texels_list(&work);
     }
     if (result == LMB_OK) {
-        images_clear(lightmap);
         result = lmb_pool_run(pool, tasks, bake_task, &work, "lightmaps", progress);
-        if (result == LMB_OK) {
-            result = lmb_lightmap_dilate(lightmap);
-        }
-        if (result == LMB_OK) {
-            *stats = counts_sum(&work, tasks);
-        } else {
-            images_clear(lightmap);
-        }
+    }
+    if (result == LMB_OK) {
+        result = lmb_lightmap_dilate(lightmap);
+    }
+    if (result == LMB_OK) {
+        *stats = counts_sum(&work, tasks);
+    } else {
+        images_clear(lightmap);
     }
     free(work.texels);
     free(work.counts);
