@@ -5,9 +5,24 @@
 #include "bake_internal.h"
 #include "directions.h"
 
+void lmb_sample_numbers(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
+                        float *x, float *y)
+{
+    if (!transport->independent_numbers) {
+        lmb_sequence_2d_batch(stream, first, count, pair, x, y);
+        return;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        /* Counted from the far end: leg.c counts layers from 0. */
+        x[i] = lmb_random(stream, first + i, pair, UINT32_MAX);
+        y[i] = lmb_random(stream, first + i, pair, UINT32_MAX - 1);
+    }
+}
+
 void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2])
 {
-    lmb_sequence_2d(path->stream, path->sample, path->vertex * PAIRS_PER_VERTEX + pair, point);
+    lmb_sample_numbers(path->transport, path->stream, path->sample, 1, path->vertex * PAIRS_PER_VERTEX + pair,
+                       &point[0], &point[1]);
 }
 
 lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front)

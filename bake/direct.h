@@ -19,6 +19,10 @@ typedef struct lmb_path {
     uint64_t *rays;
 } lmb_path;
 
+/* Numbers in [0, 1) of `count` samples of a stream. */
+void lmb_sample_numbers(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
+                        float *x, float *y);
+
 /* Two numbers in [0, 1) of the path's present vertex. */
 void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2]);
 

@@ -23,7 +23,7 @@ struct lmb_emitters {
     emitter *triangles;
     uint32_t triangle_count;
     uint32_t triangle_capacity;
-    lmb_light_tree *tree;  /* of the triangles; NULL when there are none */
+    lmb_light_tree *tree;  /* of the triangles; NULL when there are none, or they are chosen evenly */
     uint32_t **emitter_of; /* [instance] NULL, or [triangle]: number in `triangles`, or UINT32_MAX */
     lmb_punctual *punctual;
     lmb_sky sky;
@@ -138,18 +138,10 @@ static bool instance_collect(lmb_emitters *emitters, uint32_t number)
     return true;
 }
 
-static lmb_result triangles_collect(lmb_emitters *emitters)
+static lmb_result tree_create(lmb_emitters *emitters)
 {
-    const lmb_scene *scene = lmb_tracer_scene(emitters->tracer);
-    emitters->emitter_of = calloc(scene->instance_count + 1u, sizeof *emitters->emitter_of);
-    for (uint32_t i = 0; emitters->emitter_of && i < scene->instance_count; ++i) {
-        if (!instance_collect(emitters, i)) {
-            return LMB_ERROR_MEMORY;
-        }
-    }
     lmb_light_bound *bounds = malloc((emitters->triangle_count + 1u) * sizeof *bounds);
-    if (!emitters->emitter_of || !bounds) {
-        free(bounds);
+    if (!bounds) {
         return LMB_ERROR_MEMORY;
     }
     for (uint32_t i = 0; i < emitters->triangle_count; ++i) {
@@ -160,7 +152,27 @@ static lmb_result triangles_collect(lmb_emitters *emitters)
     return result;
 }
 
+static lmb_result triangles_collect(lmb_emitters *emitters, unsigned without)
+{
+    const lmb_scene *scene = lmb_tracer_scene(emitters->tracer);
+    emitters->emitter_of = calloc(scene->instance_count + 1u, sizeof *emitters->emitter_of);
+    if (!emitters->emitter_of) {
+        return LMB_ERROR_MEMORY;
+    }
+    for (uint32_t i = 0; i < scene->instance_count && !(without & LMB_WITHOUT_TRIANGLE_AIM); ++i) {
+        if (!instance_collect(emitters, i)) {
+            return LMB_ERROR_MEMORY;
+        }
+    }
+    return without & LMB_WITHOUT_TRIANGLE_TREE ? LMB_OK : tree_create(emitters);
+}
+
 lmb_result lmb_emitters_create(const lmb_tracer *tracer, lmb_emitters **emitters)
+{
+    return lmb_emitters_create_without(tracer, 0, emitters);
+}
+
+lmb_result lmb_emitters_create_without(const lmb_tracer *tracer, unsigned without, lmb_emitters **emitters)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
     lmb_emitters *created = calloc(1, sizeof *created);
@@ -168,12 +180,12 @@ lmb_result lmb_emitters_create(const lmb_tracer *tracer, lmb_emitters **emitters
         return LMB_ERROR_MEMORY;
     }
     created->tracer = tracer;
-    lmb_result result = triangles_collect(created);
+    lmb_result result = triangles_collect(created, without);
     if (result == LMB_OK) {
         result = lmb_punctual_create(scene, &created->punctual);
     }
     if (result == LMB_OK) {
-        result = lmb_sky_create(&scene->environment, &created->sky);
+        result = lmb_sky_create(&scene->environment, !(without & LMB_WITHOUT_ENVIRONMENT_AIM), &created->sky);
     }
     if (result != LMB_OK) {
         lmb_emitters_destroy(created);
@@ -213,15 +225,25 @@ static float density_per_solid_angle(const emitter *light, double probability, f
     return cosine > 1e-6f ? per_area * distance * distance / cosine : 0.0f;
 }
 
+static uint32_t triangle_choose(const lmb_emitters *emitters, const lmb_light_query *query, float choice,
+                                double *probability)
+{
+    if (emitters->tree) {
+        return lmb_light_tree_choose(emitters->tree, query, (double)choice, probability);
+    }
+    *probability = 1.0 / emitters->triangle_count;
+    return (uint32_t)((double)choice * emitters->triangle_count);
+}
+
 bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal, float choice,
                                   const float point[2], lmb_light_sample *sample)
 {
-    if (!emitters->tree) {
+    if (emitters->triangle_count == 0) {
         return false;
     }
     const lmb_light_query query = {.position = position, .normal = normal};
     double probability;
-    const uint32_t number = lmb_light_tree_choose(emitters->tree, &query, (double)choice, &probability);
+    const uint32_t number = triangle_choose(emitters, &query, choice, &probability);
     const emitter *chosen = &emitters->triangles[number];
     const float root = sqrtf(point[0]);
     const float u = root * (1.0f - point[1]);
@@ -252,7 +274,8 @@ float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 posit
     }
     const uint32_t number = numbers[hit->triangle];
     const lmb_light_query query = {.position = position, .normal = normal};
-    const double probability = lmb_light_tree_probability(emitters->tree, &query, number);
+    const double probability =
+        emitters->tree ? lmb_light_tree_probability(emitters->tree, &query, number) : 1.0 / emitters->triangle_count;
     return density_per_solid_angle(&emitters->triangles[number], probability, hit->distance, direction);
 }
 

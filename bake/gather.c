@@ -78,7 +78,7 @@ static const lmb_receiver *batch_receiver(const gather_batch *batch, uint32_t sa
 
 static void batch_numbers(const gather_batch *batch, uint32_t pair, float *x, float *y)
 {
-    lmb_sequence_2d_batch(batch->stream, batch->first, batch->count, pair, x, y);
+    lmb_sample_numbers(batch->transport, batch->stream, batch->first, batch->count, pair, x, y);
 }
 
 static void contribution_add(lmb_contributions *found, lmb_vec3 direction, lmb_rgb weight)

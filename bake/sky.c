@@ -96,7 +96,7 @@ static void distribution_free(lmb_sky *sky)
     sky->row_cosine = NULL;
 }
 
-static lmb_result distribution_create(lmb_sky *sky)
+static lmb_result distribution_create(lmb_sky *sky, bool aimed)
 {
     const lmb_image *image = &sky->environment->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;
@@ -112,7 +112,7 @@ static lmb_result distribution_create(lmb_sky *sky)
     const double power = image_power(sky);
     sky->mean = (float)(power / (4.0 * LMB_PI));
     cumulative_make(sky);
-    if (sky->total > MIN_EXCESS_SHARE * power) {
+    if (aimed && sky->total > MIN_EXCESS_SHARE * power) {
         guide_make(sky, pixels);
     } else {
         distribution_free(sky);
@@ -121,12 +121,12 @@ static lmb_result distribution_create(lmb_sky *sky)
     return LMB_OK;
 }
 
-lmb_result lmb_sky_create(const lmb_environment *environment, lmb_sky *created)
+lmb_result lmb_sky_create(const lmb_environment *environment, bool aimed, lmb_sky *created)
 {
     double sine, cosine;
     lmb_sincos((double)environment->rotation_rad, &sine, &cosine);
     *created = (lmb_sky){.environment = environment, .rotation_sine = (float)sine, .rotation_cosine = (float)cosine};
-    return environment->present && environment->image.rgb ? distribution_create(created) : LMB_OK;
+    return environment->present && environment->image.rgb ? distribution_create(created, aimed) : LMB_OK;
 }
 
 void lmb_sky_free(lmb_sky *freed)

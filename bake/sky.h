@@ -20,8 +20,8 @@ typedef struct lmb_sky {
     float rotation_cosine;
 } lmb_sky;
 
-/* @return LMB_ERROR_MEMORY */
-lmb_result lmb_sky_create(const lmb_environment *environment, lmb_sky *created);
+/* `aimed`: whether lmb_sky_sample_batch is wanted. @return LMB_ERROR_MEMORY */
+lmb_result lmb_sky_create(const lmb_environment *environment, bool aimed, lmb_sky *created);
 void lmb_sky_free(lmb_sky *freed);
 
 /* Radiance from a direction, and the density per solid angle with which lmb_sky_sample picks it. */

@@ -448,6 +448,75 @@ static void effort_follows_the_error(void)
     level_fixture_close(&level);
 }
 
+/* Root of the summed squared differences of the moments. */
+static double moments_apart(const lmb_gathered *a, const lmb_gathered *b)
+{
+    double squared = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k < LMB_SH3_COUNT; ++k) {
+            squared += pow((double)a->moments.channel[c].c[k] - (double)b->moments.channel[c].c[k], 2.0);
+        }
+    }
+    return sqrt(squared);
+}
+
+/* A sky with one bright window on high. */
+static const char *sky_with_a_window(void)
+{
+    static const char path[] = LMB_TEST_OUTPUT_DIR "/transport_window.hdr";
+    static const char header[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 4\n";
+    unsigned char file[sizeof header - 1 + 8 * 4 * 4];
+    memcpy(file, header, sizeof header - 1);
+    for (int pixel = 0; pixel < 8 * 4; ++pixel) {
+        const unsigned char even[4] = {40, 60, 90, 128}, bright[4] = {200, 180, 120, 134};
+        memcpy(file + sizeof header - 1 + 4 * pixel, pixel == 11 ? bright : even, 4);
+    }
+    lmb_error error = {{0}};
+    CHECK(lmb_file_write(path, file, sizeof file, &error) == LMB_OK, "%s", error.message);
+    return path;
+}
+
+/* What is left out to measure its worth changes the noise, not the light. */
+static void ingredients_keep_the_light(void)
+{
+    static const struct {
+        const char *name;
+        unsigned without;
+        bool independent_numbers;
+    } variants[] = {{"aimed sky", LMB_WITHOUT_ENVIRONMENT_AIM, false},
+                    {"aimed triangles", LMB_WITHOUT_TRIANGLE_AIM, false},
+                    {"light tree", LMB_WITHOUT_TRIANGLE_TREE, false},
+                    {"sequence", 0, true}};
+    lmb_error error = {{0}};
+    level_fixture level;
+    CHECK(lmb_level_cornell(output_path("ingredients"), &error) == LMB_OK, "%s", error.message);
+    if (!level_fixture_load(&level, output_path("ingredients"), sky_with_a_window(), 1)) {
+        return;
+    }
+    CHECK(lmb_emitters_triangle_count(level.emitters) > 1 && lmb_emitters_environment_sampled(level.emitters), "light");
+    const lmb_gather_point point = {.position = {0.3f, 1.2f, 0.2f}};
+    lmb_gathered with;
+    lmb_gather_sh3(&level.transport, &point, 32768, &with);
+    for (size_t i = 0; i < sizeof variants / sizeof variants[0]; ++i) {
+        lmb_emitters *emitters = NULL;
+        CHECK(lmb_emitters_create_without(level.tracer, variants[i].without, &emitters) == LMB_OK, "memory");
+        CHECK((lmb_emitters_triangle_count(emitters) == 0) == (variants[i].without == LMB_WITHOUT_TRIANGLE_AIM) &&
+                  lmb_emitters_environment_sampled(emitters) != (variants[i].without == LMB_WITHOUT_ENVIRONMENT_AIM),
+              "%s", variants[i].name);
+        lmb_transport transport = level.transport;
+        transport.emitters = emitters;
+        transport.independent_numbers = variants[i].independent_numbers;
+        lmb_gathered without;
+        lmb_gather_sh3(&transport, &point, 32768, &without);
+        const double apart = moments_apart(&with, &without);
+        const double noise = sqrt(with.squared_error + without.squared_error);
+        CHECK(apart > 0.0 && apart < 3.0 * noise && noise < 0.05 * sqrt(with.squared_length), "%s: %g apart, noise %g",
+              variants[i].name, apart, noise);
+        lmb_emitters_destroy(emitters);
+    }
+    level_fixture_close(&level);
+}
+
 static const test_case cases[] = {
     {"furnace_is_uniform", furnace_is_uniform},
     {"bounces_are_counted", bounces_are_counted},
@@ -463,6 +532,7 @@ static const test_case cases[] = {
     {"environment_references", environment_references},
     {"cycles_probes", cycles_probes},
     {"effort_follows_the_error", effort_follows_the_error},
+    {"ingredients_keep_the_light", ingredients_keep_the_light},
 };
 
 TEST_MAIN(cases)

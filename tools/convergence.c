@@ -1,12 +1,15 @@
-/* Error against samples and against time of both estimators, and the cache's bias against its resolution:
+/* Error against samples and against time of both estimators, what each ingredient of the cached one is worth, and the
+ * cache's bias against its resolution:
  *
  *     convergence LEVEL [level options] [--points N] [--truth N]
  *
  * Probes and texels are taken evenly from the level's own, traced on one thread, and timed by its CPU time. One line
  * for each measurement, tabs between: kind, estimator, cells of the cache, samples, CPU seconds (the solve apart),
- * relative RMSE of the SH3 moments over all points. The truth is the reference's, by many more samples; its own
- * standard error is printed first. tools/plot_convergence draws it. */
+ * relative RMSE of the SH3 moments over all points. The estimator is `reference`, `cached`, `cached without` an
+ * ingredient, in the solve too, or `cells`: `cached` with caches of several sizes. The truth is the reference's, by
+ * many more samples; its own standard error is printed first. tools/plot_convergence draws it. */
 #define _POSIX_C_SOURCE 200809L
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,7 +32,7 @@ static const char usage[] =
     "  --truth N             samples of the truth (default 65536)\n"
     "  --spacing M           metres between the lattice points that probes are taken from\n" LEVEL_USAGE;
 
-enum { MOST_POINTS = 4096, KINDS = 2 };
+enum { MOST_POINTS = 4096, KINDS = 2, MOST_SAMPLES = 16384 };
 static const char *const kind_names[KINDS] = {"probes", "texels"};
 
 typedef struct point_set {
@@ -37,6 +40,25 @@ typedef struct point_set {
     lmb_gathered truth[MOST_POINTS];
     int count;
 } point_set;
+
+/* An estimator, and what it goes without. */
+typedef struct variant {
+    const char *name;
+    bool reference;
+    unsigned without; /* lmb_emitters_create_without */
+    bool independent_numbers;
+    bool near_hits_looked_up;
+} variant;
+
+static const variant variants[] = {
+    {.name = "reference", .reference = true},
+    {.name = "cached"},
+    {.name = "cached without Sobol", .independent_numbers = true},
+    {.name = "cached without aimed sky", .without = LMB_WITHOUT_ENVIRONMENT_AIM},
+    {.name = "cached without aimed triangles", .without = LMB_WITHOUT_TRIANGLE_AIM},
+    {.name = "cached without light tree", .without = LMB_WITHOUT_TRIANGLE_TREE},
+    {.name = "cached without near hits", .near_hits_looked_up = true},
+};
 
 typedef struct convergence {
     lmb_level level;
@@ -151,7 +173,9 @@ static double seconds_used(void)
     return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
 }
 
-static void measure(const convergence *work, const lmb_transport *transport, const char *name, uint32_t samples)
+/* Error and CPU seconds of both kinds of points. */
+static void measure(const convergence *work, const lmb_transport *transport, const char *name, uint32_t cells,
+                    uint32_t samples)
 {
     for (int kind = 0; kind < KINDS; ++kind) {
         const point_set *set = work->set[kind];
@@ -169,11 +193,49 @@ static void measure(const convergence *work, const lmb_transport *transport, con
                 }
             }
         }
-        printf("%s\t%s\t%u\t%u\t%.6f\t%.6f\n", kind_names[kind], name,
-               transport->surface ? work->level.surface_stats.cells : 0, samples, seconds_used() - start,
+        printf("%s\t%s\t%u\t%u\t%.6f\t%.6f\n", kind_names[kind], name, cells, samples, seconds_used() - start,
                sqrt(off / all));
         fflush(stdout);
     }
+}
+
+/* Measures with `samples` and four times as many again and again. `max_cells` 0: the default. */
+static lmb_result variant_measure(const convergence *work, const variant *with, uint32_t max_cells, uint32_t samples,
+                                  const char *name, lmb_error *error)
+{
+    const lmb_level *level = &work->level;
+    lmb_emitters *emitters = NULL;
+    lmb_surface_light *surface = NULL;
+    lmb_surface_light_stats stats = {0};
+    lmb_transport transport = level->transport;
+    lmb_result result = lmb_emitters_create_without(level->tracer, with->without, &emitters);
+    transport.emitters = emitters;
+    transport.independent_numbers = with->independent_numbers;
+    if (result == LMB_OK && !with->reference) {
+        lmb_surface_light_settings settings = lmb_surface_light_settings_default();
+        settings.max_cells = max_cells ? max_cells : settings.max_cells;
+        result = lmb_surface_light_solve(&transport, &settings, level->pool, NULL, &surface, &stats, error);
+        transport.surface = surface;
+    }
+    if (with->near_hits_looked_up) {
+        transport.bounces = INT_MAX; /* where reflections are counted, near hits are not traced on */
+    }
+    for (; samples <= MOST_SAMPLES && result == LMB_OK; samples *= 4) {
+        measure(work, &transport, name, stats.cells, samples);
+    }
+    lmb_surface_light_destroy(surface);
+    lmb_emitters_destroy(emitters);
+    return result;
+}
+
+/* Whether there is anything in the level that the variant goes without. */
+static bool variant_differs(const convergence *work, const variant *with)
+{
+    const uint32_t triangles = lmb_emitters_triangle_count(work->level.emitters);
+    return (with->without != LMB_WITHOUT_ENVIRONMENT_AIM || lmb_emitters_environment_sampled(work->level.emitters)) &&
+           (with->without != LMB_WITHOUT_TRIANGLE_AIM || triangles > 0) &&
+           (with->without != LMB_WITHOUT_TRIANGLE_TREE || triangles > 1) &&
+           (!with->near_hits_looked_up || work->level.transport.bounces < 0);
 }
 
 static void truth_print(const convergence *work, int kind)
@@ -197,28 +259,13 @@ static lmb_result convergence_run(convergence *work, lmb_error *error)
         result = lmb_pool_run(work->level.pool, (size_t)work->set[kind]->count, truth_task, &truth, "truth", NULL);
         truth_print(work, kind);
     }
-    lmb_transport reference = work->level.transport;
-    for (uint32_t samples = 16; samples <= 4096 && result == LMB_OK; samples *= 4) {
-        measure(work, &reference, "reference", samples);
+    for (size_t i = 0; i < sizeof variants / sizeof variants[0] && result == LMB_OK; ++i) {
+        if (variant_differs(work, &variants[i])) {
+            result = variant_measure(work, &variants[i], 0, 16, variants[i].name, error);
+        }
     }
     for (uint32_t cells = 2048; cells <= 524288 && result == LMB_OK; cells *= 4) {
-        lmb_surface_light_settings settings = lmb_surface_light_settings_default();
-        settings.max_cells = cells;
-        lmb_surface_light_destroy(work->level.surface);
-        work->level.surface = NULL;
-        const double start = seconds_now();
-        result = lmb_surface_light_solve(&reference, &settings, work->level.pool, NULL, &work->level.surface,
-                                         &work->level.surface_stats, error);
-        if (result != LMB_OK) {
-            break;
-        }
-        printf("# solved %u cells of %.4g m in %.3f s\n", work->level.surface_stats.cells,
-               (double)lmb_surface_light_cell_size(work->level.surface), seconds_now() - start);
-        lmb_transport cached = reference;
-        cached.surface = work->level.surface;
-        for (uint32_t samples = 16; samples <= 16384; samples *= 4) {
-            measure(work, &cached, "cached", samples);
-        }
+        result = variant_measure(work, &(variant){0}, cells, MOST_SAMPLES, "cells", error);
     }
     return result;
 }
