@@ -216,7 +216,8 @@ static void receiver_punctual(gather_batch *batch, uint32_t number)
     const uint32_t wanted = samples / SAMPLES_PER_PUNCTUAL;
     const int max = wanted < 1 ? 1 : wanted < LMB_PUNCTUAL_MAX ? (int)wanted : LMB_PUNCTUAL_MAX;
     float choice[2];
-    lmb_sequence_2d(batch->stream, (batch->first + first) / batch->per_receiver, PAIR_CHOICE, choice);
+    const uint32_t sample = (batch->first + first) / batch->per_receiver;
+    lmb_sample_numbers(batch->transport, batch->stream, sample, 1, PAIR_CHOICE, &choice[0], &choice[1]);
     punctual_ask(batch, &batch->receiver[number], choice, max, samples);
 }
 
