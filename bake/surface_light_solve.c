@@ -8,34 +8,23 @@
 
 #include "bake_internal.h"
 #include "leg.h"
+#include "surface_light_bounce.h"
 
-enum { SIDES_PER_TASK = 128, ROWS_PER_TASK = 4096 };
+enum { SIDES_PER_TASK = 128 };
 
 /* Samples that every side gets, to learn whether any light can reach it. One that sees only dark sides by all of them,
  * as insides of solids do, gets no more and stays dark. */
 enum { PILOT_SAMPLES = 4 };
 
-/* The solution stands still when by the mean over the cells all further bounces together would add less than the first
- * share of a cell's light, or one bounce less than the second: then only light that is trapped between white surfaces,
- * as within a lamp, can go on for long. It counts relative to each cell, or a few such would keep all waiting. */
-#define STILL_TAIL 2.5e-4
-#define STILL_BOUNCE 5e-5
-/* The most passes: those that multiply with LINKS_IN_ALL links together, within these bounds. */
-enum { MIN_PASSES = 128, MAX_PASSES = 2000, LINKS_IN_ALL = 400000000 };
-
 /* Streams of cells are apart from those of gather points. */
 #define STREAM_OF_CELLS UINT64_C(0x73757266616365)
-
-/* What one sample of a side sees: part of one row of T. */
-typedef struct lmb_link {
-    uint32_t target;    /* side */
-    uint16_t weight[3]; /* albedo and tint in 1/65535; 0 when the sample sees nothing that reflects */
-    uint16_t open;      /* what the sample counts, in 1/OPEN */
-} lmb_link;
 
 /* A sample counts OPEN when a ray of the cell's size gets away from it, else HIDDEN: next to nothing, unless all of the
  * cell's samples are. */
 enum { OPEN = 1024, HIDDEN = 1 };
+
+/* Of sides that stay dark. */
+#define NO_PLACE UINT32_MAX
 
 typedef struct solve_work {
     const lmb_transport *transport;
@@ -43,19 +32,17 @@ typedef struct solve_work {
     uint32_t samples;
     uint32_t side_count;
     uint32_t first_sample; /* of the samples to be taken now */
-    lmb_rgb *direct;       /* [side] sum over its samples, by what they count; then the mean */
-    float *open;           /* [side] sum of what its samples count */
+    lmb_rgb *direct;       /* [side] sum over its samples, by what they count */
+    float *counts;         /* [side] sum of what its samples count */
     size_t *row;           /* [side] its first link, and the count at its end; a row is as long as it has samples */
-    lmb_link *links;
-    uint64_t *rays;      /* [task] */
-    lmb_rgb *next;       /* [side] what the bounces at hand add up to */
-    double (*change)[2]; /* [task] sum of relative changes over the rows, by their samples, and of these */
+    lmb_link *links;       /* their targets are sides */
+    uint64_t *rays;        /* [task] */
     size_t most_bytes;
 } solve_work;
 
-static size_t task_count(uint32_t count, uint32_t per_task)
+static size_t task_count(uint32_t side_count)
 {
-    return ((size_t)count + per_task - 1) / per_task;
+    return ((size_t)side_count + SIDES_PER_TASK - 1) / SIDES_PER_TASK;
 }
 
 static uint64_t side_stream(const solve_work *work, const lmb_cell *cell, uint32_t side)
@@ -102,7 +89,7 @@ static lmb_rgb side_sample(const solve_work *work, const lmb_cell *cell, const l
     for (int i = 0; i < found.count; ++i) {
         direct = rgb_add(direct, found.weight[i]);
     }
-    *link = (lmb_link){.open = sample_is_open(path, &receiver, cell->grid->cell_size) ? OPEN : HIDDEN};
+    *link = (lmb_link){.count = sample_is_open(path, &receiver, cell->grid->cell_size) ? OPEN : HIDDEN};
     lmb_path_numbers(path, PAIR_DIRECTION, numbers);
     const lmb_vec3 direction = lmb_receiver_direction(&receiver, numbers);
     if (lmb_receiver_sees(&receiver, direction)) {
@@ -134,8 +121,8 @@ static void sides_task(void *context, size_t task, int worker)
         for (path.sample = work->first_sample; path.sample < count; ++path.sample) {
             lmb_link *link = &work->links[work->row[side] + path.sample];
             const lmb_rgb direct = side_sample(work, &cell, &path, side % 2 == 0, link);
-            work->direct[side] = rgb_add(work->direct[side], rgb_scale(direct, (float)link->open));
-            work->open[side] += (float)link->open;
+            work->direct[side] = rgb_add(work->direct[side], rgb_scale(direct, (float)link->count));
+            work->counts[side] += (float)link->count;
         }
     }
 }
@@ -183,10 +170,10 @@ static uint32_t cell_samples(const solve_work *work, uint32_t number)
     return samples > PILOT_SAMPLES ? samples : PILOT_SAMPLES;
 }
 
-static void bytes_count(solve_work *work, size_t links)
+static void bytes_count(solve_work *work, size_t links, size_t extra)
 {
     const size_t bytes = lmb_surface_light_bytes(work->light) + links * sizeof *work->links +
-                         work->side_count * (2 * sizeof *work->direct + sizeof *work->open + sizeof *work->row);
+                         work->side_count * (sizeof *work->direct + sizeof *work->counts + sizeof *work->row) + extra;
     work->most_bytes = bytes > work->most_bytes ? bytes : work->most_bytes;
 }
 
@@ -208,7 +195,7 @@ static lmb_result rows_extend(solve_work *work, const uint8_t *lit)
             memcpy(links + work->row[side], work->links + (size_t)PILOT_SAMPLES * side, PILOT_SAMPLES * sizeof *links);
         }
     }
-    bytes_count(work, count + (size_t)PILOT_SAMPLES * work->side_count);
+    bytes_count(work, count + (size_t)PILOT_SAMPLES * work->side_count, 0);
     free(work->links);
     work->links = links;
     return LMB_OK;
@@ -217,7 +204,7 @@ static lmb_result rows_extend(solve_work *work, const uint8_t *lit)
 static lmb_result work_sample(solve_work *work, lmb_pool *pool, const lmb_progress *progress,
                               lmb_surface_light_stats *stats)
 {
-    const size_t tasks = task_count(work->side_count, SIDES_PER_TASK);
+    const size_t tasks = task_count(work->side_count);
     for (uint32_t side = 0; side <= work->side_count; ++side) {
         work->row[side] = (size_t)PILOT_SAMPLES * side;
     }
@@ -241,93 +228,58 @@ static lmb_result work_sample(solve_work *work, lmb_pool *pool, const lmb_progre
     return result;
 }
 
-static void rows_task(void *context, size_t task, int worker)
+/* Numbers the lit sides from 0 without gaps, and gives how many there are. */
+static uint32_t places_number(const solve_work *work, uint32_t *place)
 {
-    (void)worker;
-    const solve_work *work = context;
-    const lmb_rgb *now = work->light->irradiance;
-    const uint32_t first = (uint32_t)task * ROWS_PER_TASK;
-    const uint32_t end = first + ROWS_PER_TASK < work->side_count ? first + ROWS_PER_TASK : work->side_count;
-    double change = 0.0;
-    double total = 0.0;
-    for (uint32_t side = first; side < end; ++side) {
-        const size_t samples = work->row[side + 1] - work->row[side];
-        if (samples == 0) {
-            continue;
-        }
-        lmb_rgb sum = {{0.0f, 0.0f, 0.0f}};
-        for (size_t k = work->row[side]; k < work->row[side + 1]; ++k) {
-            const lmb_link *link = &work->links[k];
-            for (int c = 0; c < 3; ++c) {
-                sum.c[c] += (float)((uint32_t)link->weight[c] * link->open) * now[link->target].c[c];
-            }
-        }
-        const lmb_rgb found = rgb_add(work->direct[side], rgb_scale(sum, 1.0f / (65535.0f * work->open[side])));
-        const double light = (double)found.c[0] + (double)found.c[1] + (double)found.c[2];
-        double added = 0.0;
-        for (int c = 0; c < 3; ++c) {
-            added += fabs((double)found.c[c] - (double)now[side].c[c]);
-        }
-        change += light > 0.0 ? (double)samples * added / light : 0.0;
-        total += (double)samples;
-        work->next[side] = found;
+    uint32_t count = 0;
+    for (uint32_t side = 0; side < work->side_count; ++side) {
+        place[side] = work->row[side] < work->row[side + 1] ? count++ : NO_PLACE;
     }
-    work->change[task][0] = change;
-    work->change[task][1] = total;
+    return count;
 }
 
-/* Bounces that follow the one at hand are taken to shrink as it did beside the one before: a geometric series. */
-static bool stands_still(double change, double before)
+/* Moves what the sides have to their places, with only those links that see something lit. */
+static lmb_bounce_rows rows_compact(solve_work *work, const uint32_t *place)
 {
-    const double ratio = before > 0.0 ? change / before : 1.0;
-    return change <= STILL_BOUNCE || (ratio < 1.0 && change * ratio / (1.0 - ratio) <= STILL_TAIL);
-}
-
-static int passes_most(size_t links)
-{
-    const size_t passes = LINKS_IN_ALL / (links + 1);
-    return passes < MIN_PASSES ? MIN_PASSES : passes < MAX_PASSES ? (int)passes : MAX_PASSES;
+    lmb_bounce_rows rows = {.first = work->row, .links = work->links, .counts = work->counts, .light = work->direct};
+    size_t kept = 0, begin = 0;
+    for (uint32_t side = 0; side < work->side_count; ++side) {
+        const size_t end = work->row[side + 1];
+        if (place[side] != NO_PLACE) {
+            work->row[rows.count] = kept;
+            for (size_t k = begin; k < end; ++k) {
+                lmb_link link = work->links[k];
+                link.target = place[link.target];
+                if (link.target != NO_PLACE && (link.weight[0] | link.weight[1] | link.weight[2]) != 0) {
+                    work->links[kept++] = link;
+                }
+            }
+            work->direct[rows.count] = rgb_scale(work->direct[side], 1.0f / work->counts[side]);
+            work->counts[rows.count++] = work->counts[side];
+        }
+        begin = end;
+    }
+    work->row[rows.count] = kept;
+    return rows;
 }
 
 static lmb_result work_bounce(solve_work *work, lmb_pool *pool, const lmb_progress *progress, int *passes)
 {
-    const size_t tasks = task_count(work->side_count, ROWS_PER_TASK);
     const int bounces = work->transport->bounces;
-    const int most = passes_most(work->row[work->side_count]);
-    const int limit = bounces >= 0 && bounces - 1 < most ? bounces - 1 : most;
-    lmb_surface_light *light = work->light;
-    memcpy(light->irradiance, work->direct, work->side_count * sizeof *light->irradiance);
-    double before = 0.0;
-    bool still = false;
-    for (*passes = 0; *passes < limit && !still; ++*passes) {
-        const lmb_result result = lmb_pool_run(pool, tasks, rows_task, work, "bounces", progress);
-        if (result != LMB_OK) {
-            return result;
-        }
-        double change = 0.0;
-        double total = 0.0;
-        for (size_t i = 0; i < tasks; ++i) {
-            change += work->change[i][0];
-            total += work->change[i][1];
-        }
-        lmb_rgb *const swapped = light->irradiance;
-        light->irradiance = work->next;
-        work->next = swapped;
-        change = total > 0.0 ? change / total : 0.0;
-        still = stands_still(change, before);
-        before = change;
+    uint32_t *place = malloc((work->side_count + 1u) * sizeof *place);
+    if (!place) {
+        return LMB_ERROR_MEMORY;
     }
-    return LMB_OK;
-}
-
-/* Sums over samples become means. */
-static void direct_average(solve_work *work)
-{
+    const uint32_t count = places_number(work, place);
+    bytes_count(work, work->row[work->side_count], work->side_count * sizeof *place + lmb_bounces_bytes(count));
+    const lmb_bounce_rows rows = rows_compact(work, place);
+    /* The last bounce is that on the surface that is looked at. */
+    const lmb_result result = lmb_bounces_sum(&rows, bounces < 0 ? -1 : bounces - 1, pool, progress, passes);
     for (uint32_t side = 0; side < work->side_count; ++side) {
-        if (work->open[side] > 0.0f) {
-            work->direct[side] = rgb_scale(work->direct[side], 1.0f / work->open[side]);
-        }
+        work->light->irradiance[side] = place[side] != NO_PLACE ? rows.light[place[side]] : rgb(0.0f, 0.0f, 0.0f);
     }
+    free(place);
+    return result;
 }
 
 static lmb_result work_run(solve_work *work, lmb_pool *pool, const lmb_progress *progress,
@@ -335,21 +287,15 @@ static lmb_result work_run(solve_work *work, lmb_pool *pool, const lmb_progress 
 {
     const size_t sides = (size_t)work->side_count + 1;
     work->direct = calloc(sides, sizeof *work->direct);
-    work->open = calloc(sides, sizeof *work->open);
-    work->next = calloc(sides, sizeof *work->next);
+    work->counts = calloc(sides, sizeof *work->counts);
     work->row = malloc(sides * sizeof *work->row);
     work->links = malloc(PILOT_SAMPLES * sides * sizeof *work->links);
-    work->rays = calloc(task_count(work->side_count, SIDES_PER_TASK) + 1, sizeof *work->rays);
-    work->change = calloc(task_count(work->side_count, ROWS_PER_TASK) + 1, sizeof *work->change);
-    if (!work->direct || !work->open || !work->next || !work->row || !work->links || !work->rays || !work->change) {
+    work->rays = calloc(task_count(work->side_count) + 1, sizeof *work->rays);
+    if (!work->direct || !work->counts || !work->row || !work->links || !work->rays) {
         return LMB_ERROR_MEMORY;
     }
-    lmb_result result = work_sample(work, pool, progress, stats);
-    if (result == LMB_OK) {
-        direct_average(work);
-        result = work_bounce(work, pool, progress, &stats->passes);
-    }
-    return result;
+    const lmb_result result = work_sample(work, pool, progress, stats);
+    return result == LMB_OK ? work_bounce(work, pool, progress, &stats->passes) : result;
 }
 
 lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_surface_light_settings *settings,
@@ -364,19 +310,17 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
     lmb_surface_light_stats made = {.cells = created->cell_count};
     solve_work work = {
         .transport = transport, .light = created, .samples = settings->samples, .side_count = 2 * created->cell_count};
-    bytes_count(&work, 0);
+    bytes_count(&work, 0, 0);
     /* Without reflections nobody looks at what surfaces receive. */
     if (transport->bounces != 0 && work.side_count > 0) {
         result = work_run(&work, pool, progress, &made);
     }
     made.bytes_solving = work.most_bytes;
     free(work.direct);
-    free(work.open);
-    free(work.next);
+    free(work.counts);
     free(work.row);
     free(work.links);
     free(work.rays);
-    free(work.change);
     if (result != LMB_OK) {
         lmb_surface_light_destroy(created);
         return lmb_error_set(error, result, "surface light: %s", lmb_result_text(result));

@@ -19,7 +19,8 @@
  *
  * The solution is that of E = D + T E, where D is direct light and T the transport between cells: both are sampled
  * once, with one ray for each sample that finds direct light by its part of multiple importance sampling and one entry
- * of a sparse matrix. After that the bounces cost no rays. The estimate of a sum of products of T's entries is biased
+ * of a sparse matrix. After that the bounces cost no rays, and however white a room is some hundred passes over the matrix
+ * sum all of them (surface_light_bounce.c). The estimate of a sum of products of T's entries is biased
  * only by paths that visit one cell twice, which are rare where there are many cells. */
 #ifndef LAMBENT_SURFACE_LIGHT_H
 #define LAMBENT_SURFACE_LIGHT_H
@@ -43,7 +44,7 @@ lmb_surface_light_settings lmb_surface_light_settings_default(void);
 typedef struct lmb_surface_light_stats {
     uint32_t cells;
     uint32_t lit_sides; /* of two for each cell: those that any light can reach */
-    int passes;         /* bounces until the solution stood still, or transport.bounces - 1 */
+    int passes;         /* over the transport, until the solution stood still, or transport.bounces - 1 */
     uint64_t rays;
     size_t bytes_solving; /* at most at once, the solution's own among them */
 } lmb_surface_light_stats;

@@ -1,0 +1,35 @@
+/* The bounces E = D + T E between places that are numbered from 0 without gaps, each with one row of T. */
+#ifndef LMB_SURFACE_LIGHT_BOUNCE_H
+#define LMB_SURFACE_LIGHT_BOUNCE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <lambent/pool.h>
+#include <lambent/types.h>
+
+/* What one sample of a place sees: part of one row of T. */
+typedef struct lmb_link {
+    uint32_t target;    /* place */
+    uint16_t weight[3]; /* albedo and tint in 1/65535; 0 when the sample sees nothing that reflects */
+    uint16_t count;     /* how often the sample counts */
+} lmb_link;
+
+typedef struct lmb_bounce_rows {
+    uint32_t count;
+    const size_t *first;   /* [place] its first link, and the count of all at its end */
+    const lmb_link *links; /* those that weigh nothing may be left out */
+    const float *counts;   /* [place] how often all of its samples count together, > 0 */
+    lmb_rgb *light;        /* [place] D, which becomes E */
+} lmb_bounce_rows;
+
+/* Adds `bounces` bounces to direct light, or all when < 0.
+ * @param passes how often T was applied
+ * @return LMB_ERROR_MEMORY, _INTERRUPTED */
+lmb_result lmb_bounces_sum(const lmb_bounce_rows *rows, int bounces, lmb_pool *pool, const lmb_progress *progress,
+                           int *passes);
+
+/* Bytes that this takes for a time, beside its arguments. */
+size_t lmb_bounces_bytes(uint32_t count);
+
+#endif
