@@ -121,9 +121,11 @@ static lmb_result triangles_divide(lmb_surface_light *light, const lmb_tracer *t
     }
     light->grid[light->triangle_count].first = light->cell_count;
     free(edges);
-    light->irradiance = calloc(2 * (size_t)light->cell_count + 1, sizeof *light->irradiance);
-    light->radiance = calloc(2 * (size_t)light->cell_count + 1, sizeof *light->radiance);
-    return light->irradiance && light->radiance ? LMB_OK : LMB_ERROR_MEMORY;
+    const size_t sides = 2 * (size_t)light->cell_count + 1;
+    light->irradiance = calloc(sides, sizeof *light->irradiance);
+    light->radiance = calloc(sides, sizeof *light->radiance);
+    light->mixed = calloc(sides, sizeof *light->mixed);
+    return light->irradiance && light->radiance && light->mixed ? LMB_OK : LMB_ERROR_MEMORY;
 }
 
 lmb_result lmb_surface_light_create(const lmb_tracer *tracer, const lmb_surface_light_settings *settings,
@@ -164,6 +166,7 @@ void lmb_surface_light_destroy(lmb_surface_light *light)
         free(light->grid);
         free(light->irradiance);
         free(light->radiance);
+        free(light->mixed);
         free(light);
     }
 }
@@ -172,17 +175,13 @@ size_t lmb_surface_light_bytes(const lmb_surface_light *light)
 {
     return sizeof *light + (light->instance_count + 1u) * sizeof *light->triangle_first +
            (light->triangle_count + 1u) * sizeof *light->grid +
-           (2 * (size_t)light->cell_count + 1) * (sizeof *light->irradiance + sizeof *light->radiance);
+           (2 * (size_t)light->cell_count + 1) *
+               (sizeof *light->irradiance + sizeof *light->radiance + sizeof *light->mixed);
 }
 
 float lmb_surface_light_cell_size(const lmb_surface_light *light)
 {
     return light->cell_size;
-}
-
-float lmb_surface_light_cell_size_at(const lmb_surface_light *light, const lmb_hit *hit)
-{
-    return lmb_cell_grid_at(light, hit)->cell_size;
 }
 
 lmb_rgb lmb_surface_light_at(const lmb_surface_light *light, const lmb_hit *hit, bool front)

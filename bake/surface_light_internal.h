@@ -22,6 +22,7 @@ struct lmb_surface_light {
     lmb_cell_grid *grid;      /* [triangle], and one at its end whose `first` is the count of cells */
     lmb_rgb *irradiance;      /* [2 cell + side]: 0 the front, 1 the back */
     lmb_rgb *radiance;        /* likewise: irradiance x albedo, of even triangles */
+    uint8_t *mixed;           /* likewise: partly hidden, so that its light is that of the other part */
     float cell_size;          /* metres: the largest of all */
 };
 

@@ -246,6 +246,8 @@ static lmb_bounce_rows rows_compact(solve_work *work, const uint32_t *place)
     for (uint32_t side = 0; side < work->side_count; ++side) {
         const size_t end = work->row[side + 1];
         if (place[side] != NO_PLACE) {
+            const float all_open = (float)OPEN * (float)(end - begin);
+            work->light->mixed[side] = work->counts[side] >= (float)OPEN && work->counts[side] < all_open;
             work->row[rows.count] = kept;
             for (size_t k = begin; k < end; ++k) {
                 lmb_link link = work->links[k];

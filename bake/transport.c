@@ -14,14 +14,16 @@
 /* A gap is narrow below this share of a cell's size. */
 #define NARROW_SHARE 0.125f
 
-/* Whether a landing of a gather ray is so near that a cell's mean is no measure of what one point of it sends: nearer
- * than the cell is wide, or, after that, within a gap that is narrow beside its cells, where light goes to and fro.
- * Counting the reflections forbids to put one more before what is stored. */
-static bool landing_is_near(const lmb_path *path, const lmb_landing *landing)
+/* Whether a hit is nearer than the cell is wide, which makes the cell's mean no measure of what one point of it sends.
+ * After the first reflection only that within a gap counts, where light goes to and fro: one that is narrow beside its
+ * cells, or that the cell is partly in. Counting the reflections forbids to put one more before what is stored. */
+static bool hit_is_near(const lmb_path *path, const lmb_hit *hit)
 {
-    const float cell_size = lmb_surface_light_cell_size_at(path->transport->surface, &landing->hit);
-    const float near_by = path->vertex == 0 ? cell_size : NARROW_SHARE * cell_size;
-    return path->transport->bounces < 0 && landing->hit.distance < near_by;
+    const lmb_surface_light *light = path->transport->surface;
+    const float cell_size = lmb_cell_grid_at(light, hit)->cell_size;
+    return path->transport->bounces < 0 && hit->distance < cell_size &&
+           (path->vertex == 0 || hit->distance < NARROW_SHARE * cell_size ||
+            light->mixed[lmb_surface_light_side(light, hit, hit->front)]);
 }
 
 /* Whether what a landing reflects is to be looked up, and that. A camera sees each cell's edges, so its own landing is
@@ -29,7 +31,7 @@ static bool landing_is_near(const lmb_path *path, const lmb_landing *landing)
 static bool landing_look_up(const lmb_path *path, const lmb_leg *leg, const lmb_landing *landing, lmb_rgb *irradiance)
 {
     const lmb_surface_light *light = path->transport->surface;
-    if (!light || !leg->from || landing_is_near(path, landing)) {
+    if (!light || !leg->from || hit_is_near(path, &landing->hit)) {
         return false;
     }
     *irradiance = lmb_surface_light_at(light, &landing->hit, landing->hit.front);
@@ -44,8 +46,7 @@ static bool hit_look_up(const lmb_path *path, const lmb_hit *hit, lmb_rgb *radia
     if (!light || (transport->bounces >= 0 && path->vertex >= (uint32_t)transport->bounces)) {
         return false;
     }
-    const bool near_by = hit->distance < NARROW_SHARE * lmb_cell_grid_at(light, hit)->cell_size;
-    return !(near_by && transport->bounces < 0) && lmb_surface_light_radiance(light, hit, false, radiance);
+    return !hit_is_near(path, hit) && lmb_surface_light_radiance(light, hit, false, radiance);
 }
 
 lmb_rgb lmb_path_radiance(lmb_path *path, lmb_leg leg, lmb_landing landing)

@@ -60,10 +60,8 @@ void lmb_surface_light_destroy(lmb_surface_light *light);
 /* Bytes that it holds. */
 size_t lmb_surface_light_bytes(const lmb_surface_light *light);
 
-/* Metres: the cell size that was used, and the size of the cells of the triangle that was hit. What is stored holds for
- * rays that come from farther than the latter. */
+/* Metres: the cell size that was used. What is stored holds for rays that come from farther than that. */
 float lmb_surface_light_cell_size(const lmb_surface_light *light);
-float lmb_surface_light_cell_size_at(const lmb_surface_light *light, const lmb_hit *hit);
 
 /* Luminance of the normalised irradiance, as the mean over the area of all sides that light reaches; 0 without any. */
 double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *tracer);
