@@ -66,7 +66,7 @@ static void batch_start(gather_batch *batch, const lmb_gather_samples *samples, 
     batch->per_receiver = LMB_GATHER_BLOCK;
     for (uint32_t i = 0; i * LMB_GATHER_BLOCK < batch->count; ++i) {
         const uint32_t block = batch->first / LMB_GATHER_BLOCK + i;
-        const uint32_t place = block * LMB_GATHER_REPLICATES + samples->replicate;
+        const uint32_t place = block + samples->replicate * samples->point_count / LMB_GATHER_REPLICATES;
         batch->receiver[i] = point_receiver(&samples->points[place % samples->point_count]);
     }
 }

@@ -1,6 +1,7 @@
 #include <lambent/probe.h>
 
 #include <assert.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "bake_internal.h"
@@ -87,15 +88,6 @@ typedef struct gather_work {
     uint64_t punctual_rays;
 } gather_work;
 
-static void replicate_task(void *context, size_t task, int worker)
-{
-    (void)worker;
-    gather_work *work = context;
-    lmb_gather_samples samples = work->samples;
-    samples.replicate = (uint32_t)task;
-    lmb_gather(work->transport, &samples, moment_sink, &work->sum[task], &work->rays[task]);
-}
-
 static double lanes_sum(const double lane[LANES])
 {
     return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
@@ -172,8 +164,10 @@ void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point 
     gather_work work; /* large: begun where it is */
     work_begin(&work, transport, points, point_count, begin);
     for (;;) {
-        for (size_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-            replicate_task(&work, r, 0);
+        for (uint32_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+            lmb_gather_samples samples = work.samples;
+            samples.replicate = r;
+            lmb_gather(transport, &samples, moment_sink, &work.sum[r], &work.rays[r]);
         }
         replicates_combine(&work, gathered);
         const uint32_t taken = work.samples.first + work.samples.count;
@@ -192,15 +186,60 @@ void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *poin
     lmb_gather_sh3_area(transport, point, 1, &effort, gathered);
 }
 
+/* Parts of each replicate, for threads to share. */
+enum { PARTS = 16 };
+
+typedef struct parallel_work {
+    const gather_work *work;
+    lmb_moment_sum sum[LMB_GATHER_REPLICATES * PARTS];
+    uint64_t rays[LMB_GATHER_REPLICATES * PARTS];
+} parallel_work;
+
+static void part_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    parallel_work *parallel = context;
+    lmb_gather_samples samples = parallel->work->samples;
+    const uint32_t all = samples.count;
+    const uint32_t most = (all / PARTS / LMB_GATHER_BLOCK + 1) * LMB_GATHER_BLOCK;
+    samples.replicate = (uint32_t)task / PARTS;
+    samples.first = (uint32_t)task % PARTS * most;
+    if (samples.first < all) {
+        samples.count = all - samples.first < most ? all - samples.first : most;
+        lmb_gather(parallel->work->transport, &samples, moment_sink, &parallel->sum[task], &parallel->rays[task]);
+    }
+}
+
+static void moments_sum(const lmb_moment_sum *part, lmb_moment_sum *sum)
+{
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            for (int k = 0; k < LANES; ++k) {
+                sum->c[c][i][k] += part->c[c][i][k];
+            }
+        }
+    }
+}
+
 lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                                    lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered)
 {
     gather_work work;
     work_begin(&work, transport, point, 1, replicate_share(samples, 1));
-    const lmb_result result = lmb_pool_run(pool, LMB_GATHER_REPLICATES, replicate_task, &work, "probe", progress);
+    parallel_work *parallel = calloc(1, sizeof *parallel);
+    if (!parallel) {
+        return LMB_ERROR_MEMORY;
+    }
+    parallel->work = &work;
+    const lmb_result result = lmb_pool_run(pool, LMB_GATHER_REPLICATES * PARTS, part_task, parallel, "probe", progress);
     if (result == LMB_OK) {
+        for (int task = 0; task < LMB_GATHER_REPLICATES * PARTS; ++task) {
+            moments_sum(&parallel->sum[task], &work.sum[task / PARTS]);
+            work.rays[task / PARTS] += parallel->rays[task];
+        }
         replicates_combine(&work, gathered);
     }
+    free(parallel);
     return result;
 }
 

@@ -441,7 +441,7 @@ static void effort_follows_the_error(void)
     const lmb_gather_effort bounded = {.samples = 8, .max_samples = 100, .tolerance = 1e-6};
     lmb_gathered most;
     lmb_gather_sh3_area(&level.transport, &point, 1, &bounded, &most);
-    CHECK(most.samples == 128, "100 samples in whole blocks: %u", most.samples);
+    CHECK(most.samples == 112, "100 samples in whole blocks: %u", most.samples);
     const lmb_gather_effort dark = {.samples = 64, .max_samples = 1 << 16, .tolerance = 0.01, .floor = 1e6};
     lmb_gather_sh3_area(&level.transport, &point, 1, &dark, &most);
     CHECK(most.samples == 64, "far below the floor: %u", most.samples);

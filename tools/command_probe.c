@@ -23,12 +23,15 @@ typedef struct lmb_probe_answer {
     double seconds;
 } lmb_probe_answer;
 
+/* The truth's samples come in so many parts, for threads to share. */
+enum { TRUTH_REPLICATES = 16 };
+
 typedef struct lmb_truth_work {
     const lmb_transport *transport;
     const lmb_query *query;
     uint32_t samples;
-    lmb_rgb irradiance[LMB_GATHER_REPLICATES];
-    uint64_t rays[LMB_GATHER_REPLICATES];
+    lmb_rgb irradiance[TRUTH_REPLICATES];
+    uint64_t rays[TRUTH_REPLICATES];
 } lmb_truth_work;
 
 static void truth_task(void *context, size_t task, int worker)
@@ -50,14 +53,14 @@ static lmb_result probe_trace(const lmb_level *level, const lmb_query *query, ui
         lmb_gather_sh3_parallel(&level->transport, &point, samples, level->pool, progress, &answer->gathered);
     if (result == LMB_OK && query->has_normal) {
         answer->irradiance = query_irradiance(query, MODEL_HHD, &answer->gathered.moments);
-        const uint32_t share = (samples + LMB_GATHER_REPLICATES - 1) / LMB_GATHER_REPLICATES;
+        const uint32_t share = (samples + TRUTH_REPLICATES - 1) / TRUTH_REPLICATES;
         lmb_truth_work work = {.transport = &level->transport, .query = query, .samples = share};
-        result = lmb_pool_run(level->pool, LMB_GATHER_REPLICATES, truth_task, &work, "truth", progress);
+        result = lmb_pool_run(level->pool, TRUTH_REPLICATES, truth_task, &work, "truth", progress);
         answer->traced = (lmb_rgb){{0.0f, 0.0f, 0.0f}};
-        for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+        for (int r = 0; r < TRUTH_REPLICATES; ++r) {
             answer->gathered.rays += work.rays[r];
             for (int c = 0; c < 3; ++c) {
-                answer->traced.c[c] += work.irradiance[r].c[c] / (float)LMB_GATHER_REPLICATES;
+                answer->traced.c[c] += work.irradiance[r].c[c] / (float)TRUTH_REPLICATES;
             }
         }
     }

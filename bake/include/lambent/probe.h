@@ -44,8 +44,8 @@ typedef struct lmb_gather_effort {
 void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
                          const lmb_gather_effort *effort, lmb_gathered *gathered);
 
-/* The same as lmb_gather_sh3, its replicates spread over the pool's threads; equal results. @return
- * LMB_ERROR_INTERRUPTED */
+/* The same as lmb_gather_sh3, but for rounding, by the pool's threads; the same for any number of them.
+ * @return LMB_ERROR_INTERRUPTED, _MEMORY */
 lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                                    lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered);
 

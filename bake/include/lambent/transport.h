@@ -42,9 +42,11 @@ typedef struct lmb_gather_point {
 } lmb_gather_point;
 
 /* Samples of one element: a probe, or a texel that is the mean over several points, which share kind and normal.
- * Independent replicates give independent estimates. Samples come in blocks of LMB_GATHER_BLOCK, and a block starts at
- * one point: sample i of replicate r at points[(i / LMB_GATHER_BLOCK LMB_GATHER_REPLICATES + r) % point_count]. */
-enum { LMB_GATHER_REPLICATES = 8, LMB_GATHER_BLOCK = 8 };
+ * Independent replicates give independent estimates. There are no more than it takes to tell the error, because each is
+ * a Sobol sequence of its own, and one of all samples errs less than the mean of many short ones. Samples come in blocks
+ * of LMB_GATHER_BLOCK, and a block starts at one point: block b of replicate r at
+ * points[(b + r point_count / LMB_GATHER_REPLICATES) % point_count]. */
+enum { LMB_GATHER_REPLICATES = 2, LMB_GATHER_BLOCK = 8 };
 typedef struct lmb_gather_samples {
     const lmb_gather_point *points;
     uint32_t point_count; /* > 0 */
