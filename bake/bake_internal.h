@@ -37,6 +37,16 @@ static inline lmb_vec3 vec3_sub(lmb_vec3 a, lmb_vec3 b)
     return vec3(a.x - b.x, a.y - b.y, a.z - b.z);
 }
 
+static inline lmb_vec3 vec3_smaller(lmb_vec3 a, lmb_vec3 b)
+{
+    return vec3(float_smaller(a.x, b.x), float_smaller(a.y, b.y), float_smaller(a.z, b.z));
+}
+
+static inline lmb_vec3 vec3_larger(lmb_vec3 a, lmb_vec3 b)
+{
+    return vec3(float_larger(a.x, b.x), float_larger(a.y, b.y), float_larger(a.z, b.z));
+}
+
 static inline lmb_vec3 vec3_scale(lmb_vec3 a, float s)
 {
     return vec3(a.x * s, a.y * s, a.z * s);

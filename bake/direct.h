@@ -8,7 +8,16 @@
 #include "directions.h"
 
 /* Dimension pairs of the sequence: the gather point uses vertex 0's, the k-th reflection vertex k's. */
-enum { PAIR_DIRECTION, PAIR_TRIANGLE, PAIR_CHOICE, PAIR_ENVIRONMENT, PAIR_ROULETTE, PAIRS_PER_VERTEX };
+enum {
+    PAIR_DIRECTION,
+    PAIR_TRIANGLE,
+    PAIR_CHOICE,
+    PAIR_ENVIRONMENT,
+    PAIR_ROULETTE,
+    PAIR_BRIGHT,
+    PAIR_BRIGHT_CHOICE,
+    PAIRS_PER_VERTEX
+};
 
 /* One sample of one stream. */
 typedef struct lmb_path {

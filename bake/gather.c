@@ -16,6 +16,7 @@
 enum {
     SAMPLES = LMB_RAY_BATCH,
     RECEIVERS = SAMPLES / LMB_GATHER_BLOCK,
+    SAMPLES_PER_AIM = 4,
     SAMPLES_PER_PUNCTUAL = 2, /* a receiver asks no more punctual lights than it has samples for that */
 };
 _Static_assert((int)LMB_CONTRIBUTION_BATCH >= (int)SAMPLES && (int)SAMPLES >= 2 * LMB_PUNCTUAL_MAX,
@@ -74,6 +75,12 @@ static void batch_start(gather_batch *batch, const lmb_gather_samples *samples, 
 static const lmb_receiver *batch_receiver(const gather_batch *batch, uint32_t sample)
 {
     return &batch->receiver[sample / batch->per_receiver];
+}
+
+static uint32_t receiver_samples(const gather_batch *batch, uint32_t number)
+{
+    const uint32_t left = batch->count - number * batch->per_receiver;
+    return left < batch->per_receiver ? left : batch->per_receiver;
 }
 
 static void batch_numbers(const gather_batch *batch, uint32_t pair, float *x, float *y)
@@ -211,8 +218,7 @@ static void punctual_ask(gather_batch *batch, const lmb_receiver *receiver, cons
 static void receiver_punctual(gather_batch *batch, uint32_t number)
 {
     const uint32_t first = number * batch->per_receiver;
-    const uint32_t left = batch->count - first;
-    const uint32_t samples = left < batch->per_receiver ? left : batch->per_receiver;
+    const uint32_t samples = receiver_samples(batch, number);
     const uint32_t wanted = samples / SAMPLES_PER_PUNCTUAL;
     const int max = wanted < 1 ? 1 : wanted < LMB_PUNCTUAL_MAX ? (int)wanted : LMB_PUNCTUAL_MAX;
     float choice[2];
@@ -290,6 +296,82 @@ static void skies_gather(gather_batch *batch, const lmb_hit *hit, const float *d
     }
 }
 
+static lmb_light_query receiver_query(const lmb_receiver *receiver)
+{
+    return (lmb_light_query){.position = receiver->position, .normal = lmb_receiver_normal(receiver)};
+}
+
+/* Rays at bright cells that join `samples` of one receiver. */
+static uint32_t aims_of(uint32_t samples)
+{
+    return (samples + SAMPLES_PER_AIM - 1) / SAMPLES_PER_AIM;
+}
+
+/* The same for each sample of the receiver that has `sample`. */
+static float aims_per_sample(const gather_batch *batch, uint32_t sample)
+{
+    const uint32_t samples = receiver_samples(batch, sample / batch->per_receiver);
+    return (float)aims_of(samples) / (float)samples;
+}
+
+/* A ray at a bright cell, and a sample of the receiver that it joins. */
+typedef struct bright_ray {
+    lmb_bright_aim aim;
+    uint32_t sample;
+} bright_ray;
+
+static void bright_rays_make(gather_batch *batch, bright_ray *made)
+{
+    const lmb_transport *transport = batch->transport;
+    const uint32_t first = batch->first / SAMPLES_PER_AIM;
+    const uint32_t aims = (batch->count + batch->per_receiver - 1) / batch->per_receiver * aims_of(batch->per_receiver);
+    float x[SAMPLES], y[SAMPLES], choice[SAMPLES], unused[SAMPLES];
+    uint32_t count = 0;
+    lmb_sample_numbers(transport, batch->stream, first, aims, PAIR_BRIGHT, x, y);
+    lmb_sample_numbers(transport, batch->stream, first, aims, PAIR_BRIGHT_CHOICE, choice, unused);
+    batch->rays.count = 0;
+    for (uint32_t sample = 0; sample < batch->count; sample += batch->per_receiver) {
+        const lmb_receiver *receiver = batch_receiver(batch, sample);
+        const lmb_light_query query = receiver_query(receiver);
+        const uint32_t end = count + aims_of(receiver_samples(batch, sample / batch->per_receiver));
+        for (; count < end; ++count) {
+            const float point[2] = {x[count], y[count]};
+            bright_ray *ray = &made[batch->rays.count];
+            ray->sample = sample;
+            if (lmb_bright_cells_aim(transport->surface->bright, transport->tracer, &query, choice[count], point,
+                                     &ray->aim) &&
+                lmb_receiver_sees(receiver, ray->aim.direction)) {
+                lmb_ray_batch_add(&batch->rays, lmb_receiver_ray_origin(receiver, ray->aim.direction),
+                                  ray->aim.direction, FLT_MAX);
+            }
+        }
+    }
+}
+
+/* Rays at bright cells, weighted against those that find them by chance. */
+static void gather_bright(gather_batch *batch)
+{
+    const lmb_transport *transport = batch->transport;
+    const lmb_surface_light *light = transport->surface;
+    bright_ray ray[SAMPLES];
+    lmb_hit hit[SAMPLES];
+    bright_rays_make(batch, ray);
+    lmb_trace_nearest_batch(transport->tracer, &batch->rays, hit);
+    *batch->rays_traced += batch->rays.count;
+    for (uint32_t i = 0; i < batch->rays.count; ++i) {
+        const lmb_bright_aim *aim = &ray[i].aim;
+        lmb_rgb radiance;
+        if (hit[i].instance != LMB_HIT_NOTHING &&
+            lmb_surface_light_radiance(light, &hit[i], transport->bounces < 0, &radiance) &&
+            lmb_surface_light_side(light, &hit[i], hit[i].front) == aim->side) {
+            const float density =
+                lmb_receiver_density(batch_receiver(batch, ray[i].sample), aim->direction) +
+                aims_per_sample(batch, ray[i].sample) * lmb_bright_aim_density(light->bright, aim, &hit[i]);
+            contribution_add(&batch->found, aim->direction, rgb_scale(radiance, 1.0f / density));
+        }
+    }
+}
+
 /* Rays that end on surfaces. */
 static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float *density)
 {
@@ -304,11 +386,17 @@ static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float
         if (hit[i].instance == LMB_HIT_NOTHING) {
             continue;
         }
+        const lmb_vec3 direction = ray_direction(batch, i);
         lmb_rgb radiance;
+        float aimed = 0.0f;
         if (!light || !lmb_surface_light_radiance(light, &hit[i], transport->bounces < 0, &radiance)) {
-            radiance = radiance_followed(batch, i, ray_direction(batch, i), &hit[i]);
+            radiance = radiance_followed(batch, i, direction, &hit[i]);
+        } else if (light->bright) {
+            const lmb_light_query query = receiver_query(batch_receiver(batch, i));
+            const uint32_t side = lmb_surface_light_side(light, &hit[i], hit[i].front);
+            aimed = lmb_bright_cells_density(light->bright, &query, direction, &hit[i], side, radiance);
         }
-        ray_give(batch, i, radiance, density[i]);
+        ray_give(batch, i, radiance, density[i] + aims_per_sample(batch, i) * aimed);
     }
 }
 
@@ -349,6 +437,10 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
         }
         gather_rays(&batch);
         found_make_room(&batch, sink, context);
+        if (transport->surface && transport->surface->bright && transport->bounces != 0) {
+            gather_bright(&batch);
+            found_make_room(&batch, sink, context);
+        }
     }
     found_give(&batch, sink, context);
 }

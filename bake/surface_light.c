@@ -124,8 +124,8 @@ static lmb_result triangles_divide(lmb_surface_light *light, const lmb_tracer *t
     const size_t sides = 2 * (size_t)light->cell_count + 1;
     light->irradiance = calloc(sides, sizeof *light->irradiance);
     light->radiance = calloc(sides, sizeof *light->radiance);
-    light->mixed = calloc(sides, sizeof *light->mixed);
-    return light->irradiance && light->radiance && light->mixed ? LMB_OK : LMB_ERROR_MEMORY;
+    light->openness = calloc(sides, sizeof *light->openness);
+    return light->irradiance && light->radiance && light->openness ? LMB_OK : LMB_ERROR_MEMORY;
 }
 
 lmb_result lmb_surface_light_create(const lmb_tracer *tracer, const lmb_surface_light_settings *settings,
@@ -166,7 +166,8 @@ void lmb_surface_light_destroy(lmb_surface_light *light)
         free(light->grid);
         free(light->irradiance);
         free(light->radiance);
-        free(light->mixed);
+        free(light->openness);
+        lmb_bright_cells_destroy(light->bright);
         free(light);
     }
 }
@@ -176,7 +177,8 @@ size_t lmb_surface_light_bytes(const lmb_surface_light *light)
     return sizeof *light + (light->instance_count + 1u) * sizeof *light->triangle_first +
            (light->triangle_count + 1u) * sizeof *light->grid +
            (2 * (size_t)light->cell_count + 1) *
-               (sizeof *light->irradiance + sizeof *light->radiance + sizeof *light->mixed);
+               (sizeof *light->irradiance + sizeof *light->radiance + sizeof *light->openness) +
+           lmb_bright_cells_bytes(light->bright);
 }
 
 float lmb_surface_light_cell_size(const lmb_surface_light *light)

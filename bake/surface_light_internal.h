@@ -4,6 +4,8 @@
 
 #include <lambent/surface_light.h>
 
+#include "bright_cells.h"
+
 /* The cells of one triangle. Strip i, column j is cell first + i columns + j; strips count from the apex. */
 typedef struct lmb_cell_grid {
     uint32_t first;
@@ -14,6 +16,9 @@ typedef struct lmb_cell_grid {
     float cell_size;   /* metres: the longest edge of its cells */
 } lmb_cell_grid;
 
+/* Whether rays as long as the cell get away from it. The light of a mixed one is that of its open part. */
+typedef enum lmb_openness { LMB_CELL_HIDDEN, LMB_CELL_MIXED, LMB_CELL_OPEN } lmb_openness;
+
 struct lmb_surface_light {
     uint32_t instance_count;
     uint32_t triangle_count; /* of all static instances together */
@@ -22,7 +27,8 @@ struct lmb_surface_light {
     lmb_cell_grid *grid;      /* [triangle], and one at its end whose `first` is the count of cells */
     lmb_rgb *irradiance;      /* [2 cell + side]: 0 the front, 1 the back */
     lmb_rgb *radiance;        /* likewise: irradiance x albedo, of even triangles */
-    uint8_t *mixed;           /* likewise: partly hidden, so that its light is that of the other part */
+    uint8_t *openness;        /* likewise: an lmb_openness */
+    lmb_bright_cells *bright; /* NULL: none */
     float cell_size;          /* metres: the largest of all */
 };
 

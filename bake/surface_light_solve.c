@@ -238,6 +238,13 @@ static uint32_t places_number(const solve_work *work, uint32_t *place)
     return count;
 }
 
+static lmb_openness side_openness(float counts, size_t samples)
+{
+    return counts < (float)OPEN                    ? LMB_CELL_HIDDEN
+           : counts < (float)OPEN * (float)samples ? LMB_CELL_MIXED
+                                                   : LMB_CELL_OPEN;
+}
+
 /* Moves what the sides have to their places, with only those links that see something lit. */
 static lmb_bounce_rows rows_compact(solve_work *work, const uint32_t *place)
 {
@@ -246,8 +253,7 @@ static lmb_bounce_rows rows_compact(solve_work *work, const uint32_t *place)
     for (uint32_t side = 0; side < work->side_count; ++side) {
         const size_t end = work->row[side + 1];
         if (place[side] != NO_PLACE) {
-            const float all_open = (float)OPEN * (float)(end - begin);
-            work->light->mixed[side] = work->counts[side] >= (float)OPEN && work->counts[side] < all_open;
+            work->light->openness[side] = (uint8_t)side_openness(work->counts[side], end - begin);
             work->row[rows.count] = kept;
             for (size_t k = begin; k < end; ++k) {
                 lmb_link link = work->links[k];
@@ -323,11 +329,16 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
     free(work.row);
     free(work.links);
     free(work.rays);
+    if (result == LMB_OK) {
+        lmb_surface_light_reflect(created, transport->tracer);
+    }
+    if (result == LMB_OK && !settings->bright_by_chance) {
+        result = lmb_bright_cells_create(created, transport->tracer, &created->bright);
+    }
     if (result != LMB_OK) {
         lmb_surface_light_destroy(created);
         return lmb_error_set(error, result, "surface light: %s", lmb_result_text(result));
     }
-    lmb_surface_light_reflect(created, transport->tracer);
     *light = created;
     *stats = made;
     return LMB_OK;

@@ -23,7 +23,7 @@ static bool hit_is_near(const lmb_path *path, const lmb_hit *hit)
     const float cell_size = lmb_cell_grid_at(light, hit)->cell_size;
     return path->transport->bounces < 0 && hit->distance < cell_size &&
            (path->vertex == 0 || hit->distance < NARROW_SHARE * cell_size ||
-            light->mixed[lmb_surface_light_side(light, hit, hit->front)]);
+            light->openness[lmb_surface_light_side(light, hit, hit->front)] == LMB_CELL_MIXED);
 }
 
 /* Whether what a landing reflects is to be looked up, and that. A camera sees each cell's edges, so its own landing is

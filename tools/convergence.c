@@ -47,6 +47,7 @@ typedef struct variant {
     bool reference;
     unsigned without; /* lmb_emitters_create_without */
     bool independent_numbers;
+    bool bright_by_chance; /* lmb_surface_light_settings */
     bool near_hits_looked_up;
 } variant;
 
@@ -57,6 +58,7 @@ static const variant variants[] = {
     {.name = "cached without aimed sky", .without = LMB_WITHOUT_ENVIRONMENT_AIM},
     {.name = "cached without aimed triangles", .without = LMB_WITHOUT_TRIANGLE_AIM},
     {.name = "cached without light tree", .without = LMB_WITHOUT_TRIANGLE_TREE},
+    {.name = "cached without aimed cells", .bright_by_chance = true},
     {.name = "cached without near hits", .near_hits_looked_up = true},
 };
 
@@ -214,6 +216,7 @@ static lmb_result variant_measure(const convergence *work, const variant *with, 
     if (result == LMB_OK && !with->reference) {
         lmb_surface_light_settings settings = lmb_surface_light_settings_default();
         settings.max_cells = max_cells ? max_cells : settings.max_cells;
+        settings.bright_by_chance = with->bright_by_chance;
         result = lmb_surface_light_solve(&transport, &settings, level->pool, NULL, &surface, &stats, error);
         transport.surface = surface;
     }

@@ -19,9 +19,9 @@
  *
  * The solution is that of E = D + T E, where D is direct light and T the transport between cells: both are sampled
  * once, with one ray for each sample that finds direct light by its part of multiple importance sampling and one entry
- * of a sparse matrix. After that the bounces cost no rays, and however white a room is some hundred passes over the matrix
- * sum all of them (surface_light_bounce.c). The estimate of a sum of products of T's entries is biased
- * only by paths that visit one cell twice, which are rare where there are many cells. */
+ * of a sparse matrix. After that the bounces cost no rays, and however white a room is some hundred passes over the
+ * matrix sum all of them (surface_light_bounce.c). The estimate of a sum of products of T's entries is biased only by
+ * paths that visit one cell twice, which are rare where there are many cells. */
 #ifndef LAMBENT_SURFACE_LIGHT_H
 #define LAMBENT_SURFACE_LIGHT_H
 
@@ -37,6 +37,7 @@ typedef struct lmb_surface_light_settings {
     uint32_t max_cells; /* the cell size grows until there are no more than this, beside the one that each triangle has
                            anyway; > 0 */
     uint32_t samples;   /* for each side of a cell, fewer in proportion for cells that are small for their size; > 0 */
+    bool bright_by_chance; /* bright cells are not aimed at: only to measure what that is worth */
 } lmb_surface_light_settings;
 
 lmb_surface_light_settings lmb_surface_light_settings_default(void);

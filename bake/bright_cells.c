@@ -1,0 +1,208 @@
+#include "bright_cells.h"
+
+#include <stdlib.h>
+
+#include "bake_internal.h"
+#include "surface_light_internal.h"
+
+/* Bright is what reflects so many times the mean. */
+#define BRIGHT_TIMES 8.0
+
+/* Aiming pays when bright cells reflect this share of all light, or more. */
+#define WORTH_SHARE 0.1
+
+typedef struct bright_cell {
+    lmb_cell cell;
+    uint32_t side;
+    float area;      /* square metres */
+    lmb_vec3 normal; /* unit, of the side */
+} bright_cell;
+
+struct lmb_bright_cells {
+    uint32_t count;
+    bright_cell *cell; /* by rising sides */
+    float least;       /* luminance that a bright cell has at least */
+    lmb_light_tree *tree;
+};
+
+/* A cell's corners, area and the normal of its front. */
+typedef struct cell_shape {
+    lmb_vec3 corner[4];
+    lmb_vec3 normal;
+    double area;
+} cell_shape;
+
+static cell_shape cell_measure(const lmb_tracer *tracer, const lmb_cell *cell)
+{
+    static const float corners[4][2] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {0.0f, 1.0f}, {1.0f, 1.0f}};
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, cell->instance, cell->triangle, corner);
+    const lmb_vec3 cross = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
+    const float length = vec3_length(cross);
+    cell_shape shape = {.area = 0.5 * (double)length * (double)lmb_cell_area_share(cell)};
+    if (length > 0.0f) {
+        shape.normal = vec3_scale(cross, 1.0f / length);
+    }
+    for (int i = 0; i < 4; ++i) {
+        float u, v;
+        lmb_cell_point(cell, corners[i], &u, &v);
+        shape.corner[i] = lmb_trace_position(tracer, cell->instance, cell->triangle, u, v);
+    }
+    return shape;
+}
+
+static double side_luminance(const lmb_surface_light *light, uint32_t side)
+{
+    const double luminance = (double)lmb_luminance(light->radiance[side]);
+    return light->openness[side] != LMB_CELL_HIDDEN && isfinite(luminance) ? luminance : 0.0;
+}
+
+typedef struct bright_sums {
+    double power, area;
+    uint32_t count;
+} bright_sums;
+
+/* Over all sides of a luminance above `least`. */
+static bright_sums sums_above(const lmb_surface_light *light, const lmb_tracer *tracer, double least)
+{
+    bright_sums sums = {0.0, 0.0, 0};
+    for (uint32_t side = 0; side < 2 * light->cell_count; ++side) {
+        const double luminance = side_luminance(light, side);
+        if (luminance > least) {
+            const lmb_cell cell = lmb_cell_find(light, side / 2);
+            const double area = cell_measure(tracer, &cell).area;
+            sums.power += luminance * area;
+            sums.area += area;
+            ++sums.count;
+        }
+    }
+    return sums;
+}
+
+static lmb_light_bound cell_bound(const cell_shape *shape, lmb_vec3 normal, float power)
+{
+    lmb_light_bound bound = {.low = shape->corner[0],
+                             .high = shape->corner[0],
+                             .power = power,
+                             .axis = normal,
+                             .cos_spread = 1.0f,
+                             .cos_reach = 0.0f,
+                             .range = INFINITY};
+    for (int i = 1; i < 4; ++i) {
+        bound.low = vec3_smaller(bound.low, shape->corner[i]);
+        bound.high = vec3_larger(bound.high, shape->corner[i]);
+    }
+    return bound;
+}
+
+static void cells_take(lmb_bright_cells *bright, const lmb_surface_light *light, const lmb_tracer *tracer,
+                       lmb_light_bound *bounds)
+{
+    for (uint32_t side = 0; side < 2 * light->cell_count; ++side) {
+        const double luminance = side_luminance(light, side);
+        if (!(luminance > (double)bright->least)) {
+            continue;
+        }
+        const lmb_cell cell = lmb_cell_find(light, side / 2);
+        const cell_shape shape = cell_measure(tracer, &cell);
+        const float power = (float)(luminance * shape.area);
+        if (power > 0.0f && isfinite(power)) {
+            const lmb_vec3 normal = side % 2 == 0 ? shape.normal : vec3_scale(shape.normal, -1.0f);
+            bounds[bright->count] = cell_bound(&shape, normal, power);
+            bright->cell[bright->count++] = (bright_cell){cell, side, (float)shape.area, normal};
+        }
+    }
+}
+
+lmb_result lmb_bright_cells_create(const lmb_surface_light *light, const lmb_tracer *tracer, lmb_bright_cells **bright)
+{
+    *bright = NULL;
+    const bright_sums all = sums_above(light, tracer, 0.0);
+    const double least = all.area > 0.0 ? BRIGHT_TIMES * all.power / all.area : 0.0;
+    const bright_sums found = sums_above(light, tracer, (double)(float)least);
+    if (!(found.power > WORTH_SHARE * all.power)) {
+        return LMB_OK;
+    }
+    lmb_bright_cells *created = calloc(1, sizeof *created);
+    lmb_light_bound *bounds = malloc(found.count * sizeof *bounds);
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (created) {
+        created->least = (float)least;
+        created->cell = malloc(found.count * sizeof *created->cell);
+    }
+    if (created && created->cell && bounds) {
+        cells_take(created, light, tracer, bounds);
+        result = lmb_light_tree_create(bounds, created->count, false, &created->tree);
+    }
+    free(bounds);
+    if (result != LMB_OK) {
+        lmb_bright_cells_destroy(created);
+        return result;
+    }
+    *bright = created;
+    return LMB_OK;
+}
+
+void lmb_bright_cells_destroy(lmb_bright_cells *bright)
+{
+    if (bright) {
+        lmb_light_tree_destroy(bright->tree);
+        free(bright->cell);
+        free(bright);
+    }
+}
+
+size_t lmb_bright_cells_bytes(const lmb_bright_cells *bright)
+{
+    return bright ? sizeof *bright + bright->count * (sizeof *bright->cell + sizeof(lmb_light_bound)) : 0;
+}
+
+bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_tracer *tracer, const lmb_light_query *query,
+                          float choice, const float point[2], lmb_bright_aim *aim)
+{
+    aim->number = lmb_light_tree_choose(bright->tree, query, (double)choice, &aim->probability);
+    const bright_cell *chosen = &bright->cell[aim->number];
+    float u, v;
+    lmb_cell_point(&chosen->cell, point, &u, &v);
+    const lmb_vec3 at = lmb_trace_position(tracer, chosen->cell.instance, chosen->cell.triangle, u, v);
+    const lmb_vec3 towards = vec3_sub(at, query->position);
+    const float distance = vec3_length(towards);
+    if (!(distance > 0.0f) || !(vec3_dot(towards, chosen->normal) < 0.0f)) {
+        return false;
+    }
+    aim->side = chosen->side;
+    aim->direction = vec3_scale(towards, 1.0f / distance);
+    return true;
+}
+
+static float density_of(const bright_cell *cell, double probability, lmb_vec3 direction, const lmb_hit *hit)
+{
+    const float cosine = -vec3_dot(direction, cell->normal);
+    return cosine > 0.0f ? (float)probability * hit->distance * hit->distance / (cosine * cell->area) : 0.0f;
+}
+
+float lmb_bright_aim_density(const lmb_bright_cells *bright, const lmb_bright_aim *aim, const lmb_hit *hit)
+{
+    return density_of(&bright->cell[aim->number], aim->probability, aim->direction, hit);
+}
+
+float lmb_bright_cells_density(const lmb_bright_cells *bright, const lmb_light_query *query, lmb_vec3 direction,
+                               const lmb_hit *hit, uint32_t side, lmb_rgb radiance)
+{
+    if (!(lmb_luminance(radiance) > bright->least)) {
+        return 0.0f;
+    }
+    uint32_t low = 0, high = bright->count;
+    while (low < high) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (bright->cell[middle].side < side) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    if (low == bright->count || bright->cell[low].side != side) {
+        return 0.0f;
+    }
+    return density_of(&bright->cell[low], lmb_light_tree_probability(bright->tree, query, low), direction, hit);
+}
