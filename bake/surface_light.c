@@ -12,7 +12,7 @@ enum { SEARCH_OCTAVES = 16, SEARCH_STEPS = 12 };
 
 lmb_surface_light_settings lmb_surface_light_settings_default(void)
 {
-    return (lmb_surface_light_settings){.max_cells = 32768, .samples = 16};
+    return (lmb_surface_light_settings){.max_cells = 32768};
 }
 
 /* Longest and shortest edge of a triangle. */

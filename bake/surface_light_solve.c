@@ -16,6 +16,12 @@ enum { SIDES_PER_TASK = 128 };
  * as insides of solids do, gets no more and stays dark. */
 enum { PILOT_SAMPLES = 4 };
 
+/* How many samples are enough. Between surfaces that reflect nearly all light what few samples miss goes on through
+ * many bounces: levels where more than WHITE_SHARE of them see more than WHITE reflected get more. */
+enum { ENOUGH_SAMPLES = 8, ENOUGH_SAMPLES_WHITE = 16 };
+#define WHITE 0.9f
+#define WHITE_SHARE 0.01
+
 /* Streams of cells are apart from those of gather points. */
 #define STREAM_OF_CELLS UINT64_C(0x73757266616365)
 
@@ -177,6 +183,22 @@ static void bytes_count(solve_work *work, size_t links, size_t extra)
     work->most_bytes = bytes > work->most_bytes ? bytes : work->most_bytes;
 }
 
+static uint32_t samples_enough(const solve_work *work, const uint8_t *lit)
+{
+    double white = 0.0, all = 0.0;
+    for (uint32_t side = 0; side < work->side_count; ++side) {
+        for (size_t k = work->row[side]; k < work->row[side + 1] && lit[side]; ++k) {
+            const uint16_t *weight = work->links[k].weight;
+            all += 1.0;
+            white += (float)weight[0] > WHITE * 65535.0f || (float)weight[1] > WHITE * 65535.0f ||
+                             (float)weight[2] > WHITE * 65535.0f
+                         ? 1.0
+                         : 0.0;
+        }
+    }
+    return white > WHITE_SHARE * all ? ENOUGH_SAMPLES_WHITE : ENOUGH_SAMPLES;
+}
+
 /* Longer rows for lit sides, with the pilot's links at their beginnings, and none for dark ones. */
 static lmb_result rows_extend(solve_work *work, const uint8_t *lit)
 {
@@ -215,6 +237,7 @@ static lmb_result work_sample(solve_work *work, lmb_pool *pool, const lmb_progre
     }
     if (result == LMB_OK) {
         stats->lit_sides = lit_mark(work, lit);
+        work->samples = work->samples > 0 ? work->samples : samples_enough(work, lit);
         result = rows_extend(work, lit);
     }
     free(lit);
