@@ -4,6 +4,7 @@
 
 #include "bake_internal.h"
 #include "directions.h"
+#include "trace_internal.h"
 
 void lmb_sample_numbers(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
                         float *x, float *y)
@@ -79,53 +80,42 @@ lmb_vec3 lmb_receiver_ray_origin(const lmb_receiver *receiver, lmb_vec3 directio
     }
 }
 
-static void direct_add(lmb_direct_light *direct, lmb_vec3 direction, lmb_rgb weight)
-{
-    if (rgb_max(weight) > 0.0f) {
-        direct->direction[direct->count] = direction;
-        direct->weight[direct->count++] = weight;
-    }
-}
-
-/* A light that directions sampled by the receiver find too: weighted against them. `share` of it gets through. */
-static void direct_add_sample(lmb_direct_light *direct, const lmb_receiver *receiver, const lmb_light_sample *sample,
-                              lmb_rgb share)
+/* A light that directions sampled by the receiver find too: weighted against them. */
+static lmb_rgb sample_weight(const lmb_receiver *receiver, const lmb_light_sample *sample)
 {
     const float mis = lmb_balance(sample->density, lmb_receiver_density(receiver, sample->direction));
-    const float factor = receiver_response(receiver, sample->direction) * mis / sample->density;
-    direct_add(direct, sample->direction, rgb_scale(rgb_mul(sample->radiance, share), factor));
+    return rgb_scale(sample->radiance, receiver_response(receiver, sample->direction) * mis / sample->density);
 }
 
-static void direct_add_triangle(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
+static int aim_at_triangle(const lmb_path *path, const lmb_receiver *receiver, lmb_aimed_light *aimed)
 {
-    const lmb_transport *transport = path->transport;
     float point[2], choice[2];
     lmb_path_numbers(path, PAIR_TRIANGLE, point);
     lmb_path_numbers(path, PAIR_CHOICE, choice);
     lmb_light_sample sample;
-    if (!lmb_emitters_sample_triangle(transport->emitters, receiver->position, lmb_receiver_normal(receiver), choice[0],
-                                      point, &sample) ||
+    if (!lmb_emitters_sample_triangle(path->transport->emitters, receiver->position, lmb_receiver_normal(receiver),
+                                      choice[0], point, &sample) ||
         !lmb_receiver_sees(receiver, sample.direction)) {
-        return;
+        return 0;
     }
     const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample.direction);
-    const lmb_rgb share = lmb_trace_transmittance(transport->tracer, origin, sample.end, path->rays);
-    direct_add_sample(direct, receiver, &sample, share);
+    *aimed =
+        (lmb_aimed_light){origin, vec3_sub(sample.end, origin), LMB_TRACE_UP_TO_END, sample_weight(receiver, &sample)};
+    return 1;
 }
 
-static void direct_add_environment(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
+static int aim_at_environment(const lmb_path *path, const lmb_receiver *receiver, lmb_aimed_light *aimed)
 {
-    const lmb_transport *transport = path->transport;
     float point[2];
     lmb_path_numbers(path, PAIR_ENVIRONMENT, point);
     lmb_light_sample sample;
-    lmb_emitters_sample_environment(transport->emitters, &point[0], &point[1], 1, &sample);
+    lmb_emitters_sample_environment(path->transport->emitters, &point[0], &point[1], 1, &sample);
     if (!(sample.density > 0.0f) || !lmb_receiver_sees(receiver, sample.direction)) {
-        return;
+        return 0;
     }
-    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample.direction);
-    const lmb_rgb share = lmb_trace_transmittance_to_infinity(transport->tracer, origin, sample.direction, path->rays);
-    direct_add_sample(direct, receiver, &sample, share);
+    *aimed = (lmb_aimed_light){lmb_receiver_ray_origin(receiver, sample.direction), sample.direction, FLT_MAX,
+                               sample_weight(receiver, &sample)};
+    return 1;
 }
 
 int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,
@@ -138,37 +128,52 @@ int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *re
     return lmb_emitters_punctual(transport->emitters, &query, choice, max, sample);
 }
 
-static void direct_add_punctual(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
+static int aim_at_punctual(const lmb_path *path, const lmb_receiver *receiver, lmb_aimed_light aimed[2])
 {
-    const lmb_transport *transport = path->transport;
     float choice[2];
     lmb_path_numbers(path, PAIR_CHOICE, choice);
     lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX];
-    const int count = lmb_receiver_punctual(transport, receiver, choice, 1, sample);
-    for (int i = 0; i < count; ++i) {
-        if (!lmb_receiver_sees(receiver, sample[i].direction)) {
-            continue;
+    const int found = lmb_receiver_punctual(path->transport, receiver, choice, 1, sample);
+    int count = 0;
+    for (int i = 0; i < found; ++i) {
+        const lmb_vec3 direction = sample[i].direction;
+        if (lmb_receiver_sees(receiver, direction)) {
+            const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, direction);
+            const bool far_away = sample[i].at_infinity;
+            aimed[count++] = (lmb_aimed_light){origin, far_away ? direction : vec3_sub(sample[i].end, origin),
+                                               far_away ? FLT_MAX : LMB_TRACE_UP_TO_END,
+                                               rgb_scale(sample[i].irradiance, receiver_response(receiver, direction))};
         }
-        const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample[i].direction);
-        const lmb_rgb share =
-            sample[i].at_infinity
-                ? lmb_trace_transmittance_to_infinity(transport->tracer, origin, sample[i].direction, path->rays)
-                : lmb_trace_transmittance(transport->tracer, origin, sample[i].end, path->rays);
-        const float response = receiver_response(receiver, sample[i].direction);
-        direct_add(direct, sample[i].direction, rgb_scale(rgb_mul(sample[i].irradiance, share), response));
     }
+    return count;
 }
 
-void lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct)
+int lmb_direct_aim(const lmb_path *path, const lmb_receiver *receiver, lmb_aimed_light aimed[LMB_AIMED_MOST])
 {
-    direct->count = 0;
+    const lmb_emitters *emitters = path->transport->emitters;
+    int count = 0;
     if (lmb_tracer_scene(path->transport->tracer)->light_count > 0) {
-        direct_add_punctual(path, receiver, direct);
+        count += aim_at_punctual(path, receiver, aimed);
     }
-    if (lmb_emitters_triangle_count(path->transport->emitters) > 0) {
-        direct_add_triangle(path, receiver, direct);
+    if (lmb_emitters_triangle_count(emitters) > 0) {
+        count += aim_at_triangle(path, receiver, aimed + count);
     }
-    if (lmb_emitters_environment_sampled(path->transport->emitters)) {
-        direct_add_environment(path, receiver, direct);
+    if (lmb_emitters_environment_sampled(emitters)) {
+        count += aim_at_environment(path, receiver, aimed + count);
     }
+    return count;
+}
+
+lmb_rgb lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver)
+{
+    const lmb_tracer *tracer = path->transport->tracer;
+    lmb_aimed_light aimed[LMB_AIMED_MOST];
+    const int count = lmb_direct_aim(path, receiver, aimed);
+    lmb_rgb sum = rgb(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < count; ++i) {
+        const lmb_rgb share =
+            lmb_trace_transmittance_along(tracer, aimed[i].origin, aimed[i].towards, aimed[i].far_distance, path->rays);
+        sum = rgb_add(sum, rgb_mul(aimed[i].weight, share));
+    }
+    return sum;
 }

@@ -72,18 +72,24 @@ static inline float lmb_balance(float mine, float other)
     return mine / (mine + other);
 }
 
-/* What next-event estimation found: up to four contributions. */
-typedef struct lmb_direct_light {
-    lmb_vec3 direction[4];
-    lmb_rgb weight[4]; /* radiance x solid angle for a gather point, normalised irradiance for a surface */
-    int count;
-} lmb_direct_light;
+/* Light that next-event estimation aims at: where to, and what it gives where nothing is in its way. The ray is one for
+ * lmb_trace_transmittance_batch. */
+enum { LMB_AIMED_MOST = 4 };
+typedef struct lmb_aimed_light {
+    lmb_vec3 origin;
+    lmb_vec3 towards;
+    float far_distance;
+    lmb_rgb weight; /* radiance x solid angle for a gather point, normalised irradiance for a surface */
+} lmb_aimed_light;
 
 /* Punctual lights that a receiver is to look at (lmb_emitters_punctual). */
 int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
 
-/* Next-event estimation of everything that can be aimed at, for a surface. */
-void lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver, lmb_direct_light *direct);
+/* Next-event estimation of everything that can be aimed at. Returns how many. */
+int lmb_direct_aim(const lmb_path *path, const lmb_receiver *receiver, lmb_aimed_light aimed[LMB_AIMED_MOST]);
+
+/* What arrives of it, summed. */
+lmb_rgb lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver);
 
 #endif

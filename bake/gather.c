@@ -16,7 +16,7 @@
 enum {
     SAMPLES = LMB_RAY_BATCH,
     RECEIVERS = SAMPLES / LMB_GATHER_BLOCK,
-    SAMPLES_PER_AIM = 4,
+    SAMPLES_PER_AIM = 4,      /* that a ray at a bright cell joins */
     SAMPLES_PER_PUNCTUAL = 2, /* a receiver asks no more punctual lights than it has samples for that */
 };
 _Static_assert((int)LMB_CONTRIBUTION_BATCH >= (int)SAMPLES && (int)SAMPLES >= 2 * LMB_PUNCTUAL_MAX,
@@ -394,9 +394,10 @@ static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float
         } else if (light->bright) {
             const lmb_light_query query = receiver_query(batch_receiver(batch, i));
             const uint32_t side = lmb_surface_light_side(light, &hit[i], hit[i].front);
-            aimed = lmb_bright_cells_density(light->bright, &query, direction, &hit[i], side, radiance);
+            aimed = aims_per_sample(batch, i) *
+                    lmb_bright_cells_density(light->bright, &query, direction, &hit[i], side, radiance);
         }
-        ray_give(batch, i, radiance, density[i] + aims_per_sample(batch, i) * aimed);
+        ray_give(batch, i, radiance, density[i] + aimed);
     }
 }
 

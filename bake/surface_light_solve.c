@@ -7,8 +7,8 @@
 #include <lambent/sequence.h>
 
 #include "bake_internal.h"
-#include "leg.h"
 #include "surface_light_bounce.h"
+#include "surface_light_sample.h"
 
 enum { SIDES_PER_TASK = 128 };
 
@@ -24,10 +24,6 @@ enum { ENOUGH_SAMPLES = 8, ENOUGH_SAMPLES_WHITE = 16 };
 
 /* Streams of cells are apart from those of gather points. */
 #define STREAM_OF_CELLS UINT64_C(0x73757266616365)
-
-/* A sample counts OPEN when a ray of the cell's size gets away from it, else HIDDEN: next to nothing, unless all of the
- * cell's samples are. */
-enum { OPEN = 1024, HIDDEN = 1 };
 
 /* Of sides that stay dark. */
 #define NO_PLACE UINT32_MAX
@@ -57,57 +53,41 @@ static uint64_t side_stream(const solve_work *work, const lmb_cell *cell, uint32
     return lmb_mix(lmb_mix(instance, cell->triangle), 2 * (uint64_t)cell->number + (side & 1));
 }
 
-static void link_weigh(lmb_link *link, lmb_rgb weight)
+/* Samples that wait until there are enough to be taken together. */
+typedef struct side_queue {
+    uint32_t count;
+    uint32_t side[LMB_SIDE_SAMPLES];
+    lmb_side_sample sample[LMB_SIDE_SAMPLES];
+} side_queue;
+
+static void queue_take(const solve_work *work, side_queue *queue)
 {
-    for (int c = 0; c < 3; ++c) {
-        link->weight[c] = (uint16_t)(fminf(fmaxf(weight.c[c], 0.0f), 1.0f) * 65535.0f + 0.5f);
+    if (queue->count == 0) {
+        return;
     }
+    lmb_side_samples_take(work->light, queue->sample, queue->count);
+    for (uint32_t i = 0; i < queue->count; ++i) {
+        const lmb_side_sample *sample = &queue->sample[i];
+        const uint32_t side = queue->side[i];
+        const float counts = (float)sample->link.count;
+        work->links[work->row[side] + sample->path.sample] = sample->link;
+        work->direct[side] = rgb_add(work->direct[side], rgb_scale(sample->direct, counts));
+        work->counts[side] += counts;
+    }
+    queue->count = 0;
 }
 
-/* Whether a ray from the start of a sample gets as far as the cell is large. It has a direction of its own: the one by
- * which the sample finds light would count more often the brighter what it sees. */
-static bool sample_is_open(const lmb_path *path, const lmb_receiver *receiver, float cell_size)
+static void queue_side(const solve_work *work, side_queue *queue, uint32_t side, uint32_t samples, uint64_t *rays)
 {
-    float numbers[2];
-    lmb_path_numbers(path, PAIRS_PER_VERTEX + PAIR_ENVIRONMENT, numbers);
-    const lmb_vec3 direction = lmb_receiver_direction(receiver, numbers);
-    if (!lmb_receiver_sees(receiver, direction)) {
-        return false;
-    }
-    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, direction);
-    const lmb_vec3 end = vec3_mad(origin, direction, cell_size);
-    return rgb_max(lmb_trace_transmittance(path->transport->tracer, origin, end, path->rays)) > 0.0f;
-}
-
-/* One sample of a side: a point of its cell, the direct light there, and what a ray from there sees. */
-static lmb_rgb side_sample(const solve_work *work, const lmb_cell *cell, const lmb_path *path, bool front,
-                           lmb_link *link)
-{
-    const lmb_transport *transport = work->transport;
-    float numbers[2], u, v;
-    lmb_path_numbers(path, PAIRS_PER_VERTEX + PAIR_DIRECTION, numbers);
-    lmb_cell_point(cell, numbers, &u, &v);
-    const lmb_place place = lmb_trace_place(transport->tracer, cell->instance, cell->triangle, u, v);
-    const lmb_receiver receiver = lmb_receiver_on_surface(&place, front);
-    lmb_direct_light found;
-    lmb_direct_collect(path, &receiver, &found);
-    lmb_rgb direct = rgb(0.0f, 0.0f, 0.0f);
-    for (int i = 0; i < found.count; ++i) {
-        direct = rgb_add(direct, found.weight[i]);
-    }
-    *link = (lmb_link){.count = sample_is_open(path, &receiver, cell->grid->cell_size) ? OPEN : HIDDEN};
-    lmb_path_numbers(path, PAIR_DIRECTION, numbers);
-    const lmb_vec3 direction = lmb_receiver_direction(&receiver, numbers);
-    if (lmb_receiver_sees(&receiver, direction)) {
-        lmb_leg leg = {&receiver, lmb_receiver_ray_origin(&receiver, direction), direction, {{1.0f, 1.0f, 1.0f}}};
-        const lmb_landing landing = lmb_leg_follow(path, &leg);
-        direct = rgb_add(direct, rgb_mul(leg.throughput, landing.emitted));
-        if (landing.on_surface && rgb_max(landing.albedo) > 0.0f) {
-            link->target = lmb_surface_light_side(work->light, &landing.hit, landing.hit.front);
-            link_weigh(link, rgb_mul(leg.throughput, landing.albedo));
+    const lmb_cell cell = lmb_cell_find(work->light, side / 2);
+    lmb_path path = {.transport = work->transport, .stream = side_stream(work, &cell, side), .rays = rays};
+    for (path.sample = work->first_sample; path.sample < samples; ++path.sample) {
+        queue->side[queue->count] = side;
+        queue->sample[queue->count++] = (lmb_side_sample){.path = path, .cell = cell, .front = side % 2 == 0};
+        if (queue->count == LMB_SIDE_SAMPLES) {
+            queue_take(work, queue);
         }
     }
-    return rgb_is_finite(direct) ? direct : rgb(0.0f, 0.0f, 0.0f);
 }
 
 static void sides_task(void *context, size_t task, int worker)
@@ -116,21 +96,15 @@ static void sides_task(void *context, size_t task, int worker)
     const solve_work *work = context;
     const uint32_t first = (uint32_t)task * SIDES_PER_TASK;
     const uint32_t end = first + SIDES_PER_TASK < work->side_count ? first + SIDES_PER_TASK : work->side_count;
+    side_queue queue;
+    queue.count = 0;
     for (uint32_t side = first; side < end; ++side) {
-        const uint32_t count = (uint32_t)(work->row[side + 1] - work->row[side]);
-        if (count <= work->first_sample) {
-            continue;
-        }
-        const lmb_cell cell = lmb_cell_find(work->light, side / 2);
-        lmb_path path = {
-            .transport = work->transport, .stream = side_stream(work, &cell, side), .rays = &work->rays[task]};
-        for (path.sample = work->first_sample; path.sample < count; ++path.sample) {
-            lmb_link *link = &work->links[work->row[side] + path.sample];
-            const lmb_rgb direct = side_sample(work, &cell, &path, side % 2 == 0, link);
-            work->direct[side] = rgb_add(work->direct[side], rgb_scale(direct, (float)link->count));
-            work->counts[side] += (float)link->count;
+        const uint32_t samples = (uint32_t)(work->row[side + 1] - work->row[side]);
+        if (samples > work->first_sample) {
+            queue_side(work, &queue, side, samples, &work->rays[task]);
         }
     }
+    queue_take(work, &queue);
 }
 
 static bool side_sees_light(const solve_work *work, const uint8_t *lit, uint32_t side)
@@ -263,9 +237,9 @@ static uint32_t places_number(const solve_work *work, uint32_t *place)
 
 static lmb_openness side_openness(float counts, size_t samples)
 {
-    return counts < (float)OPEN                    ? LMB_CELL_HIDDEN
-           : counts < (float)OPEN * (float)samples ? LMB_CELL_MIXED
-                                                   : LMB_CELL_OPEN;
+    return counts < (float)LMB_SAMPLE_OPEN                    ? LMB_CELL_HIDDEN
+           : counts < (float)LMB_SAMPLE_OPEN * (float)samples ? LMB_CELL_MIXED
+                                                              : LMB_CELL_OPEN;
 }
 
 /* Moves what the sides have to their places, with only those links that see something lit. */

@@ -508,8 +508,8 @@ static lmb_rgb layers_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, l
 }
 
 /* Most rays meet nothing, or something opaque: only the others are walked. */
-static lmb_rgb trace_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
-                                   uint64_t *rays)
+lmb_rgb lmb_trace_transmittance_along(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
+                                      uint64_t *rays)
 {
     bool met_see_through;
     ++*rays;
@@ -522,12 +522,12 @@ static lmb_rgb trace_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lm
 
 lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays)
 {
-    return trace_transmittance(tracer, from, vec3_sub(to, from), LMB_TRACE_UP_TO_END, rays);
+    return lmb_trace_transmittance_along(tracer, from, vec3_sub(to, from), LMB_TRACE_UP_TO_END, rays);
 }
 
 lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction, uint64_t *rays)
 {
-    return trace_transmittance(tracer, from, direction, FLT_MAX, rays);
+    return lmb_trace_transmittance_along(tracer, from, direction, FLT_MAX, rays);
 }
 
 static lmb_rgb share_of_occluded(float far_distance)
@@ -554,8 +554,8 @@ void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch
     if (tracer->any_see_through) {
         for (uint32_t i = 0; i < rays->count; ++i) {
             const struct RTCRay ray = ray_of_batch(rays, i);
-            share[i] = trace_transmittance(tracer, vec3(ray.org_x, ray.org_y, ray.org_z),
-                                           vec3(ray.dir_x, ray.dir_y, ray.dir_z), ray.tfar, rays_traced);
+            share[i] = lmb_trace_transmittance_along(tracer, vec3(ray.org_x, ray.org_y, ray.org_z),
+                                                     vec3(ray.dir_x, ray.dir_y, ray.dir_z), ray.tfar, rays_traced);
         }
         return;
     }

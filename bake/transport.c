@@ -77,11 +77,7 @@ lmb_rgb lmb_path_radiance(lmb_path *path, lmb_leg leg, lmb_landing landing)
         }
         lmb_receiver *here = &receivers[turn];
         *here = lmb_landing_receiver(path, &landing);
-        lmb_direct_light direct;
-        lmb_direct_collect(path, here, &direct);
-        for (int i = 0; i < direct.count; ++i) {
-            radiance = rgb_add(radiance, rgb_mul(leg.throughput, direct.weight[i]));
-        }
+        radiance = rgb_add(radiance, rgb_mul(leg.throughput, lmb_direct_collect(path, here)));
         lmb_path_numbers(path, PAIR_DIRECTION, numbers);
         leg.direction = lmb_receiver_direction(here, numbers);
         if (!lmb_receiver_sees(here, leg.direction)) {

@@ -93,6 +93,10 @@ lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, uint32_t instance, ui
  * opaque one. Counts the rays that it took into `*rays`. */
 lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays);
 
+/* The same along a direction, up to a distance in units of its length. */
+lmb_rgb lmb_trace_transmittance_along(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction, float far_distance,
+                                      uint64_t *rays);
+
 /* The same along a direction without end. */
 lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction,
                                             uint64_t *rays);

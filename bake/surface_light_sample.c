@@ -1,0 +1,145 @@
+#include "surface_light_sample.h"
+
+#include "bake_internal.h"
+#include "leg.h"
+#include "trace_internal.h"
+
+/* Samples on their way. */
+typedef struct sample_batch {
+    const lmb_transport *transport;
+    const lmb_surface_light *light;
+    lmb_side_sample *sample;
+    uint32_t count;
+    lmb_receiver receiver[LMB_SIDE_SAMPLES];
+    lmb_ray_batch rays;
+    uint32_t owner[LMB_RAY_BATCH]; /* sample of each ray */
+    uint64_t *rays_traced;
+} sample_batch;
+
+static void ray_add(sample_batch *batch, uint32_t sample, lmb_vec3 origin, lmb_vec3 direction, float far_distance)
+{
+    batch->owner[batch->rays.count] = sample;
+    lmb_ray_batch_add(&batch->rays, origin, direction, far_distance);
+}
+
+static void receivers_place(sample_batch *batch)
+{
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        const lmb_side_sample *sample = &batch->sample[i];
+        float numbers[2], u, v;
+        lmb_path_numbers(&sample->path, PAIRS_PER_VERTEX + PAIR_DIRECTION, numbers);
+        lmb_cell_point(&sample->cell, numbers, &u, &v);
+        const lmb_place place =
+            lmb_trace_place(batch->transport->tracer, sample->cell.instance, sample->cell.triangle, u, v);
+        batch->receiver[i] = lmb_receiver_on_surface(&place, sample->front);
+    }
+}
+
+static void direct_find(sample_batch *batch)
+{
+    lmb_rgb weight[LMB_RAY_BATCH], share[LMB_RAY_BATCH];
+    batch->rays.count = 0;
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        lmb_aimed_light aimed[LMB_AIMED_MOST];
+        const int count = lmb_direct_aim(&batch->sample[i].path, &batch->receiver[i], aimed);
+        for (int k = 0; k < count; ++k) {
+            weight[batch->rays.count] = aimed[k].weight;
+            ray_add(batch, i, aimed[k].origin, aimed[k].towards, aimed[k].far_distance);
+        }
+        batch->sample[i].direct = rgb(0.0f, 0.0f, 0.0f);
+    }
+    lmb_trace_transmittance_batch(batch->transport->tracer, &batch->rays, share, batch->rays_traced);
+    for (uint32_t k = 0; k < batch->rays.count; ++k) {
+        lmb_rgb *direct = &batch->sample[batch->owner[k]].direct;
+        *direct = rgb_add(*direct, rgb_mul(weight[k], share[k]));
+    }
+}
+
+/* Whether a ray from the start of a sample gets as far as the cell is large. It has a direction of its own: the one by
+ * which the sample finds light would count more often the brighter what it sees. */
+static void openness_find(sample_batch *batch)
+{
+    lmb_rgb share[LMB_RAY_BATCH];
+    batch->rays.count = 0;
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        lmb_side_sample *sample = &batch->sample[i];
+        const lmb_receiver *receiver = &batch->receiver[i];
+        float numbers[2];
+        lmb_path_numbers(&sample->path, PAIRS_PER_VERTEX + PAIR_ENVIRONMENT, numbers);
+        const lmb_vec3 direction = lmb_receiver_direction(receiver, numbers);
+        sample->link = (lmb_link){.count = LMB_SAMPLE_HIDDEN};
+        if (lmb_receiver_sees(receiver, direction)) {
+            ray_add(batch, i, lmb_receiver_ray_origin(receiver, direction),
+                    vec3_scale(direction, sample->cell.grid->cell_size), LMB_TRACE_UP_TO_END);
+        }
+    }
+    lmb_trace_transmittance_batch(batch->transport->tracer, &batch->rays, share, batch->rays_traced);
+    for (uint32_t k = 0; k < batch->rays.count; ++k) {
+        if (rgb_max(share[k]) > 0.0f) {
+            batch->sample[batch->owner[k]].link.count = LMB_SAMPLE_OPEN;
+        }
+    }
+}
+
+static void link_weigh(lmb_link *link, lmb_rgb weight)
+{
+    for (int c = 0; c < 3; ++c) {
+        link->weight[c] = (uint16_t)(fminf(fmaxf(weight.c[c], 0.0f), 1.0f) * 65535.0f + 0.5f);
+    }
+}
+
+static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *hit)
+{
+    const lmb_ray_batch *rays = &batch->rays;
+    const uint32_t i = batch->owner[ray];
+    lmb_side_sample *sample = &batch->sample[i];
+    lmb_leg leg = {&batch->receiver[i],
+                   vec3(rays->origin[0][ray], rays->origin[1][ray], rays->origin[2][ray]),
+                   vec3(rays->direction[0][ray], rays->direction[1][ray], rays->direction[2][ray]),
+                   {{1.0f, 1.0f, 1.0f}}};
+    const lmb_landing landing = lmb_leg_land(&sample->path, &leg, hit->instance != LMB_HIT_NOTHING ? hit : NULL);
+    sample->direct = rgb_add(sample->direct, rgb_mul(leg.throughput, landing.emitted));
+    if (landing.on_surface && rgb_max(landing.albedo) > 0.0f) {
+        sample->link.target = lmb_surface_light_side(batch->light, &landing.hit, landing.hit.front);
+        link_weigh(&sample->link, rgb_mul(leg.throughput, landing.albedo));
+    }
+}
+
+static void links_find(sample_batch *batch)
+{
+    lmb_hit hit[LMB_RAY_BATCH];
+    batch->rays.count = 0;
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        const lmb_receiver *receiver = &batch->receiver[i];
+        float numbers[2];
+        lmb_path_numbers(&batch->sample[i].path, PAIR_DIRECTION, numbers);
+        const lmb_vec3 direction = lmb_receiver_direction(receiver, numbers);
+        if (lmb_receiver_sees(receiver, direction)) {
+            ray_add(batch, i, lmb_receiver_ray_origin(receiver, direction), direction, FLT_MAX);
+        }
+    }
+    lmb_trace_nearest_batch(batch->transport->tracer, &batch->rays, hit);
+    *batch->rays_traced += batch->rays.count;
+    for (uint32_t k = 0; k < batch->rays.count; ++k) {
+        sample_land(batch, k, &hit[k]);
+    }
+}
+
+void lmb_side_samples_take(const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count)
+{
+    sample_batch batch; /* large: only what is used is set */
+    batch.transport = samples[0].path.transport;
+    batch.light = light;
+    batch.sample = samples;
+    batch.count = count;
+    batch.rays_traced = samples[0].path.rays;
+    receivers_place(&batch);
+    direct_find(&batch);
+    openness_find(&batch);
+    links_find(&batch);
+    for (uint32_t i = 0; i < count; ++i) {
+        if (!rgb_is_finite(samples[i].direct)) {
+            samples[i].direct = rgb(0.0f, 0.0f, 0.0f);
+        }
+    }
+}

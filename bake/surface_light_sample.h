@@ -1,0 +1,25 @@
+/* Samples of cells: the direct light at a point of one, what a ray from there sees, and how open the point is. */
+#ifndef LMB_SURFACE_LIGHT_SAMPLE_H
+#define LMB_SURFACE_LIGHT_SAMPLE_H
+
+#include "direct.h"
+#include "surface_light_bounce.h"
+#include "surface_light_internal.h"
+
+/* A sample counts OPEN when a ray of the cell's size gets away from it, else HIDDEN: next to nothing, unless all of the
+ * cell's samples are. */
+enum { LMB_SAMPLE_OPEN = 1024, LMB_SAMPLE_HIDDEN = 1 };
+
+typedef struct lmb_side_sample {
+    lmb_path path; /* at its first vertex */
+    lmb_cell cell;
+    bool front;
+    lmb_rgb direct; /* that was found: irradiance over pi */
+    lmb_link link;  /* what was seen; its target is a side */
+} lmb_side_sample;
+
+/* Takes up to LMB_SIDE_SAMPLES samples at once, so that rays of a kind go together. Sets what they find. */
+enum { LMB_SIDE_SAMPLES = LMB_RAY_BATCH / LMB_AIMED_MOST };
+void lmb_side_samples_take(const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count);
+
+#endif
