@@ -25,32 +25,6 @@ struct lmb_bright_cells {
     lmb_light_tree *tree;
 };
 
-/* A cell's corners, area and the normal of its front. */
-typedef struct cell_shape {
-    lmb_vec3 corner[4];
-    lmb_vec3 normal;
-    double area;
-} cell_shape;
-
-static cell_shape cell_measure(const lmb_tracer *tracer, const lmb_cell *cell)
-{
-    static const float corners[4][2] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {0.0f, 1.0f}, {1.0f, 1.0f}};
-    lmb_vec3 corner[3];
-    lmb_trace_corners(tracer, cell->instance, cell->triangle, corner);
-    const lmb_vec3 cross = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
-    const float length = vec3_length(cross);
-    cell_shape shape = {.area = 0.5 * (double)length * (double)lmb_cell_area_share(cell)};
-    if (length > 0.0f) {
-        shape.normal = vec3_scale(cross, 1.0f / length);
-    }
-    for (int i = 0; i < 4; ++i) {
-        float u, v;
-        lmb_cell_point(cell, corners[i], &u, &v);
-        shape.corner[i] = lmb_trace_position(tracer, cell->instance, cell->triangle, u, v);
-    }
-    return shape;
-}
-
 static double side_luminance(const lmb_surface_light *light, uint32_t side)
 {
     const double luminance = (double)lmb_luminance(light->radiance[side]);
@@ -66,31 +40,48 @@ typedef struct bright_sums {
 static bright_sums sums_above(const lmb_surface_light *light, const lmb_tracer *tracer, double least)
 {
     bright_sums sums = {0.0, 0.0, 0};
-    for (uint32_t side = 0; side < 2 * light->cell_count; ++side) {
-        const double luminance = side_luminance(light, side);
-        if (luminance > least) {
-            const lmb_cell cell = lmb_cell_find(light, side / 2);
-            const double area = cell_measure(tracer, &cell).area;
-            sums.power += luminance * area;
-            sums.area += area;
-            ++sums.count;
+    for (uint32_t number = 0; number < light->cell_count; ++number) {
+        double area = 0.0;
+        for (uint32_t side = 2 * number; side < 2 * number + 2; ++side) {
+            const double luminance = side_luminance(light, side);
+            if (luminance > least) {
+                if (!(area > 0.0)) {
+                    const lmb_cell cell = lmb_cell_find(light, number);
+                    area = (double)lmb_cell_area(&cell, tracer);
+                }
+                sums.power += luminance * area;
+                sums.area += area;
+                ++sums.count;
+            }
         }
     }
     return sums;
 }
 
-static lmb_light_bound cell_bound(const cell_shape *shape, lmb_vec3 normal, float power)
+static lmb_vec3 cell_normal(const lmb_tracer *tracer, const lmb_cell *cell)
 {
-    lmb_light_bound bound = {.low = shape->corner[0],
-                             .high = shape->corner[0],
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, cell->instance, cell->triangle, corner);
+    const lmb_vec3 cross = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
+    return vec3_normalize_or(cross, vec3(0.0f, 0.0f, 0.0f));
+}
+
+static lmb_light_bound cell_bound(const lmb_tracer *tracer, const lmb_cell *cell, lmb_vec3 normal, float power)
+{
+    static const float corners[4][2] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {0.0f, 1.0f}, {1.0f, 1.0f}};
+    lmb_light_bound bound = {.low = vec3(INFINITY, INFINITY, INFINITY),
+                             .high = vec3(-INFINITY, -INFINITY, -INFINITY),
                              .power = power,
                              .axis = normal,
                              .cos_spread = 1.0f,
                              .cos_reach = 0.0f,
                              .range = INFINITY};
-    for (int i = 1; i < 4; ++i) {
-        bound.low = vec3_smaller(bound.low, shape->corner[i]);
-        bound.high = vec3_larger(bound.high, shape->corner[i]);
+    for (int i = 0; i < 4; ++i) {
+        float u, v;
+        lmb_cell_point(cell, corners[i], &u, &v);
+        const lmb_vec3 corner = lmb_trace_position(tracer, cell->instance, cell->triangle, u, v);
+        bound.low = vec3_smaller(bound.low, corner);
+        bound.high = vec3_larger(bound.high, corner);
     }
     return bound;
 }
@@ -104,12 +95,12 @@ static void cells_take(lmb_bright_cells *bright, const lmb_surface_light *light,
             continue;
         }
         const lmb_cell cell = lmb_cell_find(light, side / 2);
-        const cell_shape shape = cell_measure(tracer, &cell);
-        const float power = (float)(luminance * shape.area);
+        const float area = lmb_cell_area(&cell, tracer);
+        const float power = (float)luminance * area;
         if (power > 0.0f && isfinite(power)) {
-            const lmb_vec3 normal = side % 2 == 0 ? shape.normal : vec3_scale(shape.normal, -1.0f);
-            bounds[bright->count] = cell_bound(&shape, normal, power);
-            bright->cell[bright->count++] = (bright_cell){cell, side, (float)shape.area, normal};
+            const lmb_vec3 normal = vec3_scale(cell_normal(tracer, &cell), side % 2 == 0 ? 1.0f : -1.0f);
+            bounds[bright->count] = cell_bound(tracer, &cell, normal, power);
+            bright->cell[bright->count++] = (bright_cell){cell, side, area, normal};
         }
     }
 }
@@ -186,12 +177,14 @@ float lmb_bright_aim_density(const lmb_bright_cells *bright, const lmb_bright_ai
     return density_of(&bright->cell[aim->number], aim->probability, aim->direction, hit);
 }
 
-float lmb_bright_cells_density(const lmb_bright_cells *bright, const lmb_light_query *query, lmb_vec3 direction,
-                               const lmb_hit *hit, uint32_t side, lmb_rgb radiance)
+float lmb_bright_cells_density(const lmb_surface_light *light, const lmb_light_query *query, lmb_vec3 direction,
+                               const lmb_hit *hit, lmb_rgb radiance)
 {
+    const lmb_bright_cells *bright = light->bright;
     if (!(lmb_luminance(radiance) > bright->least)) {
         return 0.0f;
     }
+    const uint32_t side = lmb_surface_light_side(light, hit, hit->front);
     uint32_t low = 0, high = bright->count;
     while (low < high) {
         const uint32_t middle = low + (high - low) / 2;

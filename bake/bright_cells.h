@@ -32,8 +32,8 @@ bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_tracer *trac
 float lmb_bright_aim_density(const lmb_bright_cells *bright, const lmb_bright_aim *aim, const lmb_hit *hit);
 
 /* The density with which a hit that a ray found by chance might have been aimed at; 0 if its side, which reflects
- * `radiance`, is not bright. */
-float lmb_bright_cells_density(const lmb_bright_cells *bright, const lmb_light_query *query, lmb_vec3 direction,
-                               const lmb_hit *hit, uint32_t side, lmb_rgb radiance);
+ * `radiance`, is not bright. The light has bright cells. */
+float lmb_bright_cells_density(const lmb_surface_light *light, const lmb_light_query *query, lmb_vec3 direction,
+                               const lmb_hit *hit, lmb_rgb radiance);
 
 #endif

@@ -99,10 +99,8 @@ static bool emitter_make(const lmb_emitters *emitters, uint32_t instance, uint32
                       .even = material_emits_evenly(material),
                       .radiance = material->emissive};
     for (int k = 1; k < 3; ++k) {
-        made->bound.low = vec3(fminf(made->bound.low.x, corner[k].x), fminf(made->bound.low.y, corner[k].y),
-                               fminf(made->bound.low.z, corner[k].z));
-        made->bound.high = vec3(fmaxf(made->bound.high.x, corner[k].x), fmaxf(made->bound.high.y, corner[k].y),
-                                fmaxf(made->bound.high.z, corner[k].z));
+        made->bound.low = vec3_smaller(made->bound.low, corner[k]);
+        made->bound.high = vec3_larger(made->bound.high, corner[k]);
     }
     made->bound.power = made->area * (made->even ? lmb_luminance(made->radiance)
                                                  : triangle_luminance(emitters->tracer, instance, triangle));

@@ -25,6 +25,7 @@ _Static_assert((int)LMB_CONTRIBUTION_BATCH >= (int)SAMPLES && (int)SAMPLES >= 2 
 /* Up to SAMPLES samples on their way. */
 typedef struct gather_batch {
     const lmb_transport *transport;
+    const lmb_surface_light *light; /* NULL: every ray is followed */
     uint64_t stream;
     uint32_t first;
     uint32_t count;
@@ -338,7 +339,7 @@ static void bright_rays_make(gather_batch *batch, bright_ray *made)
             const float point[2] = {x[count], y[count]};
             bright_ray *ray = &made[batch->rays.count];
             ray->sample = sample;
-            if (lmb_bright_cells_aim(transport->surface->bright, transport->tracer, &query, choice[count], point,
+            if (lmb_bright_cells_aim(batch->light->bright, transport->tracer, &query, choice[count], point,
                                      &ray->aim) &&
                 lmb_receiver_sees(receiver, ray->aim.direction)) {
                 lmb_ray_batch_add(&batch->rays, lmb_receiver_ray_origin(receiver, ray->aim.direction),
@@ -352,7 +353,7 @@ static void bright_rays_make(gather_batch *batch, bright_ray *made)
 static void gather_bright(gather_batch *batch)
 {
     const lmb_transport *transport = batch->transport;
-    const lmb_surface_light *light = transport->surface;
+    const lmb_surface_light *light = batch->light;
     bright_ray ray[SAMPLES];
     lmb_hit hit[SAMPLES];
     bright_rays_make(batch, ray);
@@ -376,7 +377,7 @@ static void gather_bright(gather_batch *batch)
 static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float *density)
 {
     const lmb_transport *transport = batch->transport;
-    const lmb_surface_light *light = transport->bounces != 0 ? transport->surface : NULL;
+    const lmb_surface_light *light = batch->light;
     for (uint32_t i = 0; light && i < batch->count; ++i) {
         if (hit[i].instance != LMB_HIT_NOTHING) {
             lmb_surface_light_prefetch(light, &hit[i]);
@@ -393,9 +394,7 @@ static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float
             radiance = radiance_followed(batch, i, direction, &hit[i]);
         } else if (light->bright) {
             const lmb_light_query query = receiver_query(batch_receiver(batch, i));
-            const uint32_t side = lmb_surface_light_side(light, &hit[i], hit[i].front);
-            aimed = aims_per_sample(batch, i) *
-                    lmb_bright_cells_density(light->bright, &query, direction, &hit[i], side, radiance);
+            aimed = aims_per_sample(batch, i) * lmb_bright_cells_density(light, &query, direction, &hit[i], radiance);
         }
         ray_give(batch, i, radiance, density[i] + aimed);
     }
@@ -417,6 +416,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
 {
     gather_batch batch; /* large: only what is used is set */
     batch.transport = transport;
+    batch.light = transport->bounces != 0 ? transport->surface : NULL;
     batch.stream = replicate_stream(transport, samples);
     batch.rays_traced = rays;
     batch.found.count = 0;
@@ -438,7 +438,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
         }
         gather_rays(&batch);
         found_make_room(&batch, sink, context);
-        if (transport->surface && transport->surface->bright && transport->bounces != 0) {
+        if (batch.light && batch.light->bright) {
             gather_bright(&batch);
             found_make_room(&batch, sink, context);
         }

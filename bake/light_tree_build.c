@@ -18,16 +18,6 @@ static float axis_of(lmb_vec3 v, int axis)
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-static lmb_vec3 vec3_lowest(lmb_vec3 a, lmb_vec3 b)
-{
-    return vec3(float_smaller(a.x, b.x), float_smaller(a.y, b.y), float_smaller(a.z, b.z));
-}
-
-static lmb_vec3 vec3_highest(lmb_vec3 a, lmb_vec3 b)
-{
-    return vec3(float_larger(a.x, b.x), float_larger(a.y, b.y), float_larger(a.z, b.z));
-}
-
 static lmb_vec3 bound_middle(const lmb_light_bound *bound)
 {
     return vec3_mad(vec3_scale(bound->low, 0.5f), bound->high, 0.5f);
@@ -72,8 +62,8 @@ static void cone_unite(lmb_light_bound *cone, const lmb_light_bound *other, bool
 
 static void bound_unite(lmb_light_bound *bound, const lmb_light_bound *other, bool two_sided)
 {
-    bound->low = vec3_lowest(bound->low, other->low);
-    bound->high = vec3_highest(bound->high, other->high);
+    bound->low = vec3_smaller(bound->low, other->low);
+    bound->high = vec3_larger(bound->high, other->high);
     bound->power = float_smaller(bound->power + other->power, FLT_MAX);
     bound->cos_reach = float_smaller(bound->cos_reach, other->cos_reach);
     bound->range = float_larger(bound->range, other->range);
@@ -95,8 +85,8 @@ static void bin_add(bin *to, const bin *added)
         *to = added->count > 0 ? *added : *to;
         return;
     }
-    to->low = vec3_lowest(to->low, added->low);
-    to->high = vec3_highest(to->high, added->high);
+    to->low = vec3_smaller(to->low, added->low);
+    to->high = vec3_larger(to->high, added->high);
     to->axes = vec3_add(to->axes, added->axes);
     to->power += added->power;
     to->cos_reach = float_smaller(to->cos_reach, added->cos_reach);

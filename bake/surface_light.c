@@ -234,12 +234,15 @@ void lmb_cell_point(const lmb_cell *cell, const float numbers[2], float *u, floa
     *v = weight[2];
 }
 
-float lmb_cell_area_share(const lmb_cell *cell)
+float lmb_cell_area(const lmb_cell *cell, const lmb_tracer *tracer)
 {
     const lmb_cell_grid *grid = cell->grid;
     const float strip = (float)(cell->number / grid->columns);
     const float strips = (float)grid->strips;
-    return (2.0f * strip + 1.0f) / (strips * strips * (float)grid->columns);
+    const float share = (2.0f * strip + 1.0f) / (strips * strips * (float)grid->columns);
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, cell->instance, cell->triangle, corner);
+    return 0.5f * vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]))) * share;
 }
 
 double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *tracer)
@@ -248,16 +251,12 @@ double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *
     double total = 0.0;
     for (uint32_t number = 0; number < light->cell_count; ++number) {
         const lmb_cell cell = lmb_cell_find(light, number);
-        lmb_vec3 corner[3];
-        lmb_trace_corners(tracer, cell.instance, cell.triangle, corner);
-        const double area =
-            (double)vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
-        const double share = area * (double)lmb_cell_area_share(&cell);
+        const double area = (double)lmb_cell_area(&cell, tracer);
         for (size_t side = 2 * (size_t)number; side < 2 * (size_t)number + 2; ++side) {
             const double luminance = (double)lmb_luminance(light->irradiance[side]);
-            if (luminance > 0.0 && isfinite(luminance * share)) {
-                sum += luminance * share;
-                total += share;
+            if (luminance > 0.0 && isfinite(luminance * area)) {
+                sum += luminance * area;
+                total += area;
             }
         }
     }

@@ -15,6 +15,13 @@ typedef struct lmb_link {
     uint16_t count;     /* how often the sample counts */
 } lmb_link;
 
+/* The largest of its channels. */
+static inline uint16_t lmb_link_weight(const lmb_link *link)
+{
+    const uint16_t larger = link->weight[0] > link->weight[1] ? link->weight[0] : link->weight[1];
+    return larger > link->weight[2] ? larger : link->weight[2];
+}
+
 typedef struct lmb_bounce_rows {
     uint32_t count;
     const size_t *first;   /* [place] its first link, and the count of all at its end */

@@ -49,8 +49,8 @@ lmb_cell lmb_cell_find(const lmb_surface_light *light, uint32_t cell);
 /* Barycentric coordinates of a point of the cell, uniform over its area for uniform numbers in [0, 1). */
 void lmb_cell_point(const lmb_cell *cell, const float numbers[2], float *u, float *v);
 
-/* Share of the triangle's area that the cell covers. */
-float lmb_cell_area_share(const lmb_cell *cell);
+/* Square metres. */
+float lmb_cell_area(const lmb_cell *cell, const lmb_tracer *tracer);
 
 /* Sets `radiance` from `irradiance`. */
 void lmb_surface_light_reflect(lmb_surface_light *light, const lmb_tracer *tracer);

@@ -112,7 +112,7 @@ static bool side_sees_light(const solve_work *work, const uint8_t *lit, uint32_t
     bool sees = rgb_max(work->direct[side]) > 0.0f;
     for (size_t k = work->row[side]; k < work->row[side + 1] && !sees; ++k) {
         const lmb_link *link = &work->links[k];
-        sees = lit[link->target] && (link->weight[0] | link->weight[1] | link->weight[2]) != 0;
+        sees = lit[link->target] && lmb_link_weight(link) > 0;
     }
     return sees;
 }
@@ -141,11 +141,8 @@ static uint32_t lit_mark(const solve_work *work, uint8_t *lit)
 static uint32_t cell_samples(const solve_work *work, uint32_t number)
 {
     const lmb_cell cell = lmb_cell_find(work->light, number);
-    lmb_vec3 corner[3];
-    lmb_trace_corners(work->transport->tracer, cell.instance, cell.triangle, corner);
-    const float area = 0.5f * vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
     const float full_area = 0.25f * work->light->cell_size * work->light->cell_size;
-    const float share = fminf(area * lmb_cell_area_share(&cell) / full_area, 1.0f);
+    const float share = fminf(lmb_cell_area(&cell, work->transport->tracer) / full_area, 1.0f);
     const uint32_t samples = share > 0.0f ? (uint32_t)ceilf((float)work->samples * share) : 0;
     return samples > PILOT_SAMPLES ? samples : PILOT_SAMPLES;
 }
@@ -159,18 +156,14 @@ static void bytes_count(solve_work *work, size_t links, size_t extra)
 
 static uint32_t samples_enough(const solve_work *work, const uint8_t *lit)
 {
-    double white = 0.0, all = 0.0;
+    size_t white = 0, all = 0;
     for (uint32_t side = 0; side < work->side_count; ++side) {
         for (size_t k = work->row[side]; k < work->row[side + 1] && lit[side]; ++k) {
-            const uint16_t *weight = work->links[k].weight;
-            all += 1.0;
-            white += (float)weight[0] > WHITE * 65535.0f || (float)weight[1] > WHITE * 65535.0f ||
-                             (float)weight[2] > WHITE * 65535.0f
-                         ? 1.0
-                         : 0.0;
+            white += (float)lmb_link_weight(&work->links[k]) > WHITE * 65535.0f;
+            ++all;
         }
     }
-    return white > WHITE_SHARE * all ? ENOUGH_SAMPLES_WHITE : ENOUGH_SAMPLES;
+    return (double)white > WHITE_SHARE * (double)all ? ENOUGH_SAMPLES_WHITE : ENOUGH_SAMPLES;
 }
 
 /* Longer rows for lit sides, with the pilot's links at their beginnings, and none for dark ones. */
@@ -255,7 +248,7 @@ static lmb_bounce_rows rows_compact(solve_work *work, const uint32_t *place)
             for (size_t k = begin; k < end; ++k) {
                 lmb_link link = work->links[k];
                 link.target = place[link.target];
-                if (link.target != NO_PLACE && (link.weight[0] | link.weight[1] | link.weight[2]) != 0) {
+                if (link.target != NO_PLACE && lmb_link_weight(&link) > 0) {
                     work->links[kept++] = link;
                 }
             }

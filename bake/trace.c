@@ -525,11 +525,6 @@ lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec
     return lmb_trace_transmittance_along(tracer, from, vec3_sub(to, from), LMB_TRACE_UP_TO_END, rays);
 }
 
-lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction, uint64_t *rays)
-{
-    return lmb_trace_transmittance_along(tracer, from, direction, FLT_MAX, rays);
-}
-
 static lmb_rgb share_of_occluded(float far_distance)
 {
     const float open = far_distance < 0.0f ? 0.0f : 1.0f;

@@ -5,6 +5,7 @@
 #include "hard_raw.h"
 #include "scenes/levels.h"
 
+#include <float.h>
 #include <time.h>
 
 #define PI 3.14159265358979323846
@@ -430,7 +431,7 @@ static void foliage(void)
     for (int i = 0; i < 4096; ++i) {
         const lmb_vec3 from = {(float)(5.0 * fixture_random(&state) - 2.5), 1.0f,
                                (float)(5.0 * fixture_random(&state) - 2.5)};
-        const lmb_rgb share = lmb_trace_transmittance_to_infinity(level.traced.tracer, from, hard_up, &rays);
+        const lmb_rgb share = lmb_trace_transmittance_along(level.traced.tracer, from, hard_up, FLT_MAX, &rays);
         CHECK(share.c[0] == 0.0f || share.c[0] == 1.0f, "%g", (double)share.c[0]);
         through += share.c[0] > 0.0f;
     }

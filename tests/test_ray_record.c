@@ -39,7 +39,7 @@ static void shoot_task(void *context, size_t task, int worker)
         lmb_hit hit;
         uint64_t rays = 0;
         lmb_trace_nearest(tracer, s.origin, down, s.near_distance, s.far_distance, &hit);
-        lmb_trace_transmittance_to_infinity(tracer, s.origin, down, &rays);
+        lmb_trace_transmittance_along(tracer, s.origin, down, FLT_MAX, &rays);
     }
 }
 

@@ -93,13 +93,9 @@ lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, uint32_t instance, ui
  * opaque one. Counts the rays that it took into `*rays`. */
 lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays);
 
-/* The same along a direction, up to a distance in units of its length. */
+/* The same along a direction, up to a distance in units of its length; FLT_MAX for no end. */
 lmb_rgb lmb_trace_transmittance_along(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction, float far_distance,
                                       uint64_t *rays);
-
-/* The same along a direction without end. */
-lmb_rgb lmb_trace_transmittance_to_infinity(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction,
-                                            uint64_t *rays);
 
 /* How far rounding can have moved a point at `position`, in metres. On a triangle its corners count: lmb_place. */
 float lmb_trace_epsilon(lmb_vec3 position);
