@@ -22,7 +22,7 @@ enum { CYCLE = 4, HISTORY = 3, VECTORS = 4 + 2 * HISTORY };
 
 /* Light stands still when a cycle, its combination included, changes it by less than this share: by the mean over all
  * places, or a few that are shut in between white surfaces, as within a lamp, would keep all waiting. */
-#define STILL 1e-3
+#define STILL 5e-4
 
 /* The most passes: those that multiply with LINKS_IN_ALL links together, within these bounds. */
 enum { MIN_PASSES = 256, MAX_PASSES = 2000, LINKS_IN_ALL = 400000000 };
@@ -30,13 +30,13 @@ enum { MIN_PASSES = 256, MAX_PASSES = 2000, LINKS_IN_ALL = 400000000 };
 /* Keeps the least squares solvable when cycles repeat each other. */
 #define RIDGE 1e-8
 
-/* Sums over some places, each by how often its samples count: its part of all rays. */
+/* Sums over some places, each by how many samples it has. */
 typedef struct cycle_sums {
     double product[HISTORY][HISTORY]; /* of changes of the residual, relative to the light; j <= i */
     double residual[HISTORY];         /* of these with the residual */
     double light;
     double change; /* relative */
-    double counts;
+    double samples;
 } cycle_sums;
 
 typedef struct bounce_work {
@@ -75,10 +75,10 @@ static void pass_task(void *context, size_t task, int worker)
         for (size_t k = rows->first[i]; k < rows->first[i + 1]; ++k) {
             const lmb_link *link = &rows->links[k];
             for (int c = 0; c < 3; ++c) {
-                sum.c[c] += (float)((uint32_t)link->weight[c] * link->count) * work->light[link->target].c[c];
+                sum.c[c] += (float)link->weight[c] * work->light[link->target].c[c];
             }
         }
-        work->next[i] = rgb_add(rows->light[i], rgb_scale(sum, 1.0f / (65535.0f * rows->counts[i])));
+        work->next[i] = rgb_add(rows->light[i], rgb_scale(sum, 1.0f / (65535.0f * rows->samples[i])));
     }
 }
 
@@ -111,12 +111,12 @@ static void measure_task(void *context, size_t task, int worker)
             work->gain[work->newest][i] = rgb_add(work->gain[work->newest][i], turn);
         }
         work->residual[i] = residual;
-        const double counts = (double)work->rows->counts[i];
+        const double samples = (double)work->rows->samples[i];
         const double light = rgb_sum(work->light[i]);
-        sums.light += counts * light;
-        sums.counts += counts;
+        sums.light += samples * light;
+        sums.samples += samples;
         const double scale = light + work->mean;
-        const double weight = scale > 0.0 ? counts / (scale * scale) : 0.0;
+        const double weight = scale > 0.0 ? samples / (scale * scale) : 0.0;
         for (int a = 0; a < work->known; ++a) {
             for (int b = 0; b <= a; ++b) {
                 sums.product[a][b] += weight * rgb_dot(work->turn[a][i], work->turn[b][i]);
@@ -147,7 +147,7 @@ static void combine_task(void *context, size_t task, int worker)
             changed += fabs((double)work->light[i].c[c] - (double)begin);
         }
         const double light = rgb_sum(work->light[i]);
-        change += light > 0.0 ? (double)work->rows->counts[i] * changed / light : 0.0;
+        change += light > 0.0 ? (double)work->rows->samples[i] * changed / light : 0.0;
     }
     work->sums[task].change = change;
 }
@@ -165,7 +165,7 @@ static cycle_sums sums_add(const bounce_work *work)
         }
         all.light += sums->light;
         all.change += sums->change;
-        all.counts += sums->counts;
+        all.samples += sums->samples;
     }
     return all;
 }
@@ -225,13 +225,13 @@ static lmb_result cycle_run(bounce_work *work, lmb_pool *pool, const lmb_progres
         return result;
     }
     cycle_sums sums = sums_add(work);
-    work->mean = sums.counts > 0.0 ? sums.light / sums.counts : 0.0;
+    work->mean = sums.samples > 0.0 ? sums.light / sums.samples : 0.0;
     factors_solve(&sums, work->known, work->factor);
     work->newest = work->known < HISTORY ? work->known : (work->newest + 1) % HISTORY;
     result = lmb_pool_run(pool, tasks, combine_task, work, "bounces", progress);
     work->known += work->known < HISTORY ? 1 : 0;
     sums = sums_add(work);
-    *change = sums.counts > 0.0 ? sums.change / sums.counts : 0.0;
+    *change = sums.samples > 0.0 ? sums.change / sums.samples : 0.0;
     return result;
 }
 

@@ -2,6 +2,7 @@
 #ifndef LMB_SURFACE_LIGHT_BOUNCE_H
 #define LMB_SURFACE_LIGHT_BOUNCE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -12,7 +13,7 @@
 typedef struct lmb_link {
     uint32_t target;    /* place */
     uint16_t weight[3]; /* albedo and tint in 1/65535; 0 when the sample sees nothing that reflects */
-    uint16_t count;     /* how often the sample counts */
+    bool open;          /* a ray of the cell's size gets away from the sample's point; nothing to the bounces */
 } lmb_link;
 
 /* The largest of its channels. */
@@ -26,7 +27,7 @@ typedef struct lmb_bounce_rows {
     uint32_t count;
     const size_t *first;   /* [place] its first link, and the count of all at its end */
     const lmb_link *links; /* those that weigh nothing may be left out */
-    const float *counts;   /* [place] how often all of its samples count together, > 0 */
+    const float *samples;  /* [place] how many it has, > 0 */
     lmb_rgb *light;        /* [place] D, which becomes E */
 } lmb_bounce_rows;
 

@@ -67,7 +67,7 @@ static void openness_find(sample_batch *batch)
         float numbers[2];
         lmb_path_numbers(&sample->path, PAIRS_PER_VERTEX + PAIR_ENVIRONMENT, numbers);
         const lmb_vec3 direction = lmb_receiver_direction(receiver, numbers);
-        sample->link = (lmb_link){.count = LMB_SAMPLE_HIDDEN};
+        sample->link = (lmb_link){.open = false};
         if (lmb_receiver_sees(receiver, direction)) {
             ray_add(batch, i, lmb_receiver_ray_origin(receiver, direction),
                     vec3_scale(direction, sample->cell.grid->cell_size), LMB_TRACE_UP_TO_END);
@@ -75,9 +75,7 @@ static void openness_find(sample_batch *batch)
     }
     lmb_trace_transmittance_batch(batch->transport->tracer, &batch->rays, share, batch->rays_traced);
     for (uint32_t k = 0; k < batch->rays.count; ++k) {
-        if (rgb_max(share[k]) > 0.0f) {
-            batch->sample[batch->owner[k]].link.count = LMB_SAMPLE_OPEN;
-        }
+        batch->sample[batch->owner[k]].link.open = rgb_max(share[k]) > 0.0f;
     }
 }
 

@@ -6,10 +6,6 @@
 #include "surface_light_bounce.h"
 #include "surface_light_internal.h"
 
-/* A sample counts OPEN when a ray of the cell's size gets away from it, else HIDDEN: next to nothing, unless all of the
- * cell's samples are. */
-enum { LMB_SAMPLE_OPEN = 1024, LMB_SAMPLE_HIDDEN = 1 };
-
 typedef struct lmb_side_sample {
     lmb_path path; /* at its first vertex */
     lmb_cell cell;

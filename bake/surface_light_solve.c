@@ -16,11 +16,12 @@ enum { SIDES_PER_TASK = 128 };
  * as insides of solids do, gets no more and stays dark. */
 enum { PILOT_SAMPLES = 4 };
 
-/* How many samples are enough. Between surfaces that reflect nearly all light what few samples miss goes on through
- * many bounces: levels where more than WHITE_SHARE of them see more than WHITE reflected get more. */
-enum { ENOUGH_SAMPLES = 8, ENOUGH_SAMPLES_WHITE = 16 };
+enum { ENOUGH_SAMPLES = 8 };
+
+/* The light of a cell that is partly in a gap is that of its open part, if enough samples show that part. Fewer may all
+ * see each other's cells: what reflects more than WHITE of the light then hardly ever lets go of it. */
+enum { ENOUGH_OPEN_SAMPLES = 4 };
 #define WHITE 0.9f
-#define WHITE_SHARE 0.01
 
 /* Streams of cells are apart from those of gather points. */
 #define STREAM_OF_CELLS UINT64_C(0x73757266616365)
@@ -34,8 +35,8 @@ typedef struct solve_work {
     uint32_t samples;
     uint32_t side_count;
     uint32_t first_sample; /* of the samples to be taken now */
-    lmb_rgb *direct;       /* [side] sum over its samples, by what they count */
-    float *counts;         /* [side] sum of what its samples count */
+    lmb_rgb *direct;       /* [side] sum over its samples */
+    lmb_rgb *open_direct;  /* [side] over those that are open */
     size_t *row;           /* [side] its first link, and the count at its end; a row is as long as it has samples */
     lmb_link *links;       /* their targets are sides */
     uint64_t *rays;        /* [task] */
@@ -69,10 +70,11 @@ static void queue_take(const solve_work *work, side_queue *queue)
     for (uint32_t i = 0; i < queue->count; ++i) {
         const lmb_side_sample *sample = &queue->sample[i];
         const uint32_t side = queue->side[i];
-        const float counts = (float)sample->link.count;
         work->links[work->row[side] + sample->path.sample] = sample->link;
-        work->direct[side] = rgb_add(work->direct[side], rgb_scale(sample->direct, counts));
-        work->counts[side] += counts;
+        work->direct[side] = rgb_add(work->direct[side], sample->direct);
+        if (sample->link.open) {
+            work->open_direct[side] = rgb_add(work->open_direct[side], sample->direct);
+        }
     }
     queue->count = 0;
 }
@@ -150,20 +152,9 @@ static uint32_t cell_samples(const solve_work *work, uint32_t number)
 static void bytes_count(solve_work *work, size_t links, size_t extra)
 {
     const size_t bytes = lmb_surface_light_bytes(work->light) + links * sizeof *work->links +
-                         work->side_count * (sizeof *work->direct + sizeof *work->counts + sizeof *work->row) + extra;
+                         work->side_count * (sizeof *work->direct + sizeof *work->open_direct + sizeof *work->row) +
+                         extra;
     work->most_bytes = bytes > work->most_bytes ? bytes : work->most_bytes;
-}
-
-static uint32_t samples_enough(const solve_work *work, const uint8_t *lit)
-{
-    size_t white = 0, all = 0;
-    for (uint32_t side = 0; side < work->side_count; ++side) {
-        for (size_t k = work->row[side]; k < work->row[side + 1] && lit[side]; ++k) {
-            white += (float)lmb_link_weight(&work->links[k]) > WHITE * 65535.0f;
-            ++all;
-        }
-    }
-    return (double)white > WHITE_SHARE * (double)all ? ENOUGH_SAMPLES_WHITE : ENOUGH_SAMPLES;
 }
 
 /* Longer rows for lit sides, with the pilot's links at their beginnings, and none for dark ones. */
@@ -204,7 +195,6 @@ static lmb_result work_sample(solve_work *work, lmb_pool *pool, const lmb_progre
     }
     if (result == LMB_OK) {
         stats->lit_sides = lit_mark(work, lit);
-        work->samples = work->samples > 0 ? work->samples : samples_enough(work, lit);
         result = rows_extend(work, lit);
     }
     free(lit);
@@ -228,32 +218,57 @@ static uint32_t places_number(const solve_work *work, uint32_t *place)
     return count;
 }
 
-static lmb_openness side_openness(float counts, size_t samples)
+/* Of a side by its samples, the links from `begin` to `end`, of which `open` are open. */
+static lmb_openness side_openness(const lmb_link *begin, const lmb_link *end, uint32_t open)
 {
-    return counts < (float)LMB_SAMPLE_OPEN                    ? LMB_CELL_HIDDEN
-           : counts < (float)LMB_SAMPLE_OPEN * (float)samples ? LMB_CELL_MIXED
-                                                              : LMB_CELL_OPEN;
+    if (open == 0) {
+        return LMB_CELL_HIDDEN;
+    }
+    if (begin + open == end) {
+        return LMB_CELL_OPEN;
+    }
+    for (const lmb_link *link = begin; link < end && open < ENOUGH_OPEN_SAMPLES; ++link) {
+        if ((float)lmb_link_weight(link) > WHITE * 65535.0f) {
+            return LMB_CELL_HIDDEN;
+        }
+    }
+    return LMB_CELL_MIXED;
 }
 
-/* Moves what the sides have to their places, with only those links that see something lit. */
-static lmb_bounce_rows rows_compact(solve_work *work, const uint32_t *place)
+static uint32_t open_count(const lmb_link *begin, const lmb_link *end)
 {
-    lmb_bounce_rows rows = {.first = work->row, .links = work->links, .counts = work->counts, .light = work->direct};
+    uint32_t count = 0;
+    for (const lmb_link *link = begin; link < end; ++link) {
+        count += link->open;
+    }
+    return count;
+}
+
+/* Moves what the sides have to their places: the links that see something lit, of mixed sides only those of open
+ * samples. `samples` has room for every place. */
+static lmb_bounce_rows rows_compact(solve_work *work, const uint32_t *place, float *samples)
+{
+    lmb_bounce_rows rows = {.first = work->row, .links = work->links, .samples = samples, .light = work->direct};
     size_t kept = 0, begin = 0;
     for (uint32_t side = 0; side < work->side_count; ++side) {
         const size_t end = work->row[side + 1];
         if (place[side] != NO_PLACE) {
-            work->light->openness[side] = (uint8_t)side_openness(work->counts[side], end - begin);
+            const uint32_t open = open_count(work->links + begin, work->links + end);
+            const lmb_openness openness = side_openness(work->links + begin, work->links + end, open);
+            const bool mixed = openness == LMB_CELL_MIXED;
+            const lmb_rgb direct = mixed ? work->open_direct[side] : work->direct[side];
+            work->light->openness[side] = (uint8_t)openness;
             work->row[rows.count] = kept;
             for (size_t k = begin; k < end; ++k) {
                 lmb_link link = work->links[k];
                 link.target = place[link.target];
-                if (link.target != NO_PLACE && lmb_link_weight(&link) > 0) {
+                if (link.target != NO_PLACE && lmb_link_weight(&link) > 0 && (link.open || !mixed)) {
                     work->links[kept++] = link;
                 }
             }
-            work->direct[rows.count] = rgb_scale(work->direct[side], 1.0f / work->counts[side]);
-            work->counts[rows.count++] = work->counts[side];
+            samples[rows.count] = mixed ? (float)open : (float)(end - begin);
+            work->direct[rows.count] = rgb_scale(direct, 1.0f / samples[rows.count]);
+            ++rows.count;
         }
         begin = end;
     }
@@ -265,18 +280,21 @@ static lmb_result work_bounce(solve_work *work, lmb_pool *pool, const lmb_progre
 {
     const int bounces = work->transport->bounces;
     uint32_t *place = malloc((work->side_count + 1u) * sizeof *place);
-    if (!place) {
-        return LMB_ERROR_MEMORY;
-    }
-    const uint32_t count = places_number(work, place);
-    bytes_count(work, work->row[work->side_count], work->side_count * sizeof *place + lmb_bounces_bytes(count));
-    const lmb_bounce_rows rows = rows_compact(work, place);
-    /* The last bounce is that on the surface that is looked at. */
-    const lmb_result result = lmb_bounces_sum(&rows, bounces < 0 ? -1 : bounces - 1, pool, progress, passes);
-    for (uint32_t side = 0; side < work->side_count; ++side) {
-        work->light->irradiance[side] = place[side] != NO_PLACE ? rows.light[place[side]] : rgb(0.0f, 0.0f, 0.0f);
+    const uint32_t count = place ? places_number(work, place) : 0;
+    float *samples = malloc((count + 1u) * sizeof *samples);
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (place && samples) {
+        bytes_count(work, work->row[work->side_count],
+                    work->side_count * sizeof *place + count * sizeof *samples + lmb_bounces_bytes(count));
+        const lmb_bounce_rows rows = rows_compact(work, place, samples);
+        /* The last bounce is that on the surface that is looked at. */
+        result = lmb_bounces_sum(&rows, bounces < 0 ? -1 : bounces - 1, pool, progress, passes);
+        for (uint32_t side = 0; side < work->side_count; ++side) {
+            work->light->irradiance[side] = place[side] != NO_PLACE ? rows.light[place[side]] : rgb(0.0f, 0.0f, 0.0f);
+        }
     }
     free(place);
+    free(samples);
     return result;
 }
 
@@ -285,11 +303,11 @@ static lmb_result work_run(solve_work *work, lmb_pool *pool, const lmb_progress 
 {
     const size_t sides = (size_t)work->side_count + 1;
     work->direct = calloc(sides, sizeof *work->direct);
-    work->counts = calloc(sides, sizeof *work->counts);
+    work->open_direct = calloc(sides, sizeof *work->open_direct);
     work->row = malloc(sides * sizeof *work->row);
     work->links = malloc(PILOT_SAMPLES * sides * sizeof *work->links);
     work->rays = calloc(task_count(work->side_count) + 1, sizeof *work->rays);
-    if (!work->direct || !work->counts || !work->row || !work->links || !work->rays) {
+    if (!work->direct || !work->open_direct || !work->row || !work->links || !work->rays) {
         return LMB_ERROR_MEMORY;
     }
     const lmb_result result = work_sample(work, pool, progress, stats);
@@ -306,8 +324,10 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
         return result;
     }
     lmb_surface_light_stats made = {.cells = created->cell_count};
-    solve_work work = {
-        .transport = transport, .light = created, .samples = settings->samples, .side_count = 2 * created->cell_count};
+    solve_work work = {.transport = transport,
+                       .light = created,
+                       .samples = settings->samples > 0 ? settings->samples : ENOUGH_SAMPLES,
+                       .side_count = 2 * created->cell_count};
     bytes_count(&work, 0, 0);
     /* Without reflections nobody looks at what surfaces receive. */
     if (transport->bounces != 0 && work.side_count > 0) {
@@ -315,7 +335,7 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
     }
     made.bytes_solving = work.most_bytes;
     free(work.direct);
-    free(work.counts);
+    free(work.open_direct);
     free(work.row);
     free(work.links);
     free(work.rays);

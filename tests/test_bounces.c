@@ -9,14 +9,15 @@
 #include "harness.h"
 #include "surface_light_bounce.h"
 
-enum { PLACES = 600, LINKS = 16 };
+/* Each place sees so many others, one to three times. */
+enum { PLACES = 600, SEEN = 16, MOST_TIMES = 3, LINKS = SEEN * MOST_TIMES };
 
 /* Places along a corridor that see others up to some way off. */
 typedef struct corridor {
     uint32_t count;
     size_t *first;
     lmb_link *links;
-    float *counts;
+    float *samples;
     lmb_rgb *direct;
 } corridor;
 
@@ -24,7 +25,7 @@ static void corridor_free(corridor *made)
 {
     free(made->first);
     free(made->links);
-    free(made->counts);
+    free(made->samples);
     free(made->direct);
 }
 
@@ -38,18 +39,20 @@ static corridor corridor_make(uint32_t count, uint32_t reach, float albedo)
 {
     corridor made = {count, calloc(count + 1u, sizeof(size_t)), calloc((size_t)count * LINKS, sizeof(lmb_link)),
                      calloc(count, sizeof(float)), calloc(count, sizeof(lmb_rgb))};
+    size_t links = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        made.first[i + 1] = made.first[i] + LINKS;
-        for (uint32_t k = 0; k < LINKS; ++k) {
-            lmb_link *link = &made.links[made.first[i] + k];
+        for (uint32_t k = 0; k < SEEN; ++k) {
             const uint32_t target = i + (uint32_t)(share(i, k) * (float)(2 * reach + 1));
-            link->target = target < reach ? 0 : target - reach < count ? target - reach : count - 1;
-            link->count = (uint16_t)(1 + (i + k) % 3);
-            made.counts[i] += (float)link->count;
+            lmb_link link = {.target = target < reach ? 0 : target - reach < count ? target - reach : count - 1};
             for (int c = 0; c < 3; ++c) {
-                link->weight[c] = (uint16_t)(albedo * 65535.0f + 0.5f);
+                link.weight[c] = (uint16_t)(albedo * 65535.0f + 0.5f);
+            }
+            for (uint32_t times = 0; times < 1 + (i + k) % MOST_TIMES; ++times) {
+                made.links[links++] = link;
             }
         }
+        made.first[i + 1] = links;
+        made.samples[i] = (float)(links - made.first[i]);
         for (uint32_t c = 0; c < 3; ++c) {
             made.direct[i].c[c] = (i + 3 * c) % 10 == 0 ? share(i, 1000 + c) : 0.0f;
         }
@@ -63,7 +66,7 @@ static lmb_rgb *corridor_sum(const corridor *made, int bounces, int threads, int
     memcpy(light, made->direct, made->count * sizeof *light);
     lmb_pool *pool = NULL;
     CHECK(lmb_pool_create(threads, &pool) == LMB_OK, "a pool of %d", threads);
-    const lmb_bounce_rows rows = {made->count, made->first, made->links, made->counts, light};
+    const lmb_bounce_rows rows = {made->count, made->first, made->links, made->samples, light};
     CHECK(lmb_bounces_sum(&rows, bounces, pool, NULL, passes) == LMB_OK, "bounces of %u places", made->count);
     lmb_pool_destroy(pool);
     return light;
@@ -81,7 +84,7 @@ static gsl_vector *dense_solve(const corridor *made, int channel)
         gsl_vector_set(direct, i, (double)made->direct[i].c[channel]);
         for (size_t k = made->first[i]; k < made->first[i + 1]; ++k) {
             const lmb_link *link = &made->links[k];
-            const double part = link->weight[channel] / 65535.0 * link->count / (double)made->counts[i];
+            const double part = link->weight[channel] / 65535.0 / (double)made->samples[i];
             *gsl_matrix_ptr(matrix, i, link->target) -= part;
         }
     }
@@ -168,7 +171,7 @@ static void some_bounces_are_so_many(void)
             next[i] = (double)made.direct[i].c[0];
             for (size_t k = made.first[i]; k < made.first[i + 1]; ++k) {
                 const lmb_link *link = &made.links[k];
-                next[i] += link->weight[0] / 65535.0 * link->count / (double)made.counts[i] * now[link->target];
+                next[i] += link->weight[0] / 65535.0 / (double)made.samples[i] * now[link->target];
             }
         }
         memcpy(now, next, sizeof now);

@@ -449,6 +449,71 @@ static void gather_agrees_with_reference(void)
     solved_level_close(&level);
 }
 
+/* Stacks of thin white boards beside each other, a lamp of 1 m^2 above them, nothing behind. */
+static lmb_result white_boards_write(const char *path, lmb_error *error)
+{
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    lmb_level_material white = lmb_level_material_default();
+    white.base_color = (lmb_rgb){{1, 1, 1}};
+    const int board = lmb_level_builder_add_material(builder, &white);
+    lmb_level_material lamp = lmb_level_material_default();
+    lamp.name = "lamp";
+    lamp.base_color = (lmb_rgb){{0, 0, 0}};
+    lamp.emission = (lmb_rgb){{10, 10, 10}};
+    const int lamp_material = lmb_level_builder_add_material(builder, &lamp);
+    const int mesh = lmb_level_builder_add_mesh(builder, "boards");
+    for (int i = 0; i < 8 * 8 * 4; ++i) {
+        const lmb_vec3 low = {(float)(i % 8), 0.1f * (float)(i / 64), (float)(i / 8 % 8)};
+        const lmb_level_box box = lmb_level_box_of(low, (lmb_vec3){low.x + 0.9f, low.y + 0.05f, low.z + 0.9f}, board);
+        lmb_level_builder_add_box(builder, mesh, &box);
+    }
+    lmb_level_builder_add_quad(builder, mesh, lamp_material, (lmb_vec3){3.5f, 3, 3.5f}, (lmb_vec3){1, 0, 0},
+                               (lmb_vec3){0, 0, 1});
+    lmb_level_builder_place(builder, "boards", mesh, (lmb_vec3){0, 0, 0});
+    const lmb_result result = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+/* Light that gets between surfaces that absorb nothing finds its way out by the few samples that cells have: it does
+ * not pile up. */
+static void white_gaps_let_go_of_light(void)
+{
+    enum { SEEDS = 12, CRACKS = 24 };
+    lmb_error error;
+    CHECK(white_boards_write(output_path("boards"), &error) == LMB_OK, "%s", error.message);
+    level_fixture traced;
+    if (!level_fixture_load(&traced, output_path("boards"), NULL, 2)) {
+        return;
+    }
+    lmb_gather_point point[CRACKS];
+    double brightest = 0.0;
+    for (int i = 0; i < CRACKS; ++i) {
+        /* In the cracks between the boards, beside each layer. */
+        point[i] = (lmb_gather_point){
+            .position = {(float)(i % 6 + 1) - 0.05f, 0.1f * (float)(i / 6) + 0.02f, (float)(i % 5) + 1.45f}};
+        lmb_gathered gathered;
+        lmb_gather_sh3(&traced.transport, &point[i], 8192, &gathered);
+        brightest = fmax(brightest, (double)gathered.moments.channel[0].c[0]);
+    }
+    const lmb_surface_light_settings settings = {.cell_size = 1.0f, .max_cells = 10000};
+    for (uint64_t seed = 0; seed < SEEDS; ++seed) {
+        solved_level level = {.traced = traced};
+        level.traced.transport.seed = seed;
+        if (!level_solve(&level, &settings)) {
+            break;
+        }
+        for (int i = 0; i < CRACKS; ++i) {
+            lmb_gathered gathered;
+            lmb_gather_sh3(&level.traced.transport, &point[i], 1024, &gathered);
+            const double found = (double)gathered.moments.channel[0].c[0];
+            CHECK(found < 1.3 * brightest, "seed %d, crack %d: %g, brightest is %g", (int)seed, i, found, brightest);
+        }
+        lmb_surface_light_destroy(level.light);
+    }
+    level_fixture_close(&traced);
+}
+
 /* Cells are no longer than asked for, and no more than allowed. */
 static void settings_bound_the_cells(void)
 {
@@ -506,6 +571,7 @@ static const test_case cases[] = {
     {"threads_do_not_matter", threads_do_not_matter},
     {"bias_falls_with_cell_size", bias_falls_with_cell_size},
     {"gather_agrees_with_reference", gather_agrees_with_reference},
+    {"white_gaps_let_go_of_light", white_gaps_let_go_of_light},
     {"settings_bound_the_cells", settings_bound_the_cells},
     {"dark_levels_are_dark", dark_levels_are_dark},
 };
