@@ -279,7 +279,7 @@ float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 posit
 
 bool lmb_emitters_environment_sampled(const lmb_emitters *emitters)
 {
-    return emitters->sky.cumulative != NULL;
+    return emitters->sky.aimed_count > 0;
 }
 
 void lmb_emitters_sample_environment(const lmb_emitters *emitters, const float *x, const float *y, uint32_t count,

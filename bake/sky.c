@@ -57,23 +57,27 @@ static void cumulative_make(lmb_sky *sky)
     for (size_t row = 0; row < (size_t)image->height; ++row) {
         for (size_t column = 0; column < width; ++column) {
             const size_t pixel = row * width + column;
-            total += (double)pixel_excess(sky, image_pixel(image, pixel)) * row_solid_angle(sky, row);
-            sky->cumulative[pixel] = total;
+            const float excess = pixel_excess(sky, image_pixel(image, pixel));
+            if (excess > 0.0f) {
+                total += (double)excess * row_solid_angle(sky, row);
+                sky->aimed[sky->aimed_count] = (uint32_t)pixel;
+                sky->cumulative[sky->aimed_count++] = total;
+            }
         }
     }
     sky->total = total;
 }
 
-/* For each of equal shares of the total, the first pixel whose running sum exceeds it. */
-static void guide_make(lmb_sky *sky, size_t pixels)
+/* For each of equal shares of the total, the first place in `aimed` whose running sum exceeds it. */
+static void guide_make(lmb_sky *sky)
 {
-    size_t pixel = 0;
-    for (size_t i = 0; i < pixels; ++i) {
-        const double target = (double)i / (double)pixels * sky->total;
-        while (pixel + 1 < pixels && !(sky->cumulative[pixel] > target)) {
-            ++pixel;
+    uint32_t place = 0;
+    for (uint32_t i = 0; i < sky->aimed_count; ++i) {
+        const double target = (double)i / (double)sky->aimed_count * sky->total;
+        while (place + 1 < sky->aimed_count && !(sky->cumulative[place] > target)) {
+            ++place;
         }
-        sky->guide[i] = (uint32_t)pixel;
+        sky->guide[i] = place;
     }
 }
 
@@ -82,15 +86,18 @@ static void pixels_make(lmb_sky *sky, size_t pixels)
     for (size_t i = 0; i < pixels; ++i) {
         const lmb_rgb pixel = image_pixel(&sky->environment->image, i);
         sky->pixel[i].radiance = rgb_scale(pixel, sky->environment->strength);
-        sky->pixel[i].density = sky->cumulative ? (float)((double)pixel_excess(sky, pixel) / sky->total) : 0.0f;
+        sky->pixel[i].density = sky->aimed_count > 0 ? (float)((double)pixel_excess(sky, pixel) / sky->total) : 0.0f;
     }
 }
 
 static void distribution_free(lmb_sky *sky)
 {
+    free(sky->aimed);
     free(sky->cumulative);
     free(sky->guide);
     free(sky->row_cosine);
+    sky->aimed_count = 0;
+    sky->aimed = NULL;
     sky->cumulative = NULL;
     sky->guide = NULL;
     sky->row_cosine = NULL;
@@ -101,10 +108,11 @@ static lmb_result distribution_create(lmb_sky *sky, bool aimed)
     const lmb_image *image = &sky->environment->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     sky->pixel = malloc(pixels * sizeof *sky->pixel);
+    sky->aimed = malloc(pixels * sizeof *sky->aimed);
     sky->cumulative = malloc(pixels * sizeof *sky->cumulative);
     sky->guide = malloc(pixels * sizeof *sky->guide);
     sky->row_cosine = malloc(((size_t)image->height + 1) * sizeof *sky->row_cosine);
-    if (!sky->pixel || !sky->cumulative || !sky->guide || !sky->row_cosine) {
+    if (!sky->pixel || !sky->aimed || !sky->cumulative || !sky->guide || !sky->row_cosine) {
         lmb_sky_free(sky);
         return LMB_ERROR_MEMORY;
     }
@@ -113,7 +121,7 @@ static lmb_result distribution_create(lmb_sky *sky, bool aimed)
     sky->mean = (float)(power / (4.0 * LMB_PI));
     cumulative_make(sky);
     if (aimed && sky->total > MIN_EXCESS_SHARE * power) {
-        guide_make(sky, pixels);
+        guide_make(sky);
     } else {
         distribution_free(sky);
     }
@@ -197,18 +205,18 @@ void lmb_sky_look_batch(const lmb_sky *sky, const float *const direction[3], uin
 }
 
 /* The pixel that a number picks, and how far into its share of the total the number is, in [0, 1]. */
-static uint32_t pixel_pick(const lmb_sky *sky, uint32_t pixels, float number, float *across)
+static uint32_t pixel_pick(const lmb_sky *sky, float number, float *across)
 {
     const double target = (double)number * sky->total;
-    uint32_t found = sky->guide[(uint32_t)((double)number * (double)pixels)];
-    while (found + 1 < pixels && !(sky->cumulative[found] > target)) {
+    uint32_t found = sky->guide[(uint32_t)((double)number * (double)sky->aimed_count)];
+    while (found + 1 < sky->aimed_count && !(sky->cumulative[found] > target)) {
         ++found;
     }
     const double before = found > 0 ? sky->cumulative[found - 1] : 0.0;
     const double mass = sky->cumulative[found] - before;
     const double share = mass > 0.0 ? (target - before) / mass : 0.0;
     *across = (float)(share > 0.0 ? share < 1.0 ? share : 1.0 : 0.0);
-    return found;
+    return sky->aimed[found];
 }
 
 static lmb_vec3 pixel_direction(const lmb_sky *sky, uint32_t pixel, float across, float down)
@@ -230,13 +238,12 @@ static lmb_vec3 pixel_direction(const lmb_sky *sky, uint32_t pixel, float across
 
 void lmb_sky_sample_batch(const lmb_sky *sky, const float *x, const float *y, uint32_t count, lmb_light_sample *sample)
 {
-    const uint32_t pixels = (uint32_t)sky->environment->image.width * (uint32_t)sky->environment->image.height;
     uint32_t picked[BATCH];
     float across[BATCH];
     for (uint32_t first = 0; first < count; first += BATCH) {
         const uint32_t some = count - first < BATCH ? count - first : BATCH;
         for (uint32_t i = 0; i < some; ++i) {
-            picked[i] = pixel_pick(sky, pixels, x[first + i], &across[i]);
+            picked[i] = pixel_pick(sky, x[first + i], &across[i]);
             __builtin_prefetch(&sky->pixel[picked[i]]);
         }
         for (uint32_t i = 0; i < some; ++i) {

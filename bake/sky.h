@@ -11,8 +11,10 @@
 typedef struct lmb_sky {
     const lmb_environment *environment;
     lmb_environment_seen *pixel; /* of an image; else NULL */
-    double *cumulative;          /* [pixel] running sum of excess x solid angle; NULL when nothing stands out */
-    uint32_t *guide;             /* [pixel] where the search for that share of the total begins */
+    uint32_t aimed_count;        /* pixels that stand out, or 0 when they are not worth it */
+    uint32_t *aimed;             /* [aimed] the pixel */
+    double *cumulative;          /* [aimed] running sum of excess x solid angle */
+    uint32_t *guide;             /* [aimed] where the search for that share of the total begins */
     double *row_cosine;          /* [height + 1] cosine of the polar angle at each row's upper edge */
     double total;                /* last of `cumulative` */
     float mean;                  /* luminance over the sphere */
