@@ -178,13 +178,12 @@ float lmb_bright_aim_density(const lmb_bright_cells *bright, const lmb_bright_ai
 }
 
 float lmb_bright_cells_density(const lmb_surface_light *light, const lmb_light_query *query, lmb_vec3 direction,
-                               const lmb_hit *hit, lmb_rgb radiance)
+                               const lmb_hit *hit, uint32_t side)
 {
     const lmb_bright_cells *bright = light->bright;
-    if (!(lmb_luminance(radiance) > bright->least)) {
+    if (!(lmb_luminance(light->radiance[side]) > bright->least)) {
         return 0.0f;
     }
-    const uint32_t side = lmb_surface_light_side(light, hit, hit->front);
     uint32_t low = 0, high = bright->count;
     while (low < high) {
         const uint32_t middle = low + (high - low) / 2;

@@ -16,7 +16,7 @@ void lmb_bright_cells_destroy(lmb_bright_cells *bright);
 size_t lmb_bright_cells_bytes(const lmb_bright_cells *bright);
 
 /* What is aimed at: a point of a cell's side. It counts when nothing is in the way, so that a ray in its direction hits
- * that side, and is not near (lmb_surface_light_radiance). */
+ * that side, and is not near (lmb_surface_light_find). */
 typedef struct lmb_bright_aim {
     uint32_t number;
     uint32_t side;
@@ -31,9 +31,9 @@ bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_tracer *trac
 /* The density per solid angle of having been aimed at like this, when it hit. */
 float lmb_bright_aim_density(const lmb_bright_cells *bright, const lmb_bright_aim *aim, const lmb_hit *hit);
 
-/* The density with which a hit that a ray found by chance might have been aimed at; 0 if its side, which reflects
- * `radiance`, is not bright. The light has bright cells. */
+/* The density with which a hit that a ray found by chance might have been aimed at; 0 if its side is not bright. The
+ * light has bright cells. */
 float lmb_bright_cells_density(const lmb_surface_light *light, const lmb_light_query *query, lmb_vec3 direction,
-                               const lmb_hit *hit, lmb_rgb radiance);
+                               const lmb_hit *hit, uint32_t side);
 
 #endif

@@ -42,7 +42,8 @@ typedef struct lmb_receiver {
     lmb_vec3 normal;           /* shading normal; unused for a sphere */
     float rounding;            /* lmb_place's; unused for a gather point */
     float min_light_distance;
-    lmb_lobe kind; /* a probe, a texel, or a reflection (cosine) */
+    lmb_lobe kind;               /* a probe, a texel, or a reflection (cosine) */
+    struct lmb_light_memo *memo; /* lmb_triangle_query's */
 } lmb_receiver;
 
 /* One side of a surface. */
@@ -52,6 +53,11 @@ lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front);
 static inline const lmb_vec3 *lmb_receiver_normal(const lmb_receiver *receiver)
 {
     return receiver->kind == LMB_LOBE_SPHERE ? NULL : &receiver->normal;
+}
+
+static inline lmb_triangle_query lmb_receiver_triangle_query(const lmb_receiver *receiver)
+{
+    return (lmb_triangle_query){receiver->position, lmb_receiver_normal(receiver), receiver->memo};
 }
 
 /* Density of the direction that direction sampling picks, per solid angle. */

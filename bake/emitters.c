@@ -6,12 +6,14 @@
 #include "light_tree.h"
 #include "punctual.h"
 #include "sky.h"
+#include "trace_internal.h"
 
 typedef struct emitter {
     uint32_t instance;
     uint32_t triangle;
     float area;
     float rounding;
+    lmb_vec3 corner[3];
     lmb_vec3 normal; /* unit */
     lmb_light_bound bound;
     bool even; /* opaque and without texture: `radiance` is its emission everywhere */
@@ -89,6 +91,7 @@ static bool emitter_make(const lmb_emitters *emitters, uint32_t instance, uint32
                       .triangle = triangle,
                       .area = 0.5f * vec3_length(normal),
                       .rounding = place.rounding,
+                      .corner = {corner[0], corner[1], corner[2]},
                       .normal = place.geometric_normal,
                       .bound = {.low = corner[0],
                                 .high = corner[0],
@@ -223,31 +226,40 @@ static float density_per_solid_angle(const emitter *light, double probability, f
     return cosine > 1e-6f ? per_area * distance * distance / cosine : 0.0f;
 }
 
-static uint32_t triangle_choose(const lmb_emitters *emitters, const lmb_light_query *query, float choice,
+static uint32_t triangle_choose(const lmb_emitters *emitters, const lmb_triangle_query *query, float choice,
                                 double *probability)
 {
     if (emitters->tree) {
-        return lmb_light_tree_choose(emitters->tree, query, (double)choice, probability);
+        const lmb_light_query asked = {query->position, query->normal, 0.0f, query->memo};
+        return lmb_light_tree_choose(emitters->tree, &asked, (double)choice, probability);
     }
     *probability = 1.0 / emitters->triangle_count;
     return (uint32_t)((double)choice * emitters->triangle_count);
 }
 
-bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal, float choice,
+static double triangle_probability(const lmb_emitters *emitters, const lmb_triangle_query *query, uint32_t number)
+{
+    if (emitters->tree) {
+        const lmb_light_query asked = {query->position, query->normal, 0.0f, query->memo};
+        return lmb_light_tree_probability(emitters->tree, &asked, number);
+    }
+    return 1.0 / emitters->triangle_count;
+}
+
+bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, const lmb_triangle_query *query, float choice,
                                   const float point[2], lmb_light_sample *sample)
 {
     if (emitters->triangle_count == 0) {
         return false;
     }
-    const lmb_light_query query = {.position = position, .normal = normal};
     double probability;
-    const uint32_t number = triangle_choose(emitters, &query, choice, &probability);
+    const uint32_t number = triangle_choose(emitters, query, choice, &probability);
     const emitter *chosen = &emitters->triangles[number];
     const float root = sqrtf(point[0]);
     const float u = root * (1.0f - point[1]);
     const float v = root * point[1];
-    const lmb_vec3 at = lmb_trace_position(emitters->tracer, chosen->instance, chosen->triangle, u, v);
-    const lmb_vec3 towards = vec3_sub(at, position);
+    const lmb_vec3 at = lmb_corners_position(chosen->corner, u, v, chosen->rounding);
+    const lmb_vec3 towards = vec3_sub(at, query->position);
     const float distance = vec3_length(towards);
     if (!(distance > 0.0f)) {
         return false;
@@ -263,17 +275,15 @@ bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 positio
     return sample->density > 0.0f && isfinite(sample->density) && rgb_max(sample->radiance) > 0.0f;
 }
 
-float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal,
-                                    const lmb_hit *hit, lmb_vec3 direction)
+float lmb_emitters_triangle_density(const lmb_emitters *emitters, const lmb_triangle_query *query, const lmb_hit *hit,
+                                    lmb_vec3 direction)
 {
     const uint32_t *numbers = emitters->emitter_of[hit->instance];
     if (!numbers || numbers[hit->triangle] == UINT32_MAX) {
         return 0.0f;
     }
     const uint32_t number = numbers[hit->triangle];
-    const lmb_light_query query = {.position = position, .normal = normal};
-    const double probability =
-        emitters->tree ? lmb_light_tree_probability(emitters->tree, &query, number) : 1.0 / emitters->triangle_count;
+    const double probability = triangle_probability(emitters, query, number);
     return density_per_solid_angle(&emitters->triangles[number], probability, hit->distance, direction);
 }
 

@@ -30,6 +30,8 @@ typedef struct gather_batch {
     uint32_t first;
     uint32_t count;
     lmb_receiver receiver[RECEIVERS];
+    lmb_light_memo triangle_memo[RECEIVERS];
+    lmb_light_memo bright_memo[RECEIVERS];
     uint32_t per_receiver; /* samples that a receiver has */
     uint64_t *rays_traced;
     lmb_ray_batch rays;
@@ -55,6 +57,14 @@ static lmb_receiver point_receiver(const lmb_gather_point *point)
                           .kind = point->hemisphere ? LMB_LOBE_HEMISPHERE : LMB_LOBE_SPHERE};
 }
 
+static void receiver_set(gather_batch *batch, uint32_t number, const lmb_gather_point *point)
+{
+    batch->receiver[number] = point_receiver(point);
+    batch->receiver[number].memo = &batch->triangle_memo[number];
+    memset(batch->triangle_memo[number].node, 0, sizeof batch->triangle_memo[number].node);
+    memset(batch->bright_memo[number].node, 0, sizeof batch->bright_memo[number].node);
+}
+
 static void batch_start(gather_batch *batch, const lmb_gather_samples *samples, uint32_t done)
 {
     const uint32_t left = samples->count - done;
@@ -62,14 +72,16 @@ static void batch_start(gather_batch *batch, const lmb_gather_samples *samples, 
     batch->count = left < SAMPLES ? left : SAMPLES;
     if (samples->point_count == 1) {
         batch->per_receiver = SAMPLES;
-        batch->receiver[0] = point_receiver(&samples->points[0]);
+        if (done == 0) {
+            receiver_set(batch, 0, &samples->points[0]);
+        }
         return;
     }
     batch->per_receiver = LMB_GATHER_BLOCK;
     for (uint32_t i = 0; i * LMB_GATHER_BLOCK < batch->count; ++i) {
         const uint32_t block = batch->first / LMB_GATHER_BLOCK + i;
         const uint32_t place = block + samples->replicate * samples->point_count / LMB_GATHER_REPLICATES;
-        batch->receiver[i] = point_receiver(&samples->points[place % samples->point_count]);
+        receiver_set(batch, i, &samples->points[place % samples->point_count]);
     }
 }
 
@@ -165,9 +177,8 @@ static void gather_triangles(gather_batch *batch)
     for (uint32_t i = 0; i < batch->count; ++i) {
         const float point[2] = {x[i], y[i]};
         lmb_light_sample light;
-        const lmb_receiver *receiver = batch_receiver(batch, i);
-        if (lmb_emitters_sample_triangle(emitters, receiver->position, lmb_receiver_normal(receiver), choice[i], point,
-                                         &light)) {
+        const lmb_triangle_query query = lmb_receiver_triangle_query(batch_receiver(batch, i));
+        if (lmb_emitters_sample_triangle(emitters, &query, choice[i], point, &light)) {
             aimed_add(batch, &aimed, i, &light, false);
         }
     }
@@ -297,9 +308,12 @@ static void skies_gather(gather_batch *batch, const lmb_hit *hit, const float *d
     }
 }
 
-static lmb_light_query receiver_query(const lmb_receiver *receiver)
+/* A sample's, to the bright cells. */
+static lmb_light_query bright_query(gather_batch *batch, uint32_t sample)
 {
-    return (lmb_light_query){.position = receiver->position, .normal = lmb_receiver_normal(receiver)};
+    const uint32_t number = sample / batch->per_receiver;
+    const lmb_receiver *receiver = &batch->receiver[number];
+    return (lmb_light_query){receiver->position, lmb_receiver_normal(receiver), 0.0f, &batch->bright_memo[number]};
 }
 
 /* Rays at bright cells that join `samples` of one receiver. */
@@ -333,7 +347,7 @@ static void bright_rays_make(gather_batch *batch, bright_ray *made)
     batch->rays.count = 0;
     for (uint32_t sample = 0; sample < batch->count; sample += batch->per_receiver) {
         const lmb_receiver *receiver = batch_receiver(batch, sample);
-        const lmb_light_query query = receiver_query(receiver);
+        const lmb_light_query query = bright_query(batch, sample);
         const uint32_t end = count + aims_of(receiver_samples(batch, sample / batch->per_receiver));
         for (; count < end; ++count) {
             const float point[2] = {x[count], y[count]};
@@ -361,22 +375,21 @@ static void gather_bright(gather_batch *batch)
     *batch->rays_traced += batch->rays.count;
     for (uint32_t i = 0; i < batch->rays.count; ++i) {
         const lmb_bright_aim *aim = &ray[i].aim;
-        lmb_rgb radiance;
+        uint32_t side;
         if (hit[i].instance != LMB_HIT_NOTHING &&
-            lmb_surface_light_radiance(light, &hit[i], transport->bounces < 0, &radiance) &&
-            lmb_surface_light_side(light, &hit[i], hit[i].front) == aim->side) {
+            lmb_surface_light_find(light, &hit[i], transport->bounces < 0, &side) && side == aim->side) {
             const float density =
                 lmb_receiver_density(batch_receiver(batch, ray[i].sample), aim->direction) +
                 aims_per_sample(batch, ray[i].sample) * lmb_bright_aim_density(light->bright, aim, &hit[i]);
-            contribution_add(&batch->found, aim->direction, rgb_scale(radiance, 1.0f / density));
+            contribution_add(&batch->found, aim->direction, rgb_scale(light->radiance[side], 1.0f / density));
         }
     }
 }
 
-/* Rays that end on surfaces. */
-static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float *density)
+/* Sides that have the radiance of what rays hit, NO_SIDE where it takes a closer look. Their memory is on its way. */
+#define NO_SIDE UINT32_MAX
+static void sides_find(const gather_batch *batch, const lmb_hit *hit, uint32_t *side)
 {
-    const lmb_transport *transport = batch->transport;
     const lmb_surface_light *light = batch->light;
     for (uint32_t i = 0; light && i < batch->count; ++i) {
         if (hit[i].instance != LMB_HIT_NOTHING) {
@@ -384,19 +397,36 @@ static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float
         }
     }
     for (uint32_t i = 0; i < batch->count; ++i) {
+        if (light && hit[i].instance != LMB_HIT_NOTHING &&
+            lmb_surface_light_find(light, &hit[i], batch->transport->bounces < 0, &side[i])) {
+            __builtin_prefetch(&light->radiance[side[i]]);
+        } else {
+            side[i] = NO_SIDE;
+        }
+    }
+}
+
+/* Rays that end on surfaces. */
+static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float *density)
+{
+    const lmb_surface_light *light = batch->light;
+    uint32_t side[SAMPLES];
+    sides_find(batch, hit, side);
+    for (uint32_t i = 0; i < batch->count; ++i) {
         if (hit[i].instance == LMB_HIT_NOTHING) {
             continue;
         }
         const lmb_vec3 direction = ray_direction(batch, i);
-        lmb_rgb radiance;
-        float aimed = 0.0f;
-        if (!light || !lmb_surface_light_radiance(light, &hit[i], transport->bounces < 0, &radiance)) {
-            radiance = radiance_followed(batch, i, direction, &hit[i]);
-        } else if (light->bright) {
-            const lmb_light_query query = receiver_query(batch_receiver(batch, i));
-            aimed = aims_per_sample(batch, i) * lmb_bright_cells_density(light, &query, direction, &hit[i], radiance);
+        if (side[i] == NO_SIDE) {
+            ray_give(batch, i, radiance_followed(batch, i, direction, &hit[i]), density[i]);
+            continue;
         }
-        ray_give(batch, i, radiance, density[i] + aimed);
+        float aimed = 0.0f;
+        if (light->bright) {
+            const lmb_light_query query = bright_query(batch, i);
+            aimed = aims_per_sample(batch, i) * lmb_bright_cells_density(light, &query, direction, &hit[i], side[i]);
+        }
+        ray_give(batch, i, light->radiance[side[i]], density[i] + aimed);
     }
 }
 

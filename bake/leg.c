@@ -26,8 +26,8 @@ static float emission_mis(const lmb_transport *transport, const lmb_leg *leg, co
     if (!leg->from) {
         return 1.0f;
     }
-    const float density = lmb_emitters_triangle_density(transport->emitters, leg->from->position,
-                                                        lmb_receiver_normal(leg->from), hit, leg->direction);
+    const lmb_triangle_query query = lmb_receiver_triangle_query(leg->from);
+    const float density = lmb_emitters_triangle_density(transport->emitters, &query, hit, leg->direction);
     return lmb_balance(lmb_receiver_density(leg->from, leg->direction), density);
 }
 

@@ -70,14 +70,28 @@ static node_bound node_look(const lmb_light_tree *tree, const lmb_light_node *no
     return (node_bound){(double)node->power * (double)share, (double)counted * (double)counted + 1e-30};
 }
 
-/* Probability of the first child of a node. */
-static double first_share(const lmb_light_tree *tree, uint32_t number, const lmb_light_query *query)
+static double first_share_find(const lmb_light_tree *tree, uint32_t number, const lmb_light_query *query)
 {
     const node_bound a = node_look(tree, &tree->node[number + 1], query);
     const node_bound b = node_look(tree, &tree->node[tree->node[number].second], query);
     const double first = a.share * b.squared;
     const double second = b.share * a.squared;
     return first + second > 0.0 ? first / (first + second) : 0.5;
+}
+
+/* Probability of the first child of a node. */
+static double first_share(const lmb_light_tree *tree, uint32_t number, const lmb_light_query *query)
+{
+    lmb_light_memo *memo = query->memo;
+    if (!memo) {
+        return first_share_find(tree, number, query);
+    }
+    const uint32_t place = number % LMB_LIGHT_MEMO;
+    if (memo->node[place] != number + 1) {
+        memo->node[place] = number + 1;
+        memo->share[place] = first_share_find(tree, number, query);
+    }
+    return memo->share[place];
 }
 
 static double with_even_share(const lmb_light_tree *tree, uint32_t cluster, double probability)

@@ -29,11 +29,20 @@ typedef struct lmb_light_tree lmb_light_tree;
 lmb_result lmb_light_tree_create(const lmb_light_bound *lights, uint32_t count, bool two_sided, lmb_light_tree **tree);
 void lmb_light_tree_destroy(lmb_light_tree *tree);
 
+/* Choices of one query at some of a tree's nodes, so that asking again and again from one place costs little. All 0 at
+ * first. */
+enum { LMB_LIGHT_MEMO = 64 };
+typedef struct lmb_light_memo {
+    uint32_t node[LMB_LIGHT_MEMO]; /* a node's number + 1 */
+    double share[LMB_LIGHT_MEMO];
+} lmb_light_memo;
+
 /* Where light is to arrive. */
 typedef struct lmb_light_query {
     lmb_vec3 position;
     const lmb_vec3 *normal; /* unit; lights behind this plane give nothing. NULL: a point in space */
     float min_distance;     /* nearer lights count as this far */
+    lmb_light_memo *memo;   /* of this place and this tree; NULL: none */
 } lmb_light_query;
 
 /* The light that `number` in [0, 1) chooses, and the probability of that. It is never 0, whatever the bounds say: a

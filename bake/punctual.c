@@ -271,7 +271,7 @@ static void candidates_of_many(const lmb_scene *scene, const light_set *set, con
     /* Suns have no place: for them all bounds are their power. */
     const bool suns = scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL;
     const lmb_light_query asked = suns ? (lmb_light_query){.min_distance = 1.0f}
-                                       : (lmb_light_query){query->position, query->normal, query->min_distance};
+                                       : (lmb_light_query){query->position, query->normal, query->min_distance, NULL};
     uint32_t cluster[LMB_LIGHT_CLUSTERS];
     const int wanted = max * CANDIDATES_PER_SAMPLE;
     const int most = wanted < LMB_LIGHT_CLUSTERS ? wanted : LMB_LIGHT_CLUSTERS;

@@ -81,22 +81,22 @@ static inline uint32_t lmb_surface_light_side(const lmb_surface_light *light, co
     return 2 * cell + (front ? 0 : 1);
 }
 
-/* Has memory fetched that lmb_surface_light_radiance will look at. */
+/* Has memory fetched that lmb_surface_light_find will look at. */
 static inline void lmb_surface_light_prefetch(const lmb_surface_light *light, const lmb_hit *hit)
 {
     __builtin_prefetch(lmb_cell_grid_at(light, hit));
 }
 
-/* What the surface at a hit sends back along the ray. False where that takes a closer look: what is not even, and, when
- * `not_near` is set, what is nearer than its cells are wide. */
-static inline bool lmb_surface_light_radiance(const lmb_surface_light *light, const lmb_hit *hit, bool not_near,
-                                              lmb_rgb *radiance)
+/* The side whose `radiance` the surface at a hit sends back along the ray. False where that takes a closer look: what is
+ * not even, and, when `not_near` is set, what is nearer than its cells are wide. */
+static inline bool lmb_surface_light_find(const lmb_surface_light *light, const lmb_hit *hit, bool not_near,
+                                          uint32_t *side)
 {
     const lmb_cell_grid *grid = lmb_cell_grid_at(light, hit);
     if (!grid->even || (not_near && hit->distance < grid->cell_size)) {
         return false;
     }
-    *radiance = light->radiance[lmb_surface_light_side(light, hit, hit->front)];
+    *side = lmb_surface_light_side(light, hit, hit->front);
     return true;
 }
 

@@ -46,7 +46,12 @@ static bool hit_look_up(const lmb_path *path, const lmb_hit *hit, lmb_rgb *radia
     if (!light || (transport->bounces >= 0 && path->vertex >= (uint32_t)transport->bounces)) {
         return false;
     }
-    return !hit_is_near(path, hit) && lmb_surface_light_radiance(light, hit, false, radiance);
+    uint32_t side;
+    if (hit_is_near(path, hit) || !lmb_surface_light_find(light, hit, false, &side)) {
+        return false;
+    }
+    *radiance = light->radiance[side];
+    return true;
 }
 
 lmb_rgb lmb_path_radiance(lmb_path *path, lmb_leg leg, lmb_landing landing)

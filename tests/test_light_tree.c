@@ -47,15 +47,19 @@ static void lights_make(lmb_light_bound *lights, int count, lights_kind kind)
     }
 }
 
-/* Lights that even numbers choose, as often as their probabilities say, which sum to 1 and are never 0. */
+/* Lights that even numbers choose, as often as their probabilities say, which sum to 1 and are never 0; a memo changes
+ * nothing. */
 static void tree_check(const lmb_light_tree *tree, const lmb_light_query *query, int count, const char *what)
 {
     static double frequency[MOST];
+    lmb_light_query plain = *query;
+    plain.memo = NULL;
     double sum = 0.0;
     for (int i = 0; i < count; ++i) {
         const double probability = lmb_light_tree_probability(tree, query, (uint32_t)i);
         CHECK(probability >= 0.1 / count * 0.999 && probability <= 1.0 + 1e-12, "%s: %d of %d: %g", what, i, count,
               probability);
+        CHECK_NEAR(probability, lmb_light_tree_probability(tree, &plain, (uint32_t)i), 0.0, "%s: light %d", what, i);
         sum += probability;
         frequency[i] = 0.0;
     }
@@ -91,7 +95,8 @@ static void choices_have_their_probabilities(void)
         CHECK(lmb_light_tree_create(lights, (uint32_t)count, kind == PANELS, &tree) == LMB_OK, "%d lights", count);
         for (size_t p = 0; p < sizeof positions / sizeof positions[0] && tree; ++p) {
             const lmb_light_query in_space = {.position = positions[p]};
-            const lmb_light_query on_surface = {positions[p], &up, 0.5f};
+            lmb_light_memo memo = {.node = {0}};
+            const lmb_light_query on_surface = {positions[p], &up, 0.5f, &memo};
             tree_check(tree, &in_space, count, names[kind]);
             tree_check(tree, &on_surface, count, names[kind]);
         }
@@ -126,7 +131,8 @@ static void clusters_leave_none_out(void)
         const lmb_light_query query = {{(float)(20.0 * number_next(&state)), (float)(3.0 * number_next(&state)),
                                         (float)(20.0 * number_next(&state))},
                                        q % 2 ? &normal : NULL,
-                                       0.0f};
+                                       0.0f,
+                                       NULL};
         uint32_t cluster[LMB_LIGHT_CLUSTERS];
         const int max = 1 + q % LMB_LIGHT_CLUSTERS;
         const int count = lmb_light_tree_split(tree, &query, max, cluster);
@@ -167,7 +173,7 @@ static void better_lights_come_first(void)
     const lmb_light_query near = {.position = {1, 0, 0}};
     const lmb_light_query between = {.position = {5, 0, 0}};
     const lmb_vec3 away = {1, 0, 0};
-    const lmb_light_query turned = {{1, 0, 0}, &away, 0.0f};
+    const lmb_light_query turned = {.position = {1, 0, 0}, .normal = &away};
     CHECK_NEAR(lmb_light_tree_probability(tree, &near, 0), 0.9 * 81.0 / 82.0 + 0.05, 1e-6, "near");
     CHECK_NEAR(lmb_light_tree_probability(tree, &between, 0), 0.5, 1e-6, "between");
     CHECK_NEAR(lmb_light_tree_probability(tree, &turned, 0), 0.05, 1e-6, "behind the surface");
@@ -403,10 +409,10 @@ static void panels_add_up(void)
         const float point[2] = {0.999f * (float)number_next(&state), 0.999f * (float)number_next(&state)};
         lmb_light_sample sample;
         lmb_hit hit;
-        if (lmb_emitters_sample_triangle(level.emitters, place, &normal, 0.999f * (float)number_next(&state), point,
-                                         &sample) &&
+        const lmb_triangle_query query = {place, &normal, NULL};
+        if (lmb_emitters_sample_triangle(level.emitters, &query, 0.999f * (float)number_next(&state), point, &sample) &&
             lmb_trace_nearest(level.tracer, place, sample.direction, 0.0f, 1e30f, &hit)) {
-            const float density = lmb_emitters_triangle_density(level.emitters, place, &normal, &hit, sample.direction);
+            const float density = lmb_emitters_triangle_density(level.emitters, &query, &hit, sample.direction);
             CHECK_NEAR(density / sample.density, 1.0, 1e-4, "sample %d", i);
         }
     }

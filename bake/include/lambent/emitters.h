@@ -37,16 +37,23 @@ typedef struct lmb_light_sample {
     float density;      /* per solid angle, > 0 */
 } lmb_light_sample;
 
-/* A point on an emissive triangle, seen from `position` on a surface that faces along unit `normal` (NULL: a point in
- * space): the triangle chosen by what it may give there, the point uniform in its area. Time grows with the logarithm
- * of the triangles' number. Returns false when there are none or when this choice gives no light. */
-bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal, float choice,
+/* Where light of triangles is to arrive. */
+typedef struct lmb_triangle_query {
+    lmb_vec3 position;
+    const lmb_vec3 *normal;      /* unit, of the surface there; NULL: a point in space */
+    struct lmb_light_memo *memo; /* what was found out about the triangles for this place; NULL: nothing is kept */
+} lmb_triangle_query;
+
+/* A point on an emissive triangle: the triangle chosen by what it may give there, the point uniform in its area. Time
+ * grows with the logarithm of the triangles' number. Returns false when there are none or when this choice gives no
+ * light. */
+bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, const lmb_triangle_query *query, float choice,
                                   const float point[2], lmb_light_sample *sample);
 
 /* Density per solid angle with which the function above picks, from there, the direction of this hit: `direction`, a
  * unit vector. */
-float lmb_emitters_triangle_density(const lmb_emitters *emitters, lmb_vec3 position, const lmb_vec3 *normal,
-                                    const lmb_hit *hit, lmb_vec3 direction);
+float lmb_emitters_triangle_density(const lmb_emitters *emitters, const lmb_triangle_query *query, const lmb_hit *hit,
+                                    lmb_vec3 direction);
 
 /* Whether the environment is an image in which something stands out that is worth aiming at. In an even one rays that
  * leave the scene find the light with less noise. */
