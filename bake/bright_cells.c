@@ -149,14 +149,14 @@ size_t lmb_bright_cells_bytes(const lmb_bright_cells *bright)
 }
 
 bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_tracer *tracer, const lmb_light_query *query,
-                          float choice, const float point[2], lmb_bright_aim *aim)
+                          lmb_vec3 position, float choice, const float point[2], lmb_bright_aim *aim)
 {
     aim->number = lmb_light_tree_choose(bright->tree, query, (double)choice, &aim->probability);
     const bright_cell *chosen = &bright->cell[aim->number];
     float u, v;
     lmb_cell_point(&chosen->cell, point, &u, &v);
     const lmb_vec3 at = lmb_trace_position(tracer, chosen->cell.instance, chosen->cell.triangle, u, v);
-    const lmb_vec3 towards = vec3_sub(at, query->position);
+    const lmb_vec3 towards = vec3_sub(at, position);
     const float distance = vec3_length(towards);
     if (!(distance > 0.0f) || !(vec3_dot(towards, chosen->normal) < 0.0f)) {
         return false;

@@ -93,8 +93,9 @@ static int aim_at_triangle(const lmb_path *path, const lmb_receiver *receiver, l
     lmb_path_numbers(path, PAIR_TRIANGLE, point);
     lmb_path_numbers(path, PAIR_CHOICE, choice);
     lmb_light_sample sample;
-    const lmb_triangle_query query = lmb_receiver_triangle_query(receiver);
-    if (!lmb_emitters_sample_triangle(path->transport->emitters, &query, choice[0], point, &sample) ||
+    const lmb_triangle_query query = lmb_receiver_triangles(receiver);
+    if (!lmb_emitters_sample_triangle(path->transport->emitters, &query, receiver->position, choice[0], point,
+                                      &sample) ||
         !lmb_receiver_sees(receiver, sample.direction)) {
         return 0;
     }

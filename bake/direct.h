@@ -42,8 +42,8 @@ typedef struct lmb_receiver {
     lmb_vec3 normal;           /* shading normal; unused for a sphere */
     float rounding;            /* lmb_place's; unused for a gather point */
     float min_light_distance;
-    lmb_lobe kind;               /* a probe, a texel, or a reflection (cosine) */
-    struct lmb_light_memo *memo; /* lmb_triangle_query's */
+    lmb_lobe kind;                       /* a probe, a texel, or a reflection (cosine) */
+    const lmb_triangle_query *triangles; /* how it chooses among emissive triangles; NULL: as seen from itself */
 } lmb_receiver;
 
 /* One side of a surface. */
@@ -55,9 +55,10 @@ static inline const lmb_vec3 *lmb_receiver_normal(const lmb_receiver *receiver)
     return receiver->kind == LMB_LOBE_SPHERE ? NULL : &receiver->normal;
 }
 
-static inline lmb_triangle_query lmb_receiver_triangle_query(const lmb_receiver *receiver)
+static inline lmb_triangle_query lmb_receiver_triangles(const lmb_receiver *receiver)
 {
-    return (lmb_triangle_query){receiver->position, lmb_receiver_normal(receiver), receiver->memo};
+    return receiver->triangles ? *receiver->triangles
+                               : (lmb_triangle_query){receiver->position, lmb_receiver_normal(receiver), NULL};
 }
 
 /* Density of the direction that direction sampling picks, per solid angle. */

@@ -246,8 +246,8 @@ static double triangle_probability(const lmb_emitters *emitters, const lmb_trian
     return 1.0 / emitters->triangle_count;
 }
 
-bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, const lmb_triangle_query *query, float choice,
-                                  const float point[2], lmb_light_sample *sample)
+bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, const lmb_triangle_query *query, lmb_vec3 position,
+                                  float choice, const float point[2], lmb_light_sample *sample)
 {
     if (emitters->triangle_count == 0) {
         return false;
@@ -259,7 +259,7 @@ bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, const lmb_triang
     const float u = root * (1.0f - point[1]);
     const float v = root * point[1];
     const lmb_vec3 at = lmb_corners_position(chosen->corner, u, v, chosen->rounding);
-    const lmb_vec3 towards = vec3_sub(at, query->position);
+    const lmb_vec3 towards = vec3_sub(at, position);
     const float distance = vec3_length(towards);
     if (!(distance > 0.0f)) {
         return false;

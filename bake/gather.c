@@ -30,12 +30,15 @@ typedef struct gather_batch {
     uint32_t first;
     uint32_t count;
     lmb_receiver receiver[RECEIVERS];
-    lmb_light_memo triangle_memo[RECEIVERS];
-    lmb_light_memo bright_memo[RECEIVERS];
     uint32_t per_receiver; /* samples that a receiver has */
     uint64_t *rays_traced;
     lmb_ray_batch rays;
     lmb_contributions found;
+    /* All receivers are near the first point: they choose lights as it would. */
+    lmb_triangle_query triangles;
+    lmb_light_query bright;
+    lmb_light_memo triangles_memo;
+    lmb_light_memo bright_memo;
 } gather_batch;
 
 static uint64_t replicate_stream(const lmb_transport *transport, const lmb_gather_samples *samples)
@@ -57,12 +60,19 @@ static lmb_receiver point_receiver(const lmb_gather_point *point)
                           .kind = point->hemisphere ? LMB_LOBE_HEMISPHERE : LMB_LOBE_SPHERE};
 }
 
+static void queries_set(gather_batch *batch, const lmb_gather_point *point)
+{
+    const lmb_vec3 *normal = point->hemisphere ? &point->normal : NULL;
+    batch->triangles = (lmb_triangle_query){point->position, normal, &batch->triangles_memo};
+    batch->bright = (lmb_light_query){point->position, normal, 0.0f, &batch->bright_memo};
+    memset(batch->triangles_memo.node, 0, sizeof batch->triangles_memo.node);
+    memset(batch->bright_memo.node, 0, sizeof batch->bright_memo.node);
+}
+
 static void receiver_set(gather_batch *batch, uint32_t number, const lmb_gather_point *point)
 {
     batch->receiver[number] = point_receiver(point);
-    batch->receiver[number].memo = &batch->triangle_memo[number];
-    memset(batch->triangle_memo[number].node, 0, sizeof batch->triangle_memo[number].node);
-    memset(batch->bright_memo[number].node, 0, sizeof batch->bright_memo[number].node);
+    batch->receiver[number].triangles = &batch->triangles;
 }
 
 static void batch_start(gather_batch *batch, const lmb_gather_samples *samples, uint32_t done)
@@ -72,9 +82,7 @@ static void batch_start(gather_batch *batch, const lmb_gather_samples *samples, 
     batch->count = left < SAMPLES ? left : SAMPLES;
     if (samples->point_count == 1) {
         batch->per_receiver = SAMPLES;
-        if (done == 0) {
-            receiver_set(batch, 0, &samples->points[0]);
-        }
+        receiver_set(batch, 0, &samples->points[0]);
         return;
     }
     batch->per_receiver = LMB_GATHER_BLOCK;
@@ -177,8 +185,8 @@ static void gather_triangles(gather_batch *batch)
     for (uint32_t i = 0; i < batch->count; ++i) {
         const float point[2] = {x[i], y[i]};
         lmb_light_sample light;
-        const lmb_triangle_query query = lmb_receiver_triangle_query(batch_receiver(batch, i));
-        if (lmb_emitters_sample_triangle(emitters, &query, choice[i], point, &light)) {
+        if (lmb_emitters_sample_triangle(emitters, &batch->triangles, batch_receiver(batch, i)->position, choice[i],
+                                         point, &light)) {
             aimed_add(batch, &aimed, i, &light, false);
         }
     }
@@ -308,14 +316,6 @@ static void skies_gather(gather_batch *batch, const lmb_hit *hit, const float *d
     }
 }
 
-/* A sample's, to the bright cells. */
-static lmb_light_query bright_query(gather_batch *batch, uint32_t sample)
-{
-    const uint32_t number = sample / batch->per_receiver;
-    const lmb_receiver *receiver = &batch->receiver[number];
-    return (lmb_light_query){receiver->position, lmb_receiver_normal(receiver), 0.0f, &batch->bright_memo[number]};
-}
-
 /* Rays at bright cells that join `samples` of one receiver. */
 static uint32_t aims_of(uint32_t samples)
 {
@@ -347,14 +347,13 @@ static void bright_rays_make(gather_batch *batch, bright_ray *made)
     batch->rays.count = 0;
     for (uint32_t sample = 0; sample < batch->count; sample += batch->per_receiver) {
         const lmb_receiver *receiver = batch_receiver(batch, sample);
-        const lmb_light_query query = bright_query(batch, sample);
         const uint32_t end = count + aims_of(receiver_samples(batch, sample / batch->per_receiver));
         for (; count < end; ++count) {
             const float point[2] = {x[count], y[count]};
             bright_ray *ray = &made[batch->rays.count];
             ray->sample = sample;
-            if (lmb_bright_cells_aim(batch->light->bright, transport->tracer, &query, choice[count], point,
-                                     &ray->aim) &&
+            if (lmb_bright_cells_aim(batch->light->bright, transport->tracer, &batch->bright, receiver->position,
+                                     choice[count], point, &ray->aim) &&
                 lmb_receiver_sees(receiver, ray->aim.direction)) {
                 lmb_ray_batch_add(&batch->rays, lmb_receiver_ray_origin(receiver, ray->aim.direction),
                                   ray->aim.direction, FLT_MAX);
@@ -423,8 +422,8 @@ static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float
         }
         float aimed = 0.0f;
         if (light->bright) {
-            const lmb_light_query query = bright_query(batch, i);
-            aimed = aims_per_sample(batch, i) * lmb_bright_cells_density(light, &query, direction, &hit[i], side[i]);
+            aimed = aims_per_sample(batch, i) *
+                    lmb_bright_cells_density(light, &batch->bright, direction, &hit[i], side[i]);
         }
         ray_give(batch, i, light->radiance[side[i]], density[i] + aimed);
     }
@@ -450,6 +449,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
     batch.stream = replicate_stream(transport, samples);
     batch.rays_traced = rays;
     batch.found.count = 0;
+    queries_set(&batch, &samples->points[0]);
     for (uint32_t done = 0; done < samples->count; done += batch.count) {
         batch_start(&batch, samples, done);
         if (lmb_emitters_triangle_count(transport->emitters) > 0) {

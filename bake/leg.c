@@ -26,7 +26,7 @@ static float emission_mis(const lmb_transport *transport, const lmb_leg *leg, co
     if (!leg->from) {
         return 1.0f;
     }
-    const lmb_triangle_query query = lmb_receiver_triangle_query(leg->from);
+    const lmb_triangle_query query = lmb_receiver_triangles(leg->from);
     const float density = lmb_emitters_triangle_density(transport->emitters, &query, hit, leg->direction);
     return lmb_balance(lmb_receiver_density(leg->from, leg->direction), density);
 }

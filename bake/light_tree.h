@@ -31,7 +31,7 @@ void lmb_light_tree_destroy(lmb_light_tree *tree);
 
 /* Choices of one query at some of a tree's nodes, so that asking again and again from one place costs little. All 0 at
  * first. */
-enum { LMB_LIGHT_MEMO = 64 };
+enum { LMB_LIGHT_MEMO = 256 };
 typedef struct lmb_light_memo {
     uint32_t node[LMB_LIGHT_MEMO]; /* a node's number + 1 */
     double share[LMB_LIGHT_MEMO];

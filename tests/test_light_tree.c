@@ -200,8 +200,7 @@ static void probe_check(const level_fixture *level, double expected, int lamps)
     const double mean = (double)found.moments.channel[1].c[0] * sqrt(4.0 * PI);
     CHECK_NEAR(mean, expected, 1e-5 * expected, "%d lamps at a probe", lamps);
     CHECK(found.squared_error <= 0.0, "%d lamps: %g", lamps, found.squared_error);
-    CHECK(found.rays == (uint64_t)(lamps + SAMPLES), "%d lamps: %llu rays", lamps,
-          (unsigned long long)found.rays);
+    CHECK(found.rays == (uint64_t)(lamps + SAMPLES), "%d lamps: %llu rays", lamps, (unsigned long long)found.rays);
 }
 
 /* A floor under `count` lamps, none of them shadowed: E by lights summed one by one. */
@@ -410,7 +409,8 @@ static void panels_add_up(void)
         lmb_light_sample sample;
         lmb_hit hit;
         const lmb_triangle_query query = {place, &normal, NULL};
-        if (lmb_emitters_sample_triangle(level.emitters, &query, 0.999f * (float)number_next(&state), point, &sample) &&
+        if (lmb_emitters_sample_triangle(level.emitters, &query, place, 0.999f * (float)number_next(&state), point,
+                                         &sample) &&
             lmb_trace_nearest(level.tracer, place, sample.direction, 0.0f, 1e30f, &hit)) {
             const float density = lmb_emitters_triangle_density(level.emitters, &query, &hit, sample.direction);
             CHECK_NEAR(density / sample.density, 1.0, 1e-4, "sample %d", i);
