@@ -22,12 +22,31 @@ static void ray_add(sample_batch *batch, uint32_t sample, lmb_vec3 origin, lmb_v
     lmb_ray_batch_add(&batch->rays, origin, direction, far_distance);
 }
 
+/* Two numbers of each sample, for the samples of a side at once. */
+typedef struct sample_numbers {
+    float x[LMB_SIDE_SAMPLES];
+    float y[LMB_SIDE_SAMPLES];
+} sample_numbers;
+
+static void numbers_find(const sample_batch *batch, uint32_t pair, sample_numbers *numbers)
+{
+    uint32_t run;
+    for (uint32_t i = 0; i < batch->count; i += run) {
+        const lmb_path *path = &batch->sample[i].path;
+        for (run = 1; i + run < batch->count && batch->sample[i + run].path.stream == path->stream; ++run) {
+        }
+        lmb_sample_numbers(path->transport, path->stream, path->sample, run, pair, &numbers->x[i], &numbers->y[i]);
+    }
+}
+
 static void receivers_place(sample_batch *batch)
 {
+    sample_numbers points;
+    numbers_find(batch, PAIRS_PER_VERTEX + PAIR_DIRECTION, &points);
     for (uint32_t i = 0; i < batch->count; ++i) {
         const lmb_side_sample *sample = &batch->sample[i];
-        float numbers[2], u, v;
-        lmb_path_numbers(&sample->path, PAIRS_PER_VERTEX + PAIR_DIRECTION, numbers);
+        const float numbers[2] = {points.x[i], points.y[i]};
+        float u, v;
         lmb_cell_point(&sample->cell, numbers, &u, &v);
         const lmb_place place =
             lmb_trace_place(batch->transport->tracer, sample->cell.instance, sample->cell.triangle, u, v);
@@ -60,12 +79,13 @@ static void direct_find(sample_batch *batch)
 static void openness_find(sample_batch *batch)
 {
     lmb_rgb share[LMB_RAY_BATCH];
+    sample_numbers directions;
+    numbers_find(batch, PAIRS_PER_VERTEX + PAIR_ENVIRONMENT, &directions);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
         lmb_side_sample *sample = &batch->sample[i];
         const lmb_receiver *receiver = &batch->receiver[i];
-        float numbers[2];
-        lmb_path_numbers(&sample->path, PAIRS_PER_VERTEX + PAIR_ENVIRONMENT, numbers);
+        const float numbers[2] = {directions.x[i], directions.y[i]};
         const lmb_vec3 direction = lmb_receiver_direction(receiver, numbers);
         sample->link = (lmb_link){.open = false};
         if (lmb_receiver_sees(receiver, direction)) {
@@ -106,11 +126,12 @@ static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *
 static void links_find(sample_batch *batch)
 {
     lmb_hit hit[LMB_RAY_BATCH];
+    sample_numbers directions;
+    numbers_find(batch, PAIR_DIRECTION, &directions);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
         const lmb_receiver *receiver = &batch->receiver[i];
-        float numbers[2];
-        lmb_path_numbers(&batch->sample[i].path, PAIR_DIRECTION, numbers);
+        const float numbers[2] = {directions.x[i], directions.y[i]};
         const lmb_vec3 direction = lmb_receiver_direction(receiver, numbers);
         if (lmb_receiver_sees(receiver, direction)) {
             ray_add(batch, i, lmb_receiver_ray_origin(receiver, direction), direction, FLT_MAX);

@@ -14,7 +14,8 @@ typedef struct lmb_side_sample {
     lmb_link link;  /* what was seen; its target is a side */
 } lmb_side_sample;
 
-/* Takes up to LMB_SIDE_SAMPLES samples at once, so that rays of a kind go together. Sets what they find. */
+/* Takes up to LMB_SIDE_SAMPLES samples at once, so that rays of a kind go together. Sets what they find. Samples of one
+ * side come one after the other, as they are numbered. */
 enum { LMB_SIDE_SAMPLES = LMB_RAY_BATCH / LMB_AIMED_MOST };
 void lmb_side_samples_take(const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count);
 

@@ -152,8 +152,7 @@ static uint32_t cell_samples(const solve_work *work, uint32_t number)
 static void bytes_count(solve_work *work, size_t links, size_t extra)
 {
     const size_t bytes = lmb_surface_light_bytes(work->light) + links * sizeof *work->links +
-                         work->side_count * (sizeof *work->direct + sizeof *work->open_direct + sizeof *work->row) +
-                         extra;
+                         work->side_count * (sizeof *work->direct + sizeof *work->row) + extra;
     work->most_bytes = bytes > work->most_bytes ? bytes : work->most_bytes;
 }
 
@@ -175,7 +174,7 @@ static lmb_result rows_extend(solve_work *work, const uint8_t *lit)
             memcpy(links + work->row[side], work->links + (size_t)PILOT_SAMPLES * side, PILOT_SAMPLES * sizeof *links);
         }
     }
-    bytes_count(work, count + (size_t)PILOT_SAMPLES * work->side_count, 0);
+    bytes_count(work, count + (size_t)PILOT_SAMPLES * work->side_count, work->side_count * sizeof *work->open_direct);
     free(work->links);
     work->links = links;
     return LMB_OK;
@@ -248,7 +247,7 @@ static uint32_t open_count(const lmb_link *begin, const lmb_link *end)
  * samples. `samples` has room for every place. */
 static lmb_bounce_rows rows_compact(solve_work *work, const uint32_t *place, float *samples)
 {
-    lmb_bounce_rows rows = {.first = work->row, .links = work->links, .samples = samples, .light = work->direct};
+    lmb_bounce_rows rows = {.first = work->row, .samples = samples, .light = work->direct};
     size_t kept = 0, begin = 0;
     for (uint32_t side = 0; side < work->side_count; ++side) {
         const size_t end = work->row[side + 1];
@@ -273,6 +272,9 @@ static lmb_bounce_rows rows_compact(solve_work *work, const uint32_t *place, flo
         begin = end;
     }
     work->row[rows.count] = kept;
+    lmb_link *shorter = realloc(work->links, (kept + 1) * sizeof *shorter);
+    work->links = shorter ? shorter : work->links;
+    rows.links = work->links;
     return rows;
 }
 
@@ -287,6 +289,8 @@ static lmb_result work_bounce(solve_work *work, lmb_pool *pool, const lmb_progre
         bytes_count(work, work->row[work->side_count],
                     work->side_count * sizeof *place + count * sizeof *samples + lmb_bounces_bytes(count));
         const lmb_bounce_rows rows = rows_compact(work, place, samples);
+        free(work->open_direct);
+        work->open_direct = NULL;
         /* The last bounce is that on the surface that is looked at. */
         result = lmb_bounces_sum(&rows, bounces < 0 ? -1 : bounces - 1, pool, progress, passes);
         for (uint32_t side = 0; side < work->side_count; ++side) {
