@@ -87,8 +87,8 @@ static inline void lmb_surface_light_prefetch(const lmb_surface_light *light, co
     __builtin_prefetch(lmb_cell_grid_at(light, hit));
 }
 
-/* The side whose `radiance` the surface at a hit sends back along the ray. False where that takes a closer look: what is
- * not even, and, when `not_near` is set, what is nearer than its cells are wide. */
+/* The side whose `radiance` the surface at a hit sends back along the ray. False where that takes a closer look: what
+ * is not even, and, when `not_near` is set, what is nearer than its cells are wide. */
 static inline bool lmb_surface_light_find(const lmb_surface_light *light, const lmb_hit *hit, bool not_near,
                                           uint32_t *side)
 {
