@@ -87,15 +87,13 @@ static lmb_rgb sample_weight(const lmb_receiver *receiver, const lmb_light_sampl
     return rgb_scale(sample->radiance, receiver_response(receiver, sample->direction) * mis / sample->density);
 }
 
-static int aim_at_triangle(const lmb_path *path, const lmb_receiver *receiver, lmb_aimed_light *aimed)
+static int aim_at_triangle(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
+                           lmb_aimed_light *aimed)
 {
-    float point[2], choice[2];
-    lmb_path_numbers(path, PAIR_TRIANGLE, point);
-    lmb_path_numbers(path, PAIR_CHOICE, choice);
     lmb_light_sample sample;
     const lmb_triangle_query query = lmb_receiver_triangles(receiver);
-    if (!lmb_emitters_sample_triangle(path->transport->emitters, &query, receiver->position, choice[0], point,
-                                      &sample) ||
+    if (!lmb_emitters_sample_triangle(transport->emitters, &query, receiver->position, start->choice[0],
+                                      start->triangle, &sample) ||
         !lmb_receiver_sees(receiver, sample.direction)) {
         return 0;
     }
@@ -105,17 +103,13 @@ static int aim_at_triangle(const lmb_path *path, const lmb_receiver *receiver, l
     return 1;
 }
 
-static int aim_at_environment(const lmb_path *path, const lmb_receiver *receiver, lmb_aimed_light *aimed)
+static int aim_at_environment(const lmb_receiver *receiver, const lmb_light_sample *sample, lmb_aimed_light *aimed)
 {
-    float point[2];
-    lmb_path_numbers(path, PAIR_ENVIRONMENT, point);
-    lmb_light_sample sample;
-    lmb_emitters_sample_environment(path->transport->emitters, &point[0], &point[1], 1, &sample);
-    if (!(sample.density > 0.0f) || !lmb_receiver_sees(receiver, sample.direction)) {
+    if (!(sample->density > 0.0f) || !lmb_receiver_sees(receiver, sample->direction)) {
         return 0;
     }
-    *aimed = (lmb_aimed_light){lmb_receiver_ray_origin(receiver, sample.direction), sample.direction, FLT_MAX,
-                               sample_weight(receiver, &sample)};
+    *aimed = (lmb_aimed_light){lmb_receiver_ray_origin(receiver, sample->direction), sample->direction, FLT_MAX,
+                               sample_weight(receiver, sample)};
     return 1;
 }
 
@@ -129,12 +123,11 @@ int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *re
     return lmb_emitters_punctual(transport->emitters, &query, choice, max, sample);
 }
 
-static int aim_at_punctual(const lmb_path *path, const lmb_receiver *receiver, lmb_aimed_light aimed[2])
+static int aim_at_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
+                           lmb_aimed_light aimed[2])
 {
-    float choice[2];
-    lmb_path_numbers(path, PAIR_CHOICE, choice);
     lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX];
-    const int found = lmb_receiver_punctual(path->transport, receiver, choice, 1, sample);
+    const int found = lmb_receiver_punctual(transport, receiver, start->choice, 1, sample);
     int count = 0;
     for (int i = 0; i < found; ++i) {
         const lmb_vec3 direction = sample[i].direction;
@@ -149,27 +142,47 @@ static int aim_at_punctual(const lmb_path *path, const lmb_receiver *receiver, l
     return count;
 }
 
-int lmb_direct_aim(const lmb_path *path, const lmb_receiver *receiver, lmb_aimed_light aimed[LMB_AIMED_MOST])
+int lmb_direct_aim(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
+                   lmb_aimed_light aimed[LMB_AIMED_MOST])
 {
-    const lmb_emitters *emitters = path->transport->emitters;
     int count = 0;
-    if (lmb_tracer_scene(path->transport->tracer)->light_count > 0) {
-        count += aim_at_punctual(path, receiver, aimed);
+    if (lmb_tracer_scene(transport->tracer)->light_count > 0) {
+        count += aim_at_punctual(transport, receiver, start, aimed);
     }
-    if (lmb_emitters_triangle_count(emitters) > 0) {
-        count += aim_at_triangle(path, receiver, aimed + count);
+    if (lmb_emitters_triangle_count(transport->emitters) > 0) {
+        count += aim_at_triangle(transport, receiver, start, aimed + count);
     }
-    if (lmb_emitters_environment_sampled(emitters)) {
-        count += aim_at_environment(path, receiver, aimed + count);
+    if (lmb_emitters_environment_sampled(transport->emitters)) {
+        count += aim_at_environment(receiver, &start->environment, aimed + count);
     }
     return count;
+}
+
+static lmb_direct_start path_start(const lmb_path *path)
+{
+    const lmb_emitters *emitters = path->transport->emitters;
+    lmb_direct_start start;
+    const bool triangles = lmb_emitters_triangle_count(emitters) > 0;
+    if (triangles || lmb_tracer_scene(path->transport->tracer)->light_count > 0) {
+        lmb_path_numbers(path, PAIR_CHOICE, start.choice);
+    }
+    if (triangles) {
+        lmb_path_numbers(path, PAIR_TRIANGLE, start.triangle);
+    }
+    if (lmb_emitters_environment_sampled(emitters)) {
+        float point[2];
+        lmb_path_numbers(path, PAIR_ENVIRONMENT, point);
+        lmb_emitters_sample_environment(emitters, &point[0], &point[1], 1, &start.environment);
+    }
+    return start;
 }
 
 lmb_rgb lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver)
 {
     const lmb_tracer *tracer = path->transport->tracer;
     lmb_aimed_light aimed[LMB_AIMED_MOST];
-    const int count = lmb_direct_aim(path, receiver, aimed);
+    const lmb_direct_start start = path_start(path);
+    const int count = lmb_direct_aim(path->transport, receiver, &start, aimed);
     lmb_rgb sum = rgb(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < count; ++i) {
         const lmb_rgb share =

@@ -93,10 +93,19 @@ typedef struct lmb_aimed_light {
 int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
 
-/* Next-event estimation of everything that can be aimed at. Returns how many. */
-int lmb_direct_aim(const lmb_path *path, const lmb_receiver *receiver, lmb_aimed_light aimed[LMB_AIMED_MOST]);
+/* What next-event estimation starts from: the path's numbers, and what those of PAIR_ENVIRONMENT sample. Only what the
+ * level has of each kind need be set. */
+typedef struct lmb_direct_start {
+    float triangle[2]; /* PAIR_TRIANGLE */
+    float choice[2];   /* PAIR_CHOICE */
+    lmb_light_sample environment;
+} lmb_direct_start;
 
-/* What arrives of it, summed. */
+/* Next-event estimation of everything that can be aimed at. Returns how many. */
+int lmb_direct_aim(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
+                   lmb_aimed_light aimed[LMB_AIMED_MOST]);
+
+/* What arrives of it on the path's way, summed. */
 lmb_rgb lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver);
 
 #endif

@@ -54,13 +54,36 @@ static void receivers_place(sample_batch *batch)
     }
 }
 
+static void starts_find(const sample_batch *batch, lmb_direct_start *starts)
+{
+    const lmb_emitters *emitters = batch->transport->emitters;
+    sample_numbers triangle, choice;
+    numbers_find(batch, PAIR_TRIANGLE, &triangle);
+    numbers_find(batch, PAIR_CHOICE, &choice);
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        starts[i] =
+            (lmb_direct_start){.triangle = {triangle.x[i], triangle.y[i]}, .choice = {choice.x[i], choice.y[i]}};
+    }
+    if (lmb_emitters_environment_sampled(emitters)) {
+        sample_numbers environment;
+        lmb_light_sample sky[LMB_SIDE_SAMPLES];
+        numbers_find(batch, PAIR_ENVIRONMENT, &environment);
+        lmb_emitters_sample_environment(emitters, environment.x, environment.y, batch->count, sky);
+        for (uint32_t i = 0; i < batch->count; ++i) {
+            starts[i].environment = sky[i];
+        }
+    }
+}
+
 static void direct_find(sample_batch *batch)
 {
     lmb_rgb weight[LMB_RAY_BATCH], share[LMB_RAY_BATCH];
+    lmb_direct_start starts[LMB_SIDE_SAMPLES];
+    starts_find(batch, starts);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
         lmb_aimed_light aimed[LMB_AIMED_MOST];
-        const int count = lmb_direct_aim(&batch->sample[i].path, &batch->receiver[i], aimed);
+        const int count = lmb_direct_aim(batch->transport, &batch->receiver[i], &starts[i], aimed);
         for (int k = 0; k < count; ++k) {
             weight[batch->rays.count] = aimed[k].weight;
             ray_add(batch, i, aimed[k].origin, aimed[k].towards, aimed[k].far_distance);
