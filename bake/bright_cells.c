@@ -41,29 +41,21 @@ static bright_sums sums_above(const lmb_surface_light *light, const lmb_tracer *
 {
     bright_sums sums = {0.0, 0.0, 0};
     for (uint32_t number = 0; number < light->cell_count; ++number) {
-        double area = 0.0;
-        for (uint32_t side = 2 * number; side < 2 * number + 2; ++side) {
-            const double luminance = side_luminance(light, side);
-            if (luminance > least) {
-                if (!(area > 0.0)) {
-                    const lmb_cell cell = lmb_cell_find(light, number);
-                    area = (double)lmb_cell_area(&cell, tracer);
-                }
-                sums.power += luminance * area;
+        const double luminance[2] = {side_luminance(light, 2 * number), side_luminance(light, 2 * number + 1)};
+        if (!(luminance[0] > least || luminance[1] > least)) {
+            continue;
+        }
+        const lmb_cell cell = lmb_cell_find(light, number);
+        const double area = (double)lmb_cell_area(&cell, tracer);
+        for (int side = 0; side < 2; ++side) {
+            if (luminance[side] > least) {
+                sums.power += luminance[side] * area;
                 sums.area += area;
                 ++sums.count;
             }
         }
     }
     return sums;
-}
-
-static lmb_vec3 cell_normal(const lmb_tracer *tracer, const lmb_cell *cell)
-{
-    lmb_vec3 corner[3];
-    lmb_trace_corners(tracer, cell->instance, cell->triangle, corner);
-    const lmb_vec3 cross = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
-    return vec3_normalize_or(cross, vec3(0.0f, 0.0f, 0.0f));
 }
 
 static lmb_light_bound cell_bound(const lmb_tracer *tracer, const lmb_cell *cell, lmb_vec3 normal, float power)
@@ -98,7 +90,8 @@ static void cells_take(lmb_bright_cells *bright, const lmb_surface_light *light,
         const float area = lmb_cell_area(&cell, tracer);
         const float power = (float)luminance * area;
         if (power > 0.0f && isfinite(power)) {
-            const lmb_vec3 normal = vec3_scale(cell_normal(tracer, &cell), side % 2 == 0 ? 1.0f : -1.0f);
+            const lmb_place place = lmb_trace_place(tracer, cell.instance, cell.triangle, 0.0f, 0.0f);
+            const lmb_vec3 normal = vec3_scale(place.geometric_normal, side % 2 == 0 ? 1.0f : -1.0f);
             bounds[bright->count] = cell_bound(tracer, &cell, normal, power);
             bright->cell[bright->count++] = (bright_cell){cell, side, area, normal};
         }
