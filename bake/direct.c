@@ -80,37 +80,35 @@ lmb_vec3 lmb_receiver_ray_origin(const lmb_receiver *receiver, lmb_vec3 directio
     }
 }
 
-/* A light that directions sampled by the receiver find too: weighted against them. */
-static lmb_rgb sample_weight(const lmb_receiver *receiver, const lmb_light_sample *sample)
+/* A ray towards `end`, or without end. */
+static lmb_aimed_light aim(const lmb_receiver *receiver, lmb_vec3 direction, lmb_vec3 end, bool at_infinity,
+                           lmb_rgb weight)
 {
-    const float mis = lmb_balance(sample->density, lmb_receiver_density(receiver, sample->direction));
-    return rgb_scale(sample->radiance, receiver_response(receiver, sample->direction) * mis / sample->density);
+    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, direction);
+    return (lmb_aimed_light){origin, at_infinity ? direction : vec3_sub(end, origin),
+                             at_infinity ? FLT_MAX : LMB_TRACE_UP_TO_END, weight};
 }
 
-static int aim_at_triangle(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
-                           lmb_aimed_light *aimed)
+bool lmb_receiver_aim(const lmb_receiver *receiver, const lmb_light_sample *light, bool at_infinity,
+                      lmb_aimed_light *aimed)
 {
-    lmb_light_sample sample;
-    const lmb_triangle_query query = lmb_receiver_triangles(receiver);
-    if (!lmb_emitters_sample_triangle(transport->emitters, &query, receiver->position, start->choice[0],
-                                      start->triangle, &sample) ||
-        !lmb_receiver_sees(receiver, sample.direction)) {
-        return 0;
+    if (!lmb_receiver_sees(receiver, light->direction)) {
+        return false;
     }
-    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, sample.direction);
-    *aimed =
-        (lmb_aimed_light){origin, vec3_sub(sample.end, origin), LMB_TRACE_UP_TO_END, sample_weight(receiver, &sample)};
-    return 1;
+    const float mis = lmb_balance(light->density, lmb_receiver_density(receiver, light->direction));
+    const float factor = receiver_response(receiver, light->direction) * mis / light->density;
+    *aimed = aim(receiver, light->direction, light->end, at_infinity, rgb_scale(light->radiance, factor));
+    return true;
 }
 
-static int aim_at_environment(const lmb_receiver *receiver, const lmb_light_sample *sample, lmb_aimed_light *aimed)
+bool lmb_receiver_aim_punctual(const lmb_receiver *receiver, const lmb_punctual_sample *light, lmb_aimed_light *aimed)
 {
-    if (!(sample->density > 0.0f) || !lmb_receiver_sees(receiver, sample->direction)) {
-        return 0;
+    if (!lmb_receiver_sees(receiver, light->direction)) {
+        return false;
     }
-    *aimed = (lmb_aimed_light){lmb_receiver_ray_origin(receiver, sample->direction), sample->direction, FLT_MAX,
-                               sample_weight(receiver, sample)};
-    return 1;
+    const float response = receiver_response(receiver, light->direction);
+    *aimed = aim(receiver, light->direction, light->end, light->at_infinity, rgb_scale(light->irradiance, response));
+    return true;
 }
 
 int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,
@@ -123,23 +121,26 @@ int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *re
     return lmb_emitters_punctual(transport->emitters, &query, choice, max, sample);
 }
 
-static int aim_at_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
-                           lmb_aimed_light aimed[2])
+static int punctual_aim(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
+                        lmb_aimed_light aimed[2])
 {
-    lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX];
-    const int found = lmb_receiver_punctual(transport, receiver, start->choice, 1, sample);
+    lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
+    const int found = lmb_receiver_punctual(transport, receiver, start->choice, 1, light);
     int count = 0;
     for (int i = 0; i < found; ++i) {
-        const lmb_vec3 direction = sample[i].direction;
-        if (lmb_receiver_sees(receiver, direction)) {
-            const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, direction);
-            const bool far_away = sample[i].at_infinity;
-            aimed[count++] = (lmb_aimed_light){origin, far_away ? direction : vec3_sub(sample[i].end, origin),
-                                               far_away ? FLT_MAX : LMB_TRACE_UP_TO_END,
-                                               rgb_scale(sample[i].irradiance, receiver_response(receiver, direction))};
-        }
+        count += lmb_receiver_aim_punctual(receiver, &light[i], &aimed[count]);
     }
     return count;
+}
+
+static bool triangle_aim(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
+                         lmb_aimed_light *aimed)
+{
+    lmb_light_sample light;
+    const lmb_triangle_query query = lmb_receiver_triangles(receiver);
+    return lmb_emitters_sample_triangle(transport->emitters, &query, receiver->position, start->choice[0],
+                                        start->triangle, &light) &&
+           lmb_receiver_aim(receiver, &light, false, aimed);
 }
 
 int lmb_direct_aim(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
@@ -147,13 +148,13 @@ int lmb_direct_aim(const lmb_transport *transport, const lmb_receiver *receiver,
 {
     int count = 0;
     if (lmb_tracer_scene(transport->tracer)->light_count > 0) {
-        count += aim_at_punctual(transport, receiver, start, aimed);
+        count += punctual_aim(transport, receiver, start, aimed);
     }
     if (lmb_emitters_triangle_count(transport->emitters) > 0) {
-        count += aim_at_triangle(transport, receiver, start, aimed + count);
+        count += triangle_aim(transport, receiver, start, aimed + count);
     }
-    if (lmb_emitters_environment_sampled(transport->emitters)) {
-        count += aim_at_environment(receiver, &start->environment, aimed + count);
+    if (lmb_emitters_environment_sampled(transport->emitters) && start->environment.density > 0.0f) {
+        count += lmb_receiver_aim(receiver, &start->environment, true, aimed + count);
     }
     return count;
 }

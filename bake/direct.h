@@ -89,6 +89,14 @@ typedef struct lmb_aimed_light {
     lmb_rgb weight; /* radiance x solid angle for a gather point, normalised irradiance for a surface */
 } lmb_aimed_light;
 
+/* Aims at a light that directions sampled by the receiver find too: weighted against them. False where the receiver
+ * does not see it. */
+bool lmb_receiver_aim(const lmb_receiver *receiver, const lmb_light_sample *light, bool at_infinity,
+                      lmb_aimed_light *aimed);
+
+/* The same of a punctual light, which they never find. */
+bool lmb_receiver_aim_punctual(const lmb_receiver *receiver, const lmb_punctual_sample *light, lmb_aimed_light *aimed);
+
 /* Punctual lights that a receiver is to look at (lmb_emitters_punctual). */
 int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);

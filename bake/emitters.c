@@ -226,11 +226,16 @@ static float density_per_solid_angle(const emitter *light, double probability, f
     return cosine > 1e-6f ? per_area * distance * distance / cosine : 0.0f;
 }
 
+static lmb_light_query tree_query(const lmb_triangle_query *query)
+{
+    return (lmb_light_query){.position = query->position, .normal = query->normal, .memo = query->memo};
+}
+
 static uint32_t triangle_choose(const lmb_emitters *emitters, const lmb_triangle_query *query, float choice,
                                 double *probability)
 {
     if (emitters->tree) {
-        const lmb_light_query asked = {query->position, query->normal, 0.0f, query->memo};
+        const lmb_light_query asked = tree_query(query);
         return lmb_light_tree_choose(emitters->tree, &asked, (double)choice, probability);
     }
     *probability = 1.0 / emitters->triangle_count;
@@ -240,7 +245,7 @@ static uint32_t triangle_choose(const lmb_emitters *emitters, const lmb_triangle
 static double triangle_probability(const lmb_emitters *emitters, const lmb_triangle_query *query, uint32_t number)
 {
     if (emitters->tree) {
-        const lmb_light_query asked = {query->position, query->normal, 0.0f, query->memo};
+        const lmb_light_query asked = tree_query(query);
         return lmb_light_tree_probability(emitters->tree, &asked, number);
     }
     return 1.0 / emitters->triangle_count;

@@ -138,75 +138,66 @@ static void found_make_room(gather_batch *batch, lmb_gather_sink sink, void *con
     }
 }
 
-/* Light that was aimed at, and what it gives where nothing is in its way. */
-typedef struct aimed_light {
+/* Where light comes from that the batch's rays aim at, and what it gives where nothing is in its way. */
+typedef struct aimed_lights {
     lmb_vec3 direction[SAMPLES];
     lmb_rgb weight[SAMPLES];
-} aimed_light;
+} aimed_lights;
 
-static void aimed_trace(gather_batch *batch, const aimed_light *aimed)
+static void aimed_trace(gather_batch *batch, const aimed_lights *lights)
 {
     lmb_rgb share[SAMPLES];
     lmb_trace_transmittance_batch(batch->transport->tracer, &batch->rays, share, batch->rays_traced);
     for (uint32_t i = 0; i < batch->rays.count; ++i) {
         if (rgb_max(share[i]) > 0.0f) {
-            contribution_add(&batch->found, aimed->direction[i], rgb_mul(aimed->weight[i], share[i]));
+            contribution_add(&batch->found, lights->direction[i], rgb_mul(lights->weight[i], share[i]));
         }
     }
 }
 
-static void aimed_add(gather_batch *batch, aimed_light *aimed, uint32_t sample, const lmb_light_sample *light,
-                      bool at_infinity)
+static void aimed_add(gather_batch *batch, aimed_lights *lights, lmb_vec3 direction, const lmb_aimed_light *aimed)
 {
-    const lmb_receiver *receiver = batch_receiver(batch, sample);
-    if (!lmb_receiver_sees(receiver, light->direction)) {
-        return;
-    }
-    const uint32_t i = batch->rays.count;
-    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, light->direction);
-    const float mis = lmb_balance(light->density, lmb_receiver_density(receiver, light->direction));
-    aimed->direction[i] = light->direction;
-    aimed->weight[i] = rgb_scale(light->radiance, mis / light->density);
-    if (at_infinity) {
-        lmb_ray_batch_add(&batch->rays, origin, light->direction, FLT_MAX);
-    } else {
-        lmb_ray_batch_add(&batch->rays, origin, vec3_sub(light->end, origin), LMB_TRACE_UP_TO_END);
-    }
+    lights->direction[batch->rays.count] = direction;
+    lights->weight[batch->rays.count] = aimed->weight;
+    lmb_ray_batch_add(&batch->rays, aimed->origin, aimed->towards, aimed->far_distance);
 }
 
 static void gather_triangles(gather_batch *batch)
 {
     const lmb_emitters *emitters = batch->transport->emitters;
     float x[SAMPLES], y[SAMPLES], choice[SAMPLES], unused[SAMPLES];
-    aimed_light aimed;
+    aimed_lights lights;
     batch_numbers(batch, PAIR_TRIANGLE, x, y);
     batch_numbers(batch, PAIR_CHOICE, choice, unused);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
         const float point[2] = {x[i], y[i]};
+        const lmb_receiver *receiver = batch_receiver(batch, i);
         lmb_light_sample light;
-        if (lmb_emitters_sample_triangle(emitters, &batch->triangles, batch_receiver(batch, i)->position, choice[i],
-                                         point, &light)) {
-            aimed_add(batch, &aimed, i, &light, false);
+        lmb_aimed_light aimed;
+        if (lmb_emitters_sample_triangle(emitters, &batch->triangles, receiver->position, choice[i], point, &light) &&
+            lmb_receiver_aim(receiver, &light, false, &aimed)) {
+            aimed_add(batch, &lights, light.direction, &aimed);
         }
     }
-    aimed_trace(batch, &aimed);
+    aimed_trace(batch, &lights);
 }
 
 static void gather_environment(gather_batch *batch)
 {
     float x[SAMPLES], y[SAMPLES];
     lmb_light_sample light[SAMPLES];
-    aimed_light aimed;
+    aimed_lights lights;
     batch_numbers(batch, PAIR_ENVIRONMENT, x, y);
     lmb_emitters_sample_environment(batch->transport->emitters, x, y, batch->count, light);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
-        if (light[i].density > 0.0f) {
-            aimed_add(batch, &aimed, i, &light[i], true);
+        lmb_aimed_light aimed;
+        if (light[i].density > 0.0f && lmb_receiver_aim(batch_receiver(batch, i), &light[i], true, &aimed)) {
+            aimed_add(batch, &lights, light[i].direction, &aimed);
         }
     }
-    aimed_trace(batch, &aimed);
+    aimed_trace(batch, &lights);
 }
 
 /* Asks up to `max` lights of a kind, which count for `samples` samples. */
@@ -214,24 +205,17 @@ static void punctual_ask(gather_batch *batch, const lmb_receiver *receiver, cons
                          uint32_t samples)
 {
     lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
-    aimed_light aimed;
+    aimed_lights lights;
     const int count = lmb_receiver_punctual(batch->transport, receiver, choice, max, light);
     batch->rays.count = 0;
     for (int i = 0; i < count; ++i) {
-        if (!lmb_receiver_sees(receiver, light[i].direction)) {
-            continue;
-        }
-        const uint32_t k = batch->rays.count;
-        const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, light[i].direction);
-        aimed.direction[k] = light[i].direction;
-        aimed.weight[k] = rgb_scale(light[i].irradiance, (float)samples);
-        if (light[i].at_infinity) {
-            lmb_ray_batch_add(&batch->rays, origin, light[i].direction, FLT_MAX);
-        } else {
-            lmb_ray_batch_add(&batch->rays, origin, vec3_sub(light[i].end, origin), LMB_TRACE_UP_TO_END);
+        lmb_aimed_light aimed;
+        if (lmb_receiver_aim_punctual(receiver, &light[i], &aimed)) {
+            aimed.weight = rgb_scale(aimed.weight, (float)samples);
+            aimed_add(batch, &lights, light[i].direction, &aimed);
         }
     }
-    aimed_trace(batch, &aimed);
+    aimed_trace(batch, &lights);
 }
 
 /* Lights of no extent are the same for all of a receiver's samples: each is asked once, and counts for all of them. */

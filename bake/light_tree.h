@@ -29,8 +29,8 @@ typedef struct lmb_light_tree lmb_light_tree;
 lmb_result lmb_light_tree_create(const lmb_light_bound *lights, uint32_t count, bool two_sided, lmb_light_tree **tree);
 void lmb_light_tree_destroy(lmb_light_tree *tree);
 
-/* Choices of one query at some of a tree's nodes, so that asking again and again from one place costs little. All 0 at
- * first. */
+/* Choices of one query at some of a tree's nodes, so that asking again and again from one place costs little. `node`
+ * is all 0 at first. */
 enum { LMB_LIGHT_MEMO = 256 };
 typedef struct lmb_light_memo {
     uint32_t node[LMB_LIGHT_MEMO]; /* a node's number + 1 */

@@ -30,12 +30,13 @@ typedef struct sample_numbers {
 
 static void numbers_find(const sample_batch *batch, uint32_t pair, sample_numbers *numbers)
 {
-    uint32_t run;
-    for (uint32_t i = 0; i < batch->count; i += run) {
+    for (uint32_t i = 0, end; i < batch->count; i = end) {
         const lmb_path *path = &batch->sample[i].path;
-        for (run = 1; i + run < batch->count && batch->sample[i + run].path.stream == path->stream; ++run) {
+        end = i + 1;
+        while (end < batch->count && batch->sample[end].path.stream == path->stream) {
+            ++end;
         }
-        lmb_sample_numbers(path->transport, path->stream, path->sample, run, pair, &numbers->x[i], &numbers->y[i]);
+        lmb_sample_numbers(path->transport, path->stream, path->sample, end - i, pair, &numbers->x[i], &numbers->y[i]);
     }
 }
 
@@ -54,24 +55,32 @@ static void receivers_place(sample_batch *batch)
     }
 }
 
+static void skies_sample(const sample_batch *batch, lmb_direct_start *starts)
+{
+    sample_numbers numbers;
+    lmb_light_sample sky[LMB_SIDE_SAMPLES];
+    numbers_find(batch, PAIR_ENVIRONMENT, &numbers);
+    lmb_emitters_sample_environment(batch->transport->emitters, numbers.x, numbers.y, batch->count, sky);
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        starts[i].environment = sky[i];
+    }
+}
+
+/* Where next-event estimation starts, as for a path. */
 static void starts_find(const sample_batch *batch, lmb_direct_start *starts)
 {
-    const lmb_emitters *emitters = batch->transport->emitters;
-    sample_numbers triangle, choice;
-    numbers_find(batch, PAIR_TRIANGLE, &triangle);
-    numbers_find(batch, PAIR_CHOICE, &choice);
-    for (uint32_t i = 0; i < batch->count; ++i) {
-        starts[i] =
-            (lmb_direct_start){.triangle = {triangle.x[i], triangle.y[i]}, .choice = {choice.x[i], choice.y[i]}};
-    }
-    if (lmb_emitters_environment_sampled(emitters)) {
-        sample_numbers environment;
-        lmb_light_sample sky[LMB_SIDE_SAMPLES];
-        numbers_find(batch, PAIR_ENVIRONMENT, &environment);
-        lmb_emitters_sample_environment(emitters, environment.x, environment.y, batch->count, sky);
+    const lmb_transport *transport = batch->transport;
+    if (lmb_emitters_triangle_count(transport->emitters) > 0 || lmb_tracer_scene(transport->tracer)->light_count > 0) {
+        sample_numbers choice, triangle;
+        numbers_find(batch, PAIR_CHOICE, &choice);
+        numbers_find(batch, PAIR_TRIANGLE, &triangle);
         for (uint32_t i = 0; i < batch->count; ++i) {
-            starts[i].environment = sky[i];
+            starts[i] =
+                (lmb_direct_start){.triangle = {triangle.x[i], triangle.y[i]}, .choice = {choice.x[i], choice.y[i]}};
         }
+    }
+    if (lmb_emitters_environment_sampled(transport->emitters)) {
+        skies_sample(batch, starts);
     }
 }
 

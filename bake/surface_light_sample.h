@@ -6,6 +6,7 @@
 #include "surface_light_bounce.h"
 #include "surface_light_internal.h"
 
+/* A sample of one side of a cell: the caller sets the first three. */
 typedef struct lmb_side_sample {
     lmb_path path; /* at its first vertex */
     lmb_cell cell;

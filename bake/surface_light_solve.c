@@ -16,6 +16,7 @@ enum { SIDES_PER_TASK = 128 };
  * as insides of solids do, gets no more and stays dark. */
 enum { PILOT_SAMPLES = 4 };
 
+/* For a side whose cell is about as large as cells can be. */
 enum { ENOUGH_SAMPLES = 8 };
 
 /* The light of a cell that is partly in a gap is that of its open part, if enough samples show that part. Fewer may all
