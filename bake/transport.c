@@ -6,9 +6,11 @@
 #include "leg.h"
 #include "surface_light_internal.h"
 
-/* Roulette starts after this many reflections: short paths carry most of the light. Survival is the albedo itself (a
- * lower one would let weights grow without bound), kept just below 1 so that a white room ends. */
+/* Roulette starts after this many reflections, for short paths carry most of the light, and then where less than
+ * ROULETTE_BELOW is left of it: what survives carries that much. Survival is kept just below 1 so that a white room
+ * ends. */
 #define ROULETTE_AFTER 2
+#define ROULETTE_BELOW 0.1f
 #define ROULETTE_MAX_SURVIVAL 0.999f
 
 /* A gap is narrow below this share of a cell's size. */
@@ -73,7 +75,7 @@ lmb_rgb lmb_path_radiance(lmb_path *path, lmb_leg leg, lmb_landing landing)
         ++path->vertex;
         float numbers[2];
         if (path->vertex > ROULETTE_AFTER) {
-            const float survival = fminf(rgb_max(landing.albedo), ROULETTE_MAX_SURVIVAL);
+            const float survival = fminf(rgb_max(leg.throughput) / ROULETTE_BELOW, ROULETTE_MAX_SURVIVAL);
             lmb_path_numbers(path, PAIR_ROULETTE, numbers);
             if (numbers[0] >= survival) {
                 return radiance;
