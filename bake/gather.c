@@ -300,17 +300,15 @@ static void skies_gather(gather_batch *batch, const lmb_hit *hit, const float *d
     }
 }
 
-/* Rays at bright cells that join `samples` of one receiver. */
-static uint32_t aims_of(uint32_t samples)
+/* Rays at bright cells that join the batch's samples: the first of every SAMPLES_PER_AIM. */
+static uint32_t batch_aims(const gather_batch *batch)
 {
-    return (samples + SAMPLES_PER_AIM - 1) / SAMPLES_PER_AIM;
+    return (batch->count + SAMPLES_PER_AIM - 1) / SAMPLES_PER_AIM;
 }
 
-/* The same for each sample of the receiver that has `sample`. */
-static float aims_per_sample(const gather_batch *batch, uint32_t sample)
+static float aims_per_sample(const gather_batch *batch)
 {
-    const uint32_t samples = receiver_samples(batch, sample / batch->per_receiver);
-    return (float)aims_of(samples) / (float)samples;
+    return (float)batch_aims(batch) / (float)batch->count;
 }
 
 /* A ray at a bright cell, and a sample of the receiver that it joins. */
@@ -323,25 +321,21 @@ static void bright_rays_make(gather_batch *batch, bright_ray *made)
 {
     const lmb_transport *transport = batch->transport;
     const uint32_t first = batch->first / SAMPLES_PER_AIM;
-    const uint32_t aims = (batch->count + batch->per_receiver - 1) / batch->per_receiver * aims_of(batch->per_receiver);
+    const uint32_t aims = batch_aims(batch);
     float x[SAMPLES], y[SAMPLES], choice[SAMPLES], unused[SAMPLES];
-    uint32_t count = 0;
     lmb_sample_numbers(transport, batch->stream, first, aims, PAIR_BRIGHT, x, y);
     lmb_sample_numbers(transport, batch->stream, first, aims, PAIR_BRIGHT_CHOICE, choice, unused);
     batch->rays.count = 0;
-    for (uint32_t sample = 0; sample < batch->count; sample += batch->per_receiver) {
-        const lmb_receiver *receiver = batch_receiver(batch, sample);
-        const uint32_t end = count + aims_of(receiver_samples(batch, sample / batch->per_receiver));
-        for (; count < end; ++count) {
-            const float point[2] = {x[count], y[count]};
-            bright_ray *ray = &made[batch->rays.count];
-            ray->sample = sample;
-            if (lmb_bright_cells_aim(batch->light->bright, transport->tracer, &batch->bright, receiver->position,
-                                     choice[count], point, &ray->aim) &&
-                lmb_receiver_sees(receiver, ray->aim.direction)) {
-                lmb_ray_batch_add(&batch->rays, lmb_receiver_ray_origin(receiver, ray->aim.direction),
-                                  ray->aim.direction, FLT_MAX);
-            }
+    for (uint32_t i = 0; i < aims; ++i) {
+        const float point[2] = {x[i], y[i]};
+        bright_ray *ray = &made[batch->rays.count];
+        ray->sample = i * SAMPLES_PER_AIM;
+        const lmb_receiver *receiver = batch_receiver(batch, ray->sample);
+        if (lmb_bright_cells_aim(batch->light->bright, transport->tracer, &batch->bright, receiver->position, choice[i],
+                                 point, &ray->aim) &&
+            lmb_receiver_sees(receiver, ray->aim.direction)) {
+            lmb_ray_batch_add(&batch->rays, lmb_receiver_ray_origin(receiver, ray->aim.direction), ray->aim.direction,
+                              FLT_MAX);
         }
     }
 }
@@ -361,9 +355,8 @@ static void gather_bright(gather_batch *batch)
         uint32_t side;
         if (hit[i].instance != LMB_HIT_NOTHING &&
             lmb_surface_light_find(light, &hit[i], transport->bounces < 0, &side) && side == aim->side) {
-            const float density =
-                lmb_receiver_density(batch_receiver(batch, ray[i].sample), aim->direction) +
-                aims_per_sample(batch, ray[i].sample) * lmb_bright_aim_density(light->bright, aim, &hit[i]);
+            const float density = lmb_receiver_density(batch_receiver(batch, ray[i].sample), aim->direction) +
+                                  aims_per_sample(batch) * lmb_bright_aim_density(light->bright, aim, &hit[i]);
             contribution_add(&batch->found, aim->direction, rgb_scale(light->radiance[side], 1.0f / density));
         }
     }
@@ -406,8 +399,8 @@ static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float
         }
         float aimed = 0.0f;
         if (light->bright) {
-            aimed = aims_per_sample(batch, i) *
-                    lmb_bright_cells_density(light, &batch->bright, direction, &hit[i], side[i]);
+            aimed =
+                aims_per_sample(batch) * lmb_bright_cells_density(light, &batch->bright, direction, &hit[i], side[i]);
         }
         ray_give(batch, i, light->radiance[side[i]], density[i] + aimed);
     }

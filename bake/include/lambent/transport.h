@@ -46,7 +46,7 @@ typedef struct lmb_gather_point {
  * a Sobol sequence of its own, and one of all samples errs less than the mean of many short ones. Samples come in blocks
  * of LMB_GATHER_BLOCK, and a block starts at one point: block b of replicate r at
  * points[(b + r point_count / LMB_GATHER_REPLICATES) % point_count]. */
-enum { LMB_GATHER_REPLICATES = 2, LMB_GATHER_BLOCK = 4 };
+enum { LMB_GATHER_REPLICATES = 2, LMB_GATHER_BLOCK = 2 };
 typedef struct lmb_gather_samples {
     const lmb_gather_point *points;
     uint32_t point_count; /* > 0 */
