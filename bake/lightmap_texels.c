@@ -32,6 +32,9 @@ static texel_vertex vertex_lerp(texel_vertex a, texel_vertex b, double t)
     return (texel_vertex){a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.u + (b.u - a.u) * t, a.v + (b.v - a.v) * t};
 }
 
+/* A triangle this deep around a texel's centre (texels) covers all of it. */
+#define WHOLE_DEPTH 0.7072
+
 /* The part of a convex polygon on one side of an axis-aligned line: sign (x or y - bound) >= 0. */
 static texel_polygon polygon_clip(const texel_polygon *polygon, bool along_y, double bound, double sign)
 {
@@ -57,8 +60,8 @@ static void polygon_range(const texel_polygon *polygon, bool along_y, double *lo
     *high = -HUGE_VAL;
     for (int i = 0; i < polygon->count; ++i) {
         const double value = along_y ? polygon->vertex[i].y : polygon->vertex[i].x;
-        *low = fmin(*low, value);
-        *high = fmax(*high, value);
+        *low = value < *low ? value : *low;
+        *high = value > *high ? value : *high;
     }
 }
 
@@ -122,13 +125,11 @@ static texel_vertex polygon_middle(const texel_polygon *polygon)
     return (texel_vertex){sum.x / n, sum.y / n, sum.u / n, sum.v / n};
 }
 
-/* Where the texel at (x, y) samples a triangle that covers `covered` of it. */
-static lmb_texel_source texel_sample(const texel_vertex corner[3], const texel_polygon *covered, int32_t x, int32_t y,
-                                     uint32_t triangle)
+/* Where the texel at (x, y) samples a triangle that covers `covered` of it. `centre` is the texel's, at `depth` in the
+ * triangle. */
+static lmb_texel_source texel_sample(const texel_polygon *covered, texel_vertex centre, double depth, uint32_t triangle)
 {
-    texel_vertex point = {x + 0.5, y + 0.5, 0.0, 0.0};
-    const texel_vertex centre = point;
-    double depth = triangle_depth(corner, &point);
+    texel_vertex point = centre;
     if (depth < 0.0) {
         point = border_nearest(covered, centre);
         depth = 0.0;
@@ -153,6 +154,45 @@ static int32_t clamp_texel(double value, int32_t size)
     return value <= 0.0 ? 0 : value >= size - 1 ? size - 1 : (int32_t)value;
 }
 
+/* The part of a polygon between two lines a texel apart, and its range across them. */
+static texel_polygon polygon_strip(const texel_polygon *polygon, bool along_y, int32_t texel, double *low, double *high)
+{
+    polygon_range(polygon, along_y, low, high);
+    if (*low >= texel && *high <= texel + 1) {
+        return *polygon;
+    }
+    const texel_polygon above = polygon_clip(polygon, along_y, texel, 1.0);
+    const texel_polygon between = polygon_clip(&above, along_y, texel + 1, -1.0);
+    polygon_range(&between, along_y, low, high);
+    return between;
+}
+
+/* Offers a triangle, of which `row` is in the texel's row, to the texel at (x, y). Returns whether it reaches into it
+ * by more than `slack`. */
+static bool texel_cover(const texel_vertex corner[3], const texel_polygon *row, int32_t x, int32_t y, double slack,
+                        uint32_t triangle, lmb_texel_source *texel)
+{
+    texel_polygon cell = {.count = 0};
+    texel_vertex centre = {x + 0.5, y + 0.5, 0.0, 0.0};
+    const double depth = triangle_depth(corner, &centre);
+    if (depth < WHOLE_DEPTH) {
+        double low, high;
+        cell = polygon_strip(row, false, x, &low, &high);
+        if (cell.count == 0 || !range_touches(low, high, x, slack)) {
+            return false;
+        }
+        polygon_range(&cell, true, &low, &high);
+        if (!range_touches(low, high, y, slack)) {
+            return false;
+        }
+    }
+    const lmb_texel_source offer = texel_sample(&cell, centre, depth, triangle);
+    if (texel->triangle == LMB_TEXEL_UNCOVERED || offer.distance < texel->distance) {
+        *texel = offer;
+    }
+    return true;
+}
+
 /* Offers a triangle to every texel that it reaches into by more than `slack`. Returns whether there was any. */
 static bool triangle_cover(const texel_vertex corner[3], uint32_t triangle, const lmb_texel_grid *grid, double slack,
                            lmb_texel_source *source)
@@ -163,30 +203,15 @@ static bool triangle_cover(const texel_vertex corner[3], uint32_t triangle, cons
     const int32_t last_row = clamp_texel(floor(high - slack), grid->height);
     bool touched = false;
     for (int32_t y = clamp_texel(floor(low + slack), grid->height); y <= last_row; ++y) {
-        const texel_polygon above = polygon_clip(&whole, true, y, 1.0);
-        const texel_polygon row = polygon_clip(&above, true, y + 1, -1.0);
-        polygon_range(&row, true, &low, &high);
+        const texel_polygon row = polygon_strip(&whole, true, y, &low, &high);
         if (row.count == 0 || !range_touches(low, high, y, slack)) {
             continue;
         }
         polygon_range(&row, false, &low, &high);
         const int32_t last = clamp_texel(floor(high - slack), grid->width);
+        lmb_texel_source *texel = &source[(size_t)y * (size_t)grid->width];
         for (int32_t x = clamp_texel(floor(low + slack), grid->width); x <= last; ++x) {
-            const texel_polygon right = polygon_clip(&row, false, x, 1.0);
-            const texel_polygon cell = polygon_clip(&right, false, x + 1, -1.0);
-            double cell_low[2], cell_high[2];
-            polygon_range(&cell, false, &cell_low[0], &cell_high[0]);
-            polygon_range(&cell, true, &cell_low[1], &cell_high[1]);
-            if (cell.count == 0 || !range_touches(cell_low[0], cell_high[0], x, slack) ||
-                !range_touches(cell_low[1], cell_high[1], y, slack)) {
-                continue;
-            }
-            touched = true;
-            lmb_texel_source *texel = &source[(size_t)y * (size_t)grid->width + (size_t)x];
-            const lmb_texel_source offer = texel_sample(corner, &cell, x, y, triangle);
-            if (texel->triangle == LMB_TEXEL_UNCOVERED || offer.distance < texel->distance) {
-                *texel = offer;
-            }
+            touched |= texel_cover(corner, &row, x, y, slack, triangle, &texel[x]);
         }
     }
     return touched;
