@@ -263,6 +263,9 @@ double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *
     return total > 0.0 ? sum / total : 0.0;
 }
 
+/* Triangles that one task of the pool looks at. */
+enum { REFLECT_PER_TASK = 4096 };
+
 /* Cells of less than this share of the largest cell's length are too small for anybody to see texture within. */
 #define EVEN_CELL_SHARE 0.25f
 
@@ -273,6 +276,12 @@ double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *
 static bool albedo_even(const lmb_tracer *tracer, const lmb_hit *hit, bool small, lmb_rgb *mean)
 {
     enum { POINTS = 16 };
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
+    if (!mesh->color && scene->materials[mesh->material[hit->triangle]].base_color_texture.image < 0) {
+        *mean = lmb_trace_surface(tracer, hit->instance, hit->triangle, 0.0f, 0.0f).albedo;
+        return true;
+    }
     lmb_rgb albedo[POINTS];
     *mean = rgb(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < POINTS; ++i) {
@@ -313,15 +322,21 @@ static float cell_size_largest(const lmb_surface_light *light)
     return largest;
 }
 
-/* `small_size` in metres: below it a cell's texture does not matter. */
-static void triangle_reflect(lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit, float small_size)
+typedef struct reflect_work {
+    lmb_surface_light *light;
+    const lmb_tracer *tracer;
+    float small_size; /* metres: below it a cell's texture does not matter */
+} reflect_work;
+
+static void triangle_reflect(const reflect_work *work, const lmb_hit *hit)
 {
-    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    lmb_surface_light *light = work->light;
+    const lmb_scene *scene = lmb_tracer_scene(work->tracer);
     const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
     lmb_cell_grid *grid = &light->grid[light->triangle_first[hit->instance] + hit->triangle];
     lmb_rgb albedo;
     if (!material_only_reflects(&scene->materials[mesh->material[hit->triangle]]) ||
-        !albedo_even(tracer, hit, grid->cell_size < small_size, &albedo)) {
+        !albedo_even(work->tracer, hit, grid->cell_size < work->small_size, &albedo)) {
         return;
     }
     grid->even = 1;
@@ -330,13 +345,27 @@ static void triangle_reflect(lmb_surface_light *light, const lmb_tracer *tracer,
     }
 }
 
-void lmb_surface_light_reflect(lmb_surface_light *light, const lmb_tracer *tracer)
+static void reflect_task(void *context, size_t task, int worker)
 {
-    const float small_size = EVEN_CELL_SHARE * cell_size_largest(light);
-    for (uint32_t i = 0; i < light->instance_count; ++i) {
-        for (uint32_t t = light->triangle_first[i]; t < light->triangle_first[i + 1]; ++t) {
-            const lmb_hit hit = {.instance = i, .triangle = t - light->triangle_first[i]};
-            triangle_reflect(light, tracer, &hit, small_size);
+    (void)worker;
+    const reflect_work *work = context;
+    const lmb_surface_light *light = work->light;
+    const uint32_t first = (uint32_t)task * REFLECT_PER_TASK;
+    const uint32_t left = light->triangle_count - first;
+    lmb_hit hit = {
+        .instance = last_not_above(light->triangle_first, sizeof *light->triangle_first, light->instance_count, first)};
+    for (uint32_t t = first; t < first + (left < REFLECT_PER_TASK ? left : REFLECT_PER_TASK); ++t) {
+        while (t >= light->triangle_first[hit.instance + 1]) {
+            ++hit.instance;
         }
+        hit.triangle = t - light->triangle_first[hit.instance];
+        triangle_reflect(work, &hit);
     }
+}
+
+lmb_result lmb_surface_light_reflect(lmb_surface_light *light, const lmb_tracer *tracer, lmb_pool *pool)
+{
+    reflect_work work = {light, tracer, EVEN_CELL_SHARE * cell_size_largest(light)};
+    const size_t tasks = ((size_t)light->triangle_count + REFLECT_PER_TASK - 1) / REFLECT_PER_TASK;
+    return lmb_pool_run(pool, tasks, reflect_task, &work, "surface", NULL);
 }

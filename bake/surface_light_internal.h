@@ -53,7 +53,7 @@ void lmb_cell_point(const lmb_cell *cell, const float numbers[2], float *u, floa
 float lmb_cell_area(const lmb_cell *cell, const lmb_tracer *tracer);
 
 /* Sets `radiance` from `irradiance`. */
-void lmb_surface_light_reflect(lmb_surface_light *light, const lmb_tracer *tracer);
+lmb_result lmb_surface_light_reflect(lmb_surface_light *light, const lmb_tracer *tracer, lmb_pool *pool);
 
 static inline const lmb_cell_grid *lmb_cell_grid_at(const lmb_surface_light *light, const lmb_hit *hit)
 {

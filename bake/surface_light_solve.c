@@ -12,9 +12,13 @@
 
 enum { SIDES_PER_TASK = 128 };
 
-/* Samples that every side gets, to learn whether any light can reach it. One that sees only dark sides by all of them,
+/* The first samples of a side, to learn whether any light can reach it. One that sees only dark sides by all of them,
  * as insides of solids do, gets no more and stays dark. */
 enum { PILOT_SAMPLES = 4 };
+
+/* At least, of a side whose cell is less than half as long as cells can be. Long thin ones get the pilot's: they lie in
+ * gaps, where few samples may all see each other's cells, which then never let go of the light. */
+enum { SMALL_SAMPLES = 2 };
 
 /* For a side whose cell is about as large as cells can be. */
 enum { ENOUGH_SAMPLES = 8 };
@@ -33,20 +37,46 @@ enum { ENOUGH_OPEN_SAMPLES = 4 };
 typedef struct solve_work {
     const lmb_transport *transport;
     lmb_surface_light *light;
-    uint32_t samples;
     uint32_t side_count;
-    uint32_t first_sample; /* of the samples to be taken now */
-    lmb_rgb *direct;       /* [side] sum over its samples */
-    lmb_rgb *open_direct;  /* [side] over those that are open */
-    size_t *row;           /* [side] its first link, and the count at its end; a row is as long as it has samples */
-    lmb_link *links;       /* their targets are sides */
-    uint64_t *rays;        /* [task] */
+    uint32_t *cell_samples; /* [cell] that each of its sides is to get, if it is lit */
+    uint32_t first_sample;  /* of the samples to be taken now */
+    lmb_rgb *direct;        /* [side] sum over its samples */
+    lmb_rgb *open_direct;   /* [side] over those that are open */
+    size_t *row;            /* [side] its first link, and the count at its end; a row is as long as it has samples */
+    lmb_link *links;        /* their targets are sides */
+    uint64_t *rays;         /* [task] */
     size_t most_bytes;
 } solve_work;
 
 static size_t task_count(uint32_t side_count)
 {
     return ((size_t)side_count + SIDES_PER_TASK - 1) / SIDES_PER_TASK;
+}
+
+/* All samples when a cell is about as large as cells can be, fewer for small ones, whose neighbours are seen beside
+ * them. */
+static void cell_samples_set(const solve_work *work, uint32_t samples)
+{
+    const lmb_surface_light *light = work->light;
+    const float full_area = 0.25f * light->cell_size * light->cell_size;
+    for (uint32_t i = 0; i < light->instance_count; ++i) {
+        for (uint32_t t = light->triangle_first[i]; t < light->triangle_first[i + 1]; ++t) {
+            const bool small = light->grid[t].cell_size < 0.5f * light->cell_size;
+            const uint32_t least = small ? SMALL_SAMPLES : PILOT_SAMPLES;
+            lmb_cell cell = {i, t - light->triangle_first[i], 0, &light->grid[t]};
+            for (; cell.grid->first + cell.number < cell.grid[1].first; ++cell.number) {
+                const float share = fminf(lmb_cell_area(&cell, work->transport->tracer) / full_area, 1.0f);
+                const uint32_t wanted = share > 0.0f ? (uint32_t)ceilf((float)samples * share) : 0;
+                work->cell_samples[cell.grid->first + cell.number] = wanted > least ? wanted : least;
+            }
+        }
+    }
+}
+
+static uint32_t pilot_samples(const solve_work *work, uint32_t side)
+{
+    const uint32_t samples = work->cell_samples[side / 2];
+    return samples < PILOT_SAMPLES ? samples : PILOT_SAMPLES;
 }
 
 static uint64_t side_stream(const solve_work *work, const lmb_cell *cell, uint32_t side)
@@ -139,21 +169,11 @@ static uint32_t lit_mark(const solve_work *work, uint8_t *lit)
     return count;
 }
 
-/* How many samples a cell gets: all when it is about as large as cells can be, fewer for small ones, whose neighbours
- * are seen beside them. */
-static uint32_t cell_samples(const solve_work *work, uint32_t number)
-{
-    const lmb_cell cell = lmb_cell_find(work->light, number);
-    const float full_area = 0.25f * work->light->cell_size * work->light->cell_size;
-    const float share = fminf(lmb_cell_area(&cell, work->transport->tracer) / full_area, 1.0f);
-    const uint32_t samples = share > 0.0f ? (uint32_t)ceilf((float)work->samples * share) : 0;
-    return samples > PILOT_SAMPLES ? samples : PILOT_SAMPLES;
-}
-
 static void bytes_count(solve_work *work, size_t links, size_t extra)
 {
     const size_t bytes = lmb_surface_light_bytes(work->light) + links * sizeof *work->links +
-                         work->side_count * (sizeof *work->direct + sizeof *work->row) + extra;
+                         work->side_count * (sizeof *work->direct + sizeof *work->row) +
+                         work->side_count / 2 * sizeof *work->cell_samples + extra;
     work->most_bytes = bytes > work->most_bytes ? bytes : work->most_bytes;
 }
 
@@ -162,32 +182,45 @@ static lmb_result rows_extend(solve_work *work, const uint8_t *lit)
 {
     size_t count = 0;
     for (uint32_t side = 0; side < work->side_count; ++side) {
-        work->row[side] = count;
-        count += lit[side] ? cell_samples(work, side / 2) : 0;
+        count += lit[side] ? work->cell_samples[side / 2] : 0;
     }
-    work->row[work->side_count] = count;
     lmb_link *links = malloc((count + 1) * sizeof *links);
     if (!links) {
         return LMB_ERROR_MEMORY;
     }
+    bytes_count(work, count + work->row[work->side_count], work->side_count * sizeof *work->open_direct);
+    size_t pilot = 0;
+    count = 0;
     for (uint32_t side = 0; side < work->side_count; ++side) {
+        work->row[side] = count;
         if (lit[side]) {
-            memcpy(links + work->row[side], work->links + (size_t)PILOT_SAMPLES * side, PILOT_SAMPLES * sizeof *links);
+            memcpy(links + count, work->links + pilot, pilot_samples(work, side) * sizeof *links);
+            count += work->cell_samples[side / 2];
         }
+        pilot += pilot_samples(work, side);
     }
-    bytes_count(work, count + (size_t)PILOT_SAMPLES * work->side_count, work->side_count * sizeof *work->open_direct);
+    work->row[work->side_count] = count;
     free(work->links);
     work->links = links;
     return LMB_OK;
+}
+
+/* Returns how many links they are. */
+static size_t rows_start(solve_work *work)
+{
+    size_t count = 0;
+    for (uint32_t side = 0; side < work->side_count; ++side) {
+        work->row[side] = count;
+        count += pilot_samples(work, side);
+    }
+    work->row[work->side_count] = count;
+    return count;
 }
 
 static lmb_result work_sample(solve_work *work, lmb_pool *pool, const lmb_progress *progress,
                               lmb_surface_light_stats *stats)
 {
     const size_t tasks = task_count(work->side_count);
-    for (uint32_t side = 0; side <= work->side_count; ++side) {
-        work->row[side] = (size_t)PILOT_SAMPLES * side;
-    }
     lmb_result result = lmb_pool_run(pool, tasks, sides_task, work, "surface pilot", progress);
     uint8_t *lit = calloc(work->side_count + 1u, sizeof *lit);
     if (result == LMB_OK) {
@@ -303,16 +336,21 @@ static lmb_result work_bounce(solve_work *work, lmb_pool *pool, const lmb_progre
     return result;
 }
 
-static lmb_result work_run(solve_work *work, lmb_pool *pool, const lmb_progress *progress,
+static lmb_result work_run(solve_work *work, uint32_t samples, lmb_pool *pool, const lmb_progress *progress,
                            lmb_surface_light_stats *stats)
 {
     const size_t sides = (size_t)work->side_count + 1;
     work->direct = calloc(sides, sizeof *work->direct);
     work->open_direct = calloc(sides, sizeof *work->open_direct);
     work->row = malloc(sides * sizeof *work->row);
-    work->links = malloc(PILOT_SAMPLES * sides * sizeof *work->links);
+    work->cell_samples = malloc(sides / 2 * sizeof *work->cell_samples);
     work->rays = calloc(task_count(work->side_count) + 1, sizeof *work->rays);
-    if (!work->direct || !work->open_direct || !work->row || !work->links || !work->rays) {
+    if (!work->direct || !work->open_direct || !work->row || !work->cell_samples || !work->rays) {
+        return LMB_ERROR_MEMORY;
+    }
+    cell_samples_set(work, samples);
+    work->links = malloc((rows_start(work) + 1) * sizeof *work->links);
+    if (!work->links) {
         return LMB_ERROR_MEMORY;
     }
     const lmb_result result = work_sample(work, pool, progress, stats);
@@ -329,23 +367,21 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
         return result;
     }
     lmb_surface_light_stats made = {.cells = created->cell_count};
-    solve_work work = {.transport = transport,
-                       .light = created,
-                       .samples = settings->samples > 0 ? settings->samples : ENOUGH_SAMPLES,
-                       .side_count = 2 * created->cell_count};
+    solve_work work = {.transport = transport, .light = created, .side_count = 2 * created->cell_count};
     bytes_count(&work, 0, 0);
     /* Without reflections nobody looks at what surfaces receive. */
     if (transport->bounces != 0 && work.side_count > 0) {
-        result = work_run(&work, pool, progress, &made);
+        result = work_run(&work, settings->samples > 0 ? settings->samples : ENOUGH_SAMPLES, pool, progress, &made);
     }
     made.bytes_solving = work.most_bytes;
     free(work.direct);
     free(work.open_direct);
     free(work.row);
+    free(work.cell_samples);
     free(work.links);
     free(work.rays);
     if (result == LMB_OK) {
-        lmb_surface_light_reflect(created, transport->tracer);
+        result = lmb_surface_light_reflect(created, transport->tracer, pool);
     }
     if (result == LMB_OK && !settings->bright_by_chance) {
         result = lmb_bright_cells_create(created, transport->tracer, &created->bright);

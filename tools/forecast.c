@@ -12,9 +12,11 @@ enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1 << 17 };
 
 #define TRIAL_WEIGHT 0.05
 
-/* Rough, for as long as the surface light is not solved: every side of every cell gets some pilot samples, then half of
- * them, the lit ones, the rest of theirs, but those of small triangles; bounces take a part more. */
+/* Rough, for as long as the surface light is not solved: every side of every cell gets some pilot samples, fewer on
+ * small triangles, then half of them, the lit ones, the rest of theirs, but those of small triangles; bounces take a
+ * part more. */
 #define PILOT_SAMPLES 4.0
+#define SMALL_SAMPLES 2.0
 #define LIT_SAMPLES 8.0
 #define LIT_SHARE 0.5
 #define BOUNCES_SHARE 0.1
@@ -92,7 +94,7 @@ static void surface_guess(const lmb_bake *bake, double seconds_per_sample, lmb_f
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         triangles += scene->instances[i].dynamic ? 0.0 : scene->meshes[scene->instances[i].mesh].triangle_count;
     }
-    const double pilot = 2.0 * PILOT_SAMPLES * (settings.max_cells + triangles);
+    const double pilot = 2.0 * (PILOT_SAMPLES * settings.max_cells + SMALL_SAMPLES * triangles);
     const double lit = 2.0 * LIT_SHARE * (LIT_SAMPLES - PILOT_SAMPLES) * settings.max_cells;
     forecast->seconds[FORECAST_PILOT] = pilot * seconds_per_sample;
     forecast->seconds[FORECAST_SURFACE] = lit * seconds_per_sample;

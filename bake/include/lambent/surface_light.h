@@ -36,7 +36,7 @@ typedef struct lmb_surface_light_settings {
     float cell_size;    /* metres: no edge of a cell is longer than this; 0: as fine as max_cells allows */
     uint32_t max_cells; /* the cell size grows until there are no more than this, beside the one that each triangle has
                            anyway; > 0 */
-    uint32_t samples;   /* for each side of a cell, fewer in proportion for cells that are small for their size; 0: 8 */
+    uint32_t samples;   /* for each side of a cell, in proportion fewer for small cells, but 2; 0: 8 */
     bool bright_by_chance; /* bright cells are not aimed at: only to measure what that is worth */
 } lmb_surface_light_settings;
 
