@@ -156,15 +156,37 @@ static void edges_pair(const lmb_mesh *mesh, half_edge *edges, size_t count, cha
     }
 }
 
-static size_t half_edges_list(const lmb_mesh *mesh, const chart_mesh *out, half_edge *edges)
+static half_edge half_edge_of(const lmb_mesh *mesh, const uint32_t *weld, uint32_t triangle, uint8_t corner)
 {
-    size_t count = 0;
+    const uint32_t from = weld[mesh->triangle[triangle][corner]];
+    const uint32_t to = weld[mesh->triangle[triangle][(corner + 1) % 3]];
+    return (half_edge){from < to ? from : to, from < to ? to : from, triangle, corner, from < to, 0};
+}
+
+/* The edges of triangles that have area, in order: first by their lower vertex, of which each has few. `first` has room
+ * for every vertex and one more. Returns how many. */
+static size_t half_edges_sort(const lmb_mesh *mesh, const chart_mesh *out, size_t *first, half_edge *edges)
+{
+    memset(first, 0, (mesh->vertex_count + (size_t)1) * sizeof *first);
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         for (uint8_t c = 0; c < 3 && out->area[t] > 0.0; ++c) {
-            const uint32_t from = out->weld[mesh->triangle[t][c]];
-            const uint32_t to = out->weld[mesh->triangle[t][(c + 1) % 3]];
-            edges[count++] = (half_edge){from < to ? from : to, from < to ? to : from, t, c, from < to, 0};
+            ++first[half_edge_of(mesh, out->weld, t, c).low + 1];
         }
+    }
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+        first[v + 1] += first[v];
+    }
+    const size_t count = first[mesh->vertex_count];
+    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+        for (uint8_t c = 0; c < 3 && out->area[t] > 0.0; ++c) {
+            const half_edge edge = half_edge_of(mesh, out->weld, t, c);
+            edges[first[edge.low]++] = edge;
+        }
+    }
+    /* Each vertex' first is where the next one's was. */
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+        const size_t begin = v > 0 ? first[v - 1] : 0;
+        qsort(edges + begin, first[v] - begin, sizeof *edges, half_edge_compare);
     }
     return count;
 }
@@ -178,16 +200,18 @@ lmb_result chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out)
     out->normal = malloc((triangles + 1) * sizeof *out->normal);
     out->area = malloc((triangles + 1) * sizeof *out->area);
     half_edge *const edges = malloc((3 * triangles + 1) * sizeof *edges);
-    if (!out->weld || !out->neighbour || !out->normal || !out->area || !edges || !vertices_weld(mesh, out->weld)) {
+    size_t *const firsts = malloc((mesh->vertex_count + (size_t)1) * sizeof *firsts);
+    if (!out->weld || !out->neighbour || !out->normal || !out->area || !edges || !firsts ||
+        !vertices_weld(mesh, out->weld)) {
         free(edges);
+        free(firsts);
         return LMB_ERROR_MEMORY;
     }
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         triangle_measure(mesh, t, out->normal[t], &out->area[t]);
         out->neighbour[t][0] = out->neighbour[t][1] = out->neighbour[t][2] = -1;
     }
-    const size_t count = half_edges_list(mesh, out, edges);
-    qsort(edges, count, sizeof *edges, half_edge_compare);
+    const size_t count = half_edges_sort(mesh, out, firsts, edges);
     for (size_t first = 0; first < count;) {
         size_t end = first + 1;
         while (end < count && edges[end].low == edges[first].low && edges[end].high == edges[first].high) {
@@ -197,6 +221,7 @@ lmb_result chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out)
         first = end;
     }
     free(edges);
+    free(firsts);
     return LMB_OK;
 }
 
