@@ -16,7 +16,14 @@ typedef struct lmb_cell_grid {
     float cell_size;   /* metres: the longest edge of its cells */
 } lmb_cell_grid;
 
-/* Whether rays as long as the cell get away from it. The light of a mixed one is that of its open part. */
+/* Metres: what looks at a cell from nearer than half its length sees one place of it, for which its mean is no measure.
+ * That mean is over the places that rays from farther off reach. */
+static inline float lmb_cell_near(const lmb_cell_grid *grid)
+{
+    return 0.5f * grid->cell_size;
+}
+
+/* Whether rays get that far from the cell. The light of a mixed one is that of its open part. */
 typedef enum lmb_openness { LMB_CELL_HIDDEN, LMB_CELL_MIXED, LMB_CELL_OPEN } lmb_openness;
 
 struct lmb_surface_light {
@@ -88,12 +95,12 @@ static inline void lmb_surface_light_prefetch(const lmb_surface_light *light, co
 }
 
 /* The side whose `radiance` the surface at a hit sends back along the ray. False where that takes a closer look: what
- * is not even, and, when `not_near` is set, what is nearer than its cells are wide. */
+ * is not even, and, when `not_near` is set, what is too near to its cells. */
 static inline bool lmb_surface_light_find(const lmb_surface_light *light, const lmb_hit *hit, bool not_near,
                                           uint32_t *side)
 {
     const lmb_cell_grid *grid = lmb_cell_grid_at(light, hit);
-    if (!grid->even || (not_near && hit->distance < grid->cell_size)) {
+    if (!grid->even || (not_near && hit->distance < lmb_cell_near(grid))) {
         return false;
     }
     *side = lmb_surface_light_side(light, hit, hit->front);

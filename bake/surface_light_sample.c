@@ -106,7 +106,7 @@ static void direct_find(sample_batch *batch)
     }
 }
 
-/* Whether a ray from the start of a sample gets as far as the cell is large. It has a direction of its own: the one by
+/* Whether a ray from the start of a sample gets away from the cell. It has a direction of its own: the one by
  * which the sample finds light would count more often the brighter what it sees. */
 static void openness_find(sample_batch *batch)
 {
@@ -122,7 +122,7 @@ static void openness_find(sample_batch *batch)
         sample->link = (lmb_link){.open = false};
         if (lmb_receiver_sees(receiver, direction)) {
             ray_add(batch, i, lmb_receiver_ray_origin(receiver, direction),
-                    vec3_scale(direction, sample->cell.grid->cell_size), LMB_TRACE_UP_TO_END);
+                    vec3_scale(direction, lmb_cell_near(sample->cell.grid)), LMB_TRACE_UP_TO_END);
         }
     }
     lmb_trace_transmittance_batch(batch->transport->tracer, &batch->rays, share, batch->rays_traced);

@@ -16,15 +16,15 @@
 /* A gap is narrow below this share of a cell's size. */
 #define NARROW_SHARE 0.125f
 
-/* Whether a hit is nearer than the cell is wide, which makes the cell's mean no measure of what one point of it sends.
- * After the first reflection only that within a gap counts, where light goes to and fro: one that is narrow beside its
- * cells, or that the cell is partly in. Counting the reflections forbids to put one more before what is stored. */
+/* Whether a hit is so near to the cell that the cell's mean is no measure of what one point of it sends. After the
+ * first reflection only that within a gap counts, where light goes to and fro: one that is narrow beside its cells, or
+ * that the cell is partly in. Counting the reflections forbids to put one more before what is stored. */
 static bool hit_is_near(const lmb_path *path, const lmb_hit *hit)
 {
     const lmb_surface_light *light = path->transport->surface;
-    const float cell_size = lmb_cell_grid_at(light, hit)->cell_size;
-    return path->transport->bounces < 0 && hit->distance < cell_size &&
-           (path->vertex == 0 || hit->distance < NARROW_SHARE * cell_size ||
+    const lmb_cell_grid *grid = lmb_cell_grid_at(light, hit);
+    return path->transport->bounces < 0 && hit->distance < lmb_cell_near(grid) &&
+           (path->vertex == 0 || hit->distance < NARROW_SHARE * grid->cell_size ||
             light->openness[lmb_surface_light_side(light, hit, hit->front)] == LMB_CELL_MIXED);
 }
 

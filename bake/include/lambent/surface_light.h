@@ -13,7 +13,7 @@
  *       /_____|_____\
  *
  * Each cell holds normalised irradiance (E / pi, as RGB) for its front and for its back, by samples that start anywhere
- * in it. It is the mean over what can be seen of the cell from farther than the cell is large: parts under a wall, in a
+ * in it. It is the mean over what can be seen of the cell from farther than half its length: parts under a wall, in a
  * gap behind a lamp or in a corner count by how open they are, because that is the share of the rays that reach them
  * and look here. Emission and albedo are not stored: they are exact at each hit.
  *
@@ -61,7 +61,7 @@ void lmb_surface_light_destroy(lmb_surface_light *light);
 /* Bytes that it holds. */
 size_t lmb_surface_light_bytes(const lmb_surface_light *light);
 
-/* Metres: the cell size that was used. What is stored holds for rays that come from farther than that. */
+/* Metres: the cell size that was used. What is stored holds for rays that come from farther than half of that. */
 float lmb_surface_light_cell_size(const lmb_surface_light *light);
 
 /* Luminance of the normalised irradiance, as the mean over the area of all sides that light reaches; 0 without any. */
