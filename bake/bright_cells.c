@@ -138,7 +138,7 @@ void lmb_bright_cells_destroy(lmb_bright_cells *bright)
 
 size_t lmb_bright_cells_bytes(const lmb_bright_cells *bright)
 {
-    return bright ? sizeof *bright + bright->count * (sizeof *bright->cell + sizeof(lmb_light_bound)) : 0;
+    return bright ? sizeof *bright + bright->count * sizeof *bright->cell + lmb_light_tree_bytes(bright->tree) : 0;
 }
 
 bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_tracer *tracer, const lmb_light_query *query,

@@ -1,13 +1,15 @@
 /* Choosing one of many lights by how much of it may arrive at a point, in time that grows with the logarithm of their
  * number.
  *
- * A binary tree over the lights. A node knows the box that they lie in, their power, and a cone that their axes lie in;
- * on the way down the child is chosen in proportion to a bound of what it can give. After Conty Estevez and Kulla 2018,
- * "Importance Sampling of Many Lights with Adaptive Tree Splitting". */
+ * A tree over the lights. A node knows of each of its children the box that the lights lie in, their power, and a cone
+ * that their axes lie in; on the way down the child is chosen in proportion to a bound of what it can give. After Conty
+ * Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting", with eight children in
+ * place of two, which are looked at together. */
 #ifndef LMB_LIGHT_TREE_H
 #define LMB_LIGHT_TREE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include <lambent/error.h>
@@ -29,12 +31,20 @@ typedef struct lmb_light_tree lmb_light_tree;
 lmb_result lmb_light_tree_create(const lmb_light_bound *lights, uint32_t count, bool two_sided, lmb_light_tree **tree);
 void lmb_light_tree_destroy(lmb_light_tree *tree);
 
-/* Choices of one query at some of a tree's nodes, so that asking again and again from one place costs little. `node`
+size_t lmb_light_tree_bytes(const lmb_light_tree *tree);
+
+/* How a node's children are chosen from a place: the probability of child k and those before it. The last is 1. */
+enum { LMB_LIGHT_CHILDREN = 8 };
+typedef struct lmb_light_shares {
+    double up_to[LMB_LIGHT_CHILDREN];
+} lmb_light_shares;
+
+/* Shares of one query at some of a tree's nodes, so that asking again and again from one place costs little. `node`
  * is all 0 at first. */
-enum { LMB_LIGHT_MEMO = 256 };
+enum { LMB_LIGHT_MEMO = 64 };
 typedef struct lmb_light_memo {
     uint32_t node[LMB_LIGHT_MEMO]; /* a node's number + 1 */
-    double share[LMB_LIGHT_MEMO];
+    lmb_light_shares shares[LMB_LIGHT_MEMO];
 } lmb_light_memo;
 
 /* Where light is to arrive. */
@@ -59,6 +69,9 @@ double lmb_light_tree_probability(const lmb_light_tree *tree, const lmb_light_qu
  * others. Returns how many there are. */
 enum { LMB_LIGHT_CLUSTERS = 32 };
 int lmb_light_tree_split(const lmb_light_tree *tree, const lmb_light_query *query, int max, uint32_t *cluster);
+
+/* Sets `*light` to the lights of a cluster; returns how many they are. */
+uint32_t lmb_light_tree_cluster(const lmb_light_tree *tree, uint32_t cluster, const uint32_t **light);
 
 /* lmb_light_tree_choose within a cluster. */
 uint32_t lmb_light_tree_choose_in(const lmb_light_tree *tree, uint32_t cluster, const lmb_light_query *query,

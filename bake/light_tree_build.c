@@ -1,4 +1,5 @@
-/* Building a light tree: from the top, each node divided where the two halves together promise the least. */
+/* Building a light tree: from the top, each set of lights divided where the two halves together promise the least; then
+ * up to eight of the sets that come of it become the children of one node. */
 #include <float.h>
 #include <stdlib.h>
 
@@ -7,10 +8,19 @@
 
 enum { BINS = 12 };
 
+/* A set of lights that is divided in two: light[first_place .. first_place + count - 1]. Set i's first half is i + 1.
+ */
+typedef struct light_pair {
+    lmb_light_bound bound;
+    uint32_t first_place, count;
+    uint32_t second; /* half; 0: a single light */
+} light_pair;
+
 typedef struct build {
     lmb_light_tree *tree;
     const lmb_light_bound *lights;
-    uint32_t node_count;
+    light_pair *pair; /* [2 count - 1] all lights first */
+    uint32_t pair_count;
 } build;
 
 static float axis_of(lmb_vec3 v, int axis)
@@ -198,38 +208,97 @@ static uint32_t lights_divide(const build *made, uint32_t first, uint32_t end)
     return middle;
 }
 
-static void node_set(lmb_light_node *node, const lmb_light_bound *bound)
+/* Makes the pair of places first .. end - 1 and all below it. */
+static void pair_make(build *made, uint32_t first, uint32_t end)
 {
-    const lmb_vec3 half = vec3_scale(vec3_sub(bound->high, bound->low), 0.5f);
-    node->middle = bound_middle(bound);
-    node->radius = vec3_length(half);
-    node->axis = bound->axis;
-    node->power = bound->power;
-    node->cos_spread = bound->cos_spread;
-    node->sin_spread = sqrtf(float_larger(0.0f, (1.0f - bound->cos_spread) * (1.0f + bound->cos_spread)));
-    node->cos_reach = bound->cos_reach;
-    node->range = bound->range;
+    light_pair *pair = &made->pair[made->pair_count++];
+    *pair = (light_pair){.first_place = first, .count = end - first};
+    if (end - first == 1) {
+        pair->bound = made->lights[made->tree->light[first]];
+        return;
+    }
+    const uint32_t middle = lights_divide(made, first, end);
+    pair_make(made, first, middle);
+    pair->second = made->pair_count;
+    pair_make(made, middle, end);
+    pair->bound = pair[1].bound;
+    bound_unite(&pair->bound, &made->pair[pair->second].bound, made->tree->two_sided);
 }
 
-/* Makes the node of places first .. end - 1 and all below it. */
-static lmb_light_bound node_make(build *made, uint32_t parent, uint32_t first, uint32_t end)
+static float bound_radius(const lmb_light_bound *bound)
 {
-    const uint32_t number = made->node_count++;
-    lmb_light_node *node = &made->tree->node[number];
-    *node = (lmb_light_node){.parent = parent, .first_place = first, .count = end - first};
-    lmb_light_bound bound;
-    if (end - first == 1) {
-        bound = made->lights[made->tree->light[first]];
-        made->tree->leaf_of[made->tree->light[first]] = number;
-    } else {
-        const uint32_t middle = lights_divide(made, first, end);
-        bound = node_make(made, number, first, middle);
-        node->second = made->node_count;
-        const lmb_light_bound other = node_make(made, number, middle, end);
-        bound_unite(&bound, &other, made->tree->two_sided);
+    return vec3_length(vec3_scale(vec3_sub(bound->high, bound->low), 0.5f));
+}
+
+static void child_set(lmb_light_node *node, int k, const light_pair *pair, float power_of_all)
+{
+    const lmb_light_bound *bound = &pair->bound;
+    const lmb_vec3 middle = bound_middle(bound);
+    for (int axis = 0; axis < 3; ++axis) {
+        node->middle[axis][k] = axis_of(middle, axis);
+        node->axis[axis][k] = axis_of(bound->axis, axis);
     }
-    node_set(node, &bound);
-    return bound;
+    node->radius[k] = bound_radius(bound);
+    node->power[k] = bound->power / power_of_all;
+    node->cos_spread[k] = bound->cos_spread;
+    node->sin_spread[k] = sqrtf(float_larger(0.0f, (1.0f - bound->cos_spread) * (1.0f + bound->cos_spread)));
+    node->cos_reach[k] = bound->cos_reach;
+    node->inverse_range[k] = float_smaller(1.0f / bound->range, FLT_MAX);
+    node->first_place[k] = pair->first_place;
+    node->count[k] = pair->count;
+}
+
+/* Whether of two pairs the first is to be opened before the second: what promises more of its power from nearer than
+ * it may be, then what has more lights. */
+static bool pair_is_wider(const light_pair *a, const light_pair *b)
+{
+    const float radius[2] = {bound_radius(&a->bound), bound_radius(&b->bound)};
+    const float wide[2] = {a->bound.power * radius[0] * radius[0], b->bound.power * radius[1] * radius[1]};
+    return wide[0] > wide[1] || (!(wide[0] < wide[1]) && a->count > b->count);
+}
+
+/* Opens a pair into up to LMB_LIGHT_CHILDREN ones, the widest first. Returns how many. */
+static int pair_open(const build *made, uint32_t number, uint32_t child[LMB_LIGHT_CHILDREN])
+{
+    int count = 1;
+    child[0] = number;
+    while (count < LMB_LIGHT_CHILDREN) {
+        int widest = -1;
+        for (int k = 0; k < count; ++k) {
+            const light_pair *pair = &made->pair[child[k]];
+            if (pair->second != 0 && (widest < 0 || pair_is_wider(pair, &made->pair[child[widest]]))) {
+                widest = k;
+            }
+        }
+        if (widest < 0) {
+            break;
+        }
+        child[count++] = made->pair[child[widest]].second;
+        ++child[widest];
+    }
+    return count;
+}
+
+/* Makes the node of a pair and all below it. */
+static uint32_t node_make(build *made, uint32_t pair, uint32_t slot)
+{
+    lmb_light_tree *tree = made->tree;
+    const uint32_t number = tree->node_count++;
+    lmb_light_node *node = &tree->node[number];
+    uint32_t child[LMB_LIGHT_CHILDREN];
+    const int count = pair_open(made, pair, child);
+    *node = (lmb_light_node){.slot = slot};
+    for (int k = 0; k < count; ++k) {
+        const light_pair *opened = &made->pair[child[k]];
+        const uint32_t child_slot = number * LMB_LIGHT_CHILDREN + (uint32_t)k;
+        child_set(node, k, opened, made->pair[0].bound.power);
+        if (opened->second == 0) {
+            tree->slot_of[tree->light[opened->first_place]] = child_slot;
+        } else {
+            node->inside[k] = node_make(made, child[k], child_slot);
+        }
+    }
+    return number;
 }
 
 lmb_result lmb_light_tree_create(const lmb_light_bound *lights, uint32_t count, bool two_sided, lmb_light_tree **tree)
@@ -244,18 +313,24 @@ lmb_result lmb_light_tree_create(const lmb_light_bound *lights, uint32_t count, 
     }
     created->count = count;
     created->two_sided = two_sided;
-    created->node = malloc((2 * (size_t)count - 1) * sizeof *created->node);
+    build made = {.tree = created, .lights = lights};
+    made.pair = malloc((2 * (size_t)count - 1) * sizeof *made.pair);
+    created->node = malloc(count * sizeof *created->node); /* at most: each divides lights at least once */
     created->light = malloc(count * sizeof *created->light);
-    created->leaf_of = malloc(count * sizeof *created->leaf_of);
-    if (!created->node || !created->light || !created->leaf_of) {
+    created->slot_of = malloc(count * sizeof *created->slot_of);
+    if (!made.pair || !created->node || !created->light || !created->slot_of) {
+        free(made.pair);
         lmb_light_tree_destroy(created);
         return LMB_ERROR_MEMORY;
     }
     for (uint32_t i = 0; i < count; ++i) {
         created->light[i] = i;
     }
-    build made = {.tree = created, .lights = lights};
-    node_make(&made, 0, 0, count);
+    pair_make(&made, 0, count);
+    node_make(&made, 0, 0);
+    free(made.pair);
+    lmb_light_node *fitting = realloc(created->node, created->node_count * sizeof *created->node);
+    created->node = fitting ? fitting : created->node;
     *tree = created;
     return LMB_OK;
 }
@@ -265,7 +340,13 @@ void lmb_light_tree_destroy(lmb_light_tree *tree)
     if (tree) {
         free(tree->node);
         free(tree->light);
-        free(tree->leaf_of);
+        free(tree->slot_of);
         free(tree);
     }
+}
+
+size_t lmb_light_tree_bytes(const lmb_light_tree *tree)
+{
+    return sizeof *tree + tree->node_count * sizeof *tree->node +
+           tree->count * (sizeof *tree->light + sizeof *tree->slot_of);
 }

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "harness.h"
-#include "light_tree_internal.h"
+#include "light_tree.h"
 #include "scenes/level_builder.h"
 #include "level_fixture.h"
 
@@ -140,9 +140,10 @@ static void clusters_leave_none_out(void)
         static int held[MOST];
         memset(held, 0, sizeof held);
         for (int k = 0; k < count; ++k) {
-            const lmb_light_node *node = &tree->node[cluster[k]];
-            for (uint32_t i = 0; i < node->count; ++i) {
-                ++held[tree->light[node->first_place + i]];
+            const uint32_t *light;
+            const uint32_t lights_in = lmb_light_tree_cluster(tree, cluster[k], &light);
+            for (uint32_t i = 0; i < lights_in; ++i) {
+                ++held[light[i]];
             }
         }
         for (int i = 0; i < MOST; ++i) {
