@@ -11,11 +11,14 @@
 /* Aiming pays when bright cells reflect this share of all light, or more. */
 #define WORTH_SHARE 0.1
 
+/* A side of a cell, and what it takes to pick a point of it. */
 typedef struct bright_cell {
-    lmb_cell cell;
-    uint32_t side;
-    float area;      /* square metres */
+    lmb_cell_part part;
+    lmb_vec3 apex;   /* of the triangle */
+    lmb_vec3 leg[2]; /* from there to its other corners */
     lmb_vec3 normal; /* unit, of the side */
+    float area;      /* square metres */
+    uint32_t side;
 } bright_cell;
 
 struct lmb_bright_cells {
@@ -58,20 +61,40 @@ static bright_sums sums_above(const lmb_surface_light *light, const lmb_tracer *
     return sums;
 }
 
-static lmb_light_bound cell_bound(const lmb_tracer *tracer, const lmb_cell *cell, lmb_vec3 normal, float power)
+static bright_cell bright_cell_make(const lmb_tracer *tracer, const lmb_cell *cell, uint32_t side, float area)
+{
+    const lmb_place place = lmb_trace_place(tracer, cell->instance, cell->triangle, 0.0f, 0.0f);
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, cell->instance, cell->triangle, corner);
+    const lmb_vec3 *apex = &corner[cell->grid->apex];
+    return (bright_cell){.part = lmb_cell_part_of(cell),
+                         .apex = *apex,
+                         .leg = {vec3_sub(corner[(cell->grid->apex + 1) % 3], *apex),
+                                 vec3_sub(corner[(cell->grid->apex + 2) % 3], *apex)},
+                         .normal = vec3_scale(place.geometric_normal, side % 2 == 0 ? 1.0f : -1.0f),
+                         .area = area,
+                         .side = side};
+}
+
+static lmb_vec3 bright_cell_point(const bright_cell *cell, const float numbers[2])
+{
+    float along, across;
+    lmb_cell_part_point(&cell->part, numbers, &along, &across);
+    return vec3_mad(vec3_mad(cell->apex, cell->leg[0], along * (1.0f - across)), cell->leg[1], along * across);
+}
+
+static lmb_light_bound cell_bound(const bright_cell *cell, float power)
 {
     static const float corners[4][2] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {0.0f, 1.0f}, {1.0f, 1.0f}};
     lmb_light_bound bound = {.low = vec3(INFINITY, INFINITY, INFINITY),
                              .high = vec3(-INFINITY, -INFINITY, -INFINITY),
                              .power = power,
-                             .axis = normal,
+                             .axis = cell->normal,
                              .cos_spread = 1.0f,
                              .cos_reach = 0.0f,
                              .range = INFINITY};
     for (int i = 0; i < 4; ++i) {
-        float u, v;
-        lmb_cell_point(cell, corners[i], &u, &v);
-        const lmb_vec3 corner = lmb_trace_position(tracer, cell->instance, cell->triangle, u, v);
+        const lmb_vec3 corner = bright_cell_point(cell, corners[i]);
         bound.low = vec3_smaller(bound.low, corner);
         bound.high = vec3_larger(bound.high, corner);
     }
@@ -90,10 +113,9 @@ static void cells_take(lmb_bright_cells *bright, const lmb_surface_light *light,
         const float area = lmb_cell_area(&cell, tracer);
         const float power = (float)luminance * area;
         if (power > 0.0f && isfinite(power)) {
-            const lmb_place place = lmb_trace_place(tracer, cell.instance, cell.triangle, 0.0f, 0.0f);
-            const lmb_vec3 normal = vec3_scale(place.geometric_normal, side % 2 == 0 ? 1.0f : -1.0f);
-            bounds[bright->count] = cell_bound(tracer, &cell, normal, power);
-            bright->cell[bright->count++] = (bright_cell){cell, side, area, normal};
+            bright_cell *taken = &bright->cell[bright->count];
+            *taken = bright_cell_make(tracer, &cell, side, area);
+            bounds[bright->count++] = cell_bound(taken, power);
         }
     }
 }
@@ -141,15 +163,12 @@ size_t lmb_bright_cells_bytes(const lmb_bright_cells *bright)
     return bright ? sizeof *bright + bright->count * sizeof *bright->cell + lmb_light_tree_bytes(bright->tree) : 0;
 }
 
-bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_tracer *tracer, const lmb_light_query *query,
-                          lmb_vec3 position, float choice, const float point[2], lmb_bright_aim *aim)
+bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_light_query *query, lmb_vec3 position, float choice,
+                          const float point[2], lmb_bright_aim *aim)
 {
     aim->number = lmb_light_tree_choose(bright->tree, query, (double)choice, &aim->probability);
     const bright_cell *chosen = &bright->cell[aim->number];
-    float u, v;
-    lmb_cell_point(&chosen->cell, point, &u, &v);
-    const lmb_vec3 at = lmb_trace_position(tracer, chosen->cell.instance, chosen->cell.triangle, u, v);
-    const lmb_vec3 towards = vec3_sub(at, position);
+    const lmb_vec3 towards = vec3_sub(bright_cell_point(chosen, point), position);
     const float distance = vec3_length(towards);
     if (!(distance > 0.0f) || !(vec3_dot(towards, chosen->normal) < 0.0f)) {
         return false;

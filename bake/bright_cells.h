@@ -26,8 +26,8 @@ typedef struct lmb_bright_aim {
 
 /* Aims from `position` at a cell that `query`, which is that place or one near it, chooses. False when it shows its
  * other side. `choice` and `point` in [0, 1). */
-bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_tracer *tracer, const lmb_light_query *query,
-                          lmb_vec3 position, float choice, const float point[2], lmb_bright_aim *aim);
+bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_light_query *query, lmb_vec3 position, float choice,
+                          const float point[2], lmb_bright_aim *aim);
 
 /* The density per solid angle of having been aimed at like this, when it hit. */
 float lmb_bright_aim_density(const lmb_bright_cells *bright, const lmb_bright_aim *aim, const lmb_hit *hit);

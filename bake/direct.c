@@ -44,7 +44,7 @@ float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 direction)
     case LMB_LOBE_HEMISPHERE:
         return lmb_hemisphere_density(vec3_dot(receiver->normal, direction));
     default:
-        return fmaxf(vec3_dot(receiver->normal, direction), 0.0f) / LMB_PI_F;
+        return float_larger(vec3_dot(receiver->normal, direction), 0.0f) / LMB_PI_F;
     }
 }
 

@@ -331,8 +331,8 @@ static void bright_rays_make(gather_batch *batch, bright_ray *made)
         bright_ray *ray = &made[batch->rays.count];
         ray->sample = i * SAMPLES_PER_AIM;
         const lmb_receiver *receiver = batch_receiver(batch, ray->sample);
-        if (lmb_bright_cells_aim(batch->light->bright, transport->tracer, &batch->bright, receiver->position, choice[i],
-                                 point, &ray->aim) &&
+        if (lmb_bright_cells_aim(batch->light->bright, &batch->bright, receiver->position, choice[i], point,
+                                 &ray->aim) &&
             lmb_receiver_sees(receiver, ray->aim.direction)) {
             lmb_ray_batch_add(&batch->rays, lmb_receiver_ray_origin(receiver, ray->aim.direction), ray->aim.direction,
                               FLT_MAX);

@@ -32,7 +32,7 @@ void lmb_texels_cover(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb
 
 /* Points that are spread evenly over what the source's triangle covers of the texel at (x, y), as barycentric weights
  * of the second and third corner. Returns how many it has written: `count`, or 0 where rounding leaves nothing covered.
- * The same `stream` gives the same points. */
+ * The same `stream` gives the same points. `count` <= LMB_RAY_BATCH. */
 uint32_t lmb_texel_spread(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid, int32_t x,
                           int32_t y, uint32_t triangle, uint64_t stream, uint32_t count, float (*weights)[2]);
 

@@ -2,6 +2,7 @@
 #include "lightmap_internal.h"
 
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 
 #include <lambent/sequence.h>
@@ -70,25 +71,47 @@ static double cross_2d(texel_vertex a, texel_vertex b, texel_vertex c)
     return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
 }
 
-/* Barycentric weights of (x, y) in `*point`, and how far inside its nearest edge it is: negative outside. */
-static double triangle_depth(const texel_vertex corner[3], texel_vertex *point)
+/* What tells how far inside a triangle a point is. */
+typedef struct triangle_edges {
+    const texel_vertex *corner; /* [3] */
+    double inverse_area;        /* 0 for a triangle without area */
+    double inverse_length[3];   /* of the edge opposite each corner; negative where the corners run clockwise */
+} triangle_edges;
+
+static triangle_edges triangle_edges_make(const texel_vertex corner[3])
 {
     const double area = cross_2d(corner[0], corner[1], corner[2]);
-    if (!(fabs(area) > 0.0)) {
-        return -HUGE_VAL;
+    triangle_edges edges = {.corner = corner};
+    if (fabs(area) >= DBL_MIN) {
+        edges.inverse_area = 1.0 / area;
+        for (int k = 0; k < 3; ++k) {
+            const texel_vertex a = corner[(k + 1) % 3];
+            const texel_vertex b = corner[(k + 2) % 3];
+            const double length = sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
+            edges.inverse_length[k] = (area > 0.0 ? 1.0 : -1.0) / length;
+        }
     }
-    double depth = HUGE_VAL;
-    double weight[3];
+    return edges;
+}
+
+static inline double double_between(double low, double number, double high)
+{
+    return number > low ? (number < high ? number : high) : low;
+}
+
+/* Barycentric weights of (x, y) in `*point`, and how far inside its nearest edge it is: negative outside. */
+static double triangle_depth(const triangle_edges *edges, texel_vertex *point)
+{
+    const texel_vertex *corner = edges->corner;
+    double doubled[3];
+    double depth = edges->inverse_area != 0.0 ? HUGE_VAL : -HUGE_VAL;
     for (int k = 0; k < 3; ++k) {
-        const texel_vertex a = corner[(k + 1) % 3];
-        const texel_vertex b = corner[(k + 2) % 3];
-        const double doubled = cross_2d(*point, a, b);
-        weight[k] = doubled / area;
-        const double length = sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
-        depth = fmin(depth, area > 0.0 ? doubled / length : -doubled / length);
+        doubled[k] = cross_2d(*point, corner[(k + 1) % 3], corner[(k + 2) % 3]);
+        const double inside = doubled[k] * edges->inverse_length[k];
+        depth = inside < depth ? inside : depth;
     }
-    point->u = weight[1];
-    point->v = weight[2];
+    point->u = doubled[1] * edges->inverse_area;
+    point->v = doubled[2] * edges->inverse_area;
     return depth;
 }
 
@@ -104,7 +127,7 @@ static texel_vertex border_nearest(const texel_polygon *polygon, texel_vertex ce
         const double dy = b.y - a.y;
         const double squared = dx * dx + dy * dy;
         const double along = squared > 0.0 ? ((centre.x - a.x) * dx + (centre.y - a.y) * dy) / squared : 0.0;
-        const texel_vertex at = vertex_lerp(a, b, fmin(fmax(along, 0.0), 1.0));
+        const texel_vertex at = vertex_lerp(a, b, double_between(0.0, along, 1.0));
         const double distance = (at.x - centre.x) * (at.x - centre.x) + (at.y - centre.y) * (at.y - centre.y);
         if (distance < best_squared) {
             best_squared = distance;
@@ -139,8 +162,8 @@ static lmb_texel_source texel_sample(const texel_polygon *covered, texel_vertex 
     if (depth < EDGE_MARGIN) {
         point = vertex_lerp(point, polygon_middle(covered), EDGE_PULL);
     }
-    const float u = (float)fmin(fmax(point.u, 0.0), 1.0);
-    const float v = (float)fmin(fmax(point.v, 0.0), 1.0 - (double)u);
+    const float u = (float)double_between(0.0, point.u, 1.0);
+    const float v = (float)double_between(0.0, point.v, 1.0 - (double)u);
     return (lmb_texel_source){triangle, u, v, (float)distance};
 }
 
@@ -169,12 +192,12 @@ static texel_polygon polygon_strip(const texel_polygon *polygon, bool along_y, i
 
 /* Offers a triangle, of which `row` is in the texel's row, to the texel at (x, y). Returns whether it reaches into it
  * by more than `slack`. */
-static bool texel_cover(const texel_vertex corner[3], const texel_polygon *row, int32_t x, int32_t y, double slack,
+static bool texel_cover(const triangle_edges *edges, const texel_polygon *row, int32_t x, int32_t y, double slack,
                         uint32_t triangle, lmb_texel_source *texel)
 {
     texel_polygon cell = {.count = 0};
     texel_vertex centre = {x + 0.5, y + 0.5, 0.0, 0.0};
-    const double depth = triangle_depth(corner, &centre);
+    const double depth = triangle_depth(edges, &centre);
     if (depth < WHOLE_DEPTH) {
         double low, high;
         cell = polygon_strip(row, false, x, &low, &high);
@@ -198,6 +221,7 @@ static bool triangle_cover(const texel_vertex corner[3], uint32_t triangle, cons
                            lmb_texel_source *source)
 {
     const texel_polygon whole = {{corner[0], corner[1], corner[2]}, 3};
+    const triangle_edges edges = triangle_edges_make(corner);
     double low, high;
     polygon_range(&whole, true, &low, &high);
     const int32_t last_row = clamp_texel(floor(high - slack), grid->height);
@@ -211,7 +235,7 @@ static bool triangle_cover(const texel_vertex corner[3], uint32_t triangle, cons
         const int32_t last = clamp_texel(floor(high - slack), grid->width);
         lmb_texel_source *texel = &source[(size_t)y * (size_t)grid->width];
         for (int32_t x = clamp_texel(floor(low + slack), grid->width); x <= last; ++x) {
-            touched |= texel_cover(corner, &row, x, y, slack, triangle, &texel[x]);
+            touched |= texel_cover(&edges, &row, x, y, slack, triangle, &texel[x]);
         }
     }
     return touched;
@@ -241,7 +265,7 @@ static texel_vertex polygon_point(const texel_polygon *polygon, const double fan
     while (k + 3 < polygon->count && left >= fan_area[k]) {
         left -= fan_area[k++];
     }
-    const double share = fan_area[k] > 0.0 ? fmin(left / fan_area[k], 1.0) : 0.0;
+    const double share = fan_area[k] > 0.0 ? double_between(0.0, left / fan_area[k], 1.0) : 0.0;
     const double root = sqrt(share);
     const texel_vertex far_side = vertex_lerp(polygon->vertex[k + 1], polygon->vertex[k + 2], second);
     return vertex_lerp(polygon->vertex[0], far_side, root);
@@ -250,6 +274,7 @@ static texel_vertex polygon_point(const texel_polygon *polygon, const double fan
 uint32_t lmb_texel_spread(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid, int32_t x,
                           int32_t y, uint32_t triangle, uint64_t stream, uint32_t count, float (*weights)[2])
 {
+    assert(count <= LMB_RAY_BATCH);
     texel_vertex corner[3];
     triangle_in_texels(mesh, corner_uv, grid, triangle, corner);
     texel_polygon covered = {{corner[0], corner[1], corner[2]}, 3};
@@ -267,15 +292,16 @@ uint32_t lmb_texel_spread(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const
         return 0;
     }
     const texel_vertex middle = polygon_middle(&covered);
+    const triangle_edges edges = triangle_edges_make(corner);
+    float first[LMB_RAY_BATCH], second[LMB_RAY_BATCH];
+    lmb_sequence_2d_batch(stream, 0, count, 0, first, second);
     for (uint32_t i = 0; i < count; ++i) {
-        float numbers[2];
-        lmb_sequence_2d(stream, i, 0, numbers);
-        texel_vertex point = polygon_point(&covered, fan_area, total, (double)numbers[0], (double)numbers[1]);
-        if (triangle_depth(corner, &point) < EDGE_MARGIN) {
+        texel_vertex point = polygon_point(&covered, fan_area, total, (double)first[i], (double)second[i]);
+        if (triangle_depth(&edges, &point) < EDGE_MARGIN) {
             point = vertex_lerp(point, middle, EDGE_PULL);
         }
-        weights[i][0] = (float)fmin(fmax(point.u, 0.0), 1.0);
-        weights[i][1] = (float)fmin(fmax(point.v, 0.0), 1.0 - (double)weights[i][0]);
+        weights[i][0] = (float)double_between(0.0, point.u, 1.0);
+        weights[i][1] = (float)double_between(0.0, point.v, 1.0 - (double)weights[i][0]);
     }
     return count;
 }

@@ -26,7 +26,7 @@ static bool triangle_touches_cube(const lmb_vec3 corner[3])
         const float a = vec3_dot(axis[i], corner[0]);
         const float b = vec3_dot(axis[i], corner[1]);
         const float c = vec3_dot(axis[i], corner[2]);
-        if (fminf(a, fminf(b, c)) > reach || fmaxf(a, fmaxf(b, c)) < -reach) {
+        if (float_smaller(a, float_smaller(b, c)) > reach || float_larger(a, float_larger(b, c)) < -reach) {
             return false;
         }
     }
@@ -55,12 +55,12 @@ static size_t cell_index(const lmb_grid *grid, int32_t x, int32_t y, int32_t z)
 
 static void triangle_mark(const lmb_grid *grid, const lmb_vec3 corner[3], uint8_t *crossed)
 {
-    const float low[3] = {fminf(corner[0].x, fminf(corner[1].x, corner[2].x)),
-                          fminf(corner[0].y, fminf(corner[1].y, corner[2].y)),
-                          fminf(corner[0].z, fminf(corner[1].z, corner[2].z))};
-    const float high[3] = {fmaxf(corner[0].x, fmaxf(corner[1].x, corner[2].x)),
-                           fmaxf(corner[0].y, fmaxf(corner[1].y, corner[2].y)),
-                           fmaxf(corner[0].z, fmaxf(corner[1].z, corner[2].z))};
+    const float low[3] = {float_smaller(corner[0].x, float_smaller(corner[1].x, corner[2].x)),
+                          float_smaller(corner[0].y, float_smaller(corner[1].y, corner[2].y)),
+                          float_smaller(corner[0].z, float_smaller(corner[1].z, corner[2].z))};
+    const float high[3] = {float_larger(corner[0].x, float_larger(corner[1].x, corner[2].x)),
+                           float_larger(corner[0].y, float_larger(corner[1].y, corner[2].y)),
+                           float_larger(corner[0].z, float_larger(corner[1].z, corner[2].z))};
     int32_t first[3], last[3];
     for (int axis = 0; axis < 3; ++axis) {
         if (!cell_range(grid, axis, low[axis], high[axis], &first[axis], &last[axis])) {

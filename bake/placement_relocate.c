@@ -16,7 +16,7 @@ static float shortfall(const lmb_tracer *tracer, const lmb_hit *hit, lmb_vec3 po
     const lmb_place place = lmb_trace_place(tracer, hit->instance, hit->triangle, hit->u, hit->v);
     *normal = place.geometric_normal;
     const float before = vec3_dot(vec3_sub(position, place.position), place.geometric_normal);
-    const float rounding = 4.0f * fmaxf(place.rounding, lmb_trace_epsilon(position));
+    const float rounding = 4.0f * float_larger(place.rounding, lmb_trace_epsilon(position));
     return before >= -rounding && before < clearance ? clearance - before : 0.0f;
 }
 

@@ -10,7 +10,7 @@
 #include "directions.h"
 #include "trace_internal.h"
 
-enum { RAYS_PER_POINT = 64, WINDING_RAYS = 32, POINTS_PER_TASK = 64 };
+enum { RAYS_PER_POINT = LMB_RAY_BATCH, WINDING_RAYS = 32, POINTS_PER_TASK = 64 };
 
 /* Above this share of back faces among the hits a point is looked at twice. */
 #define SUSPICIOUS_BACK_SHARE 0.5f
@@ -30,38 +30,54 @@ static bool hit_is_back(const lmb_tracer *tracer, const lmb_hit *hit)
 }
 
 /* The same directions at every point, turned by the point's own stream: no pattern, and no state. */
-static lmb_vec3 point_direction(lmb_vec3 position, uint32_t index)
+static void point_rays(lmb_vec3 position, lmb_ray_batch *rays)
 {
-    float numbers[2];
-    lmb_sequence_2d(lmb_stream_of_position(0, position), index, 0, numbers);
-    return lmb_direction_make(LMB_LOBE_SPHERE, vec3(0.0f, 0.0f, 1.0f), numbers);
+    float x[RAYS_PER_POINT], y[RAYS_PER_POINT];
+    float *const direction[3] = {rays->direction[0], rays->direction[1], rays->direction[2]};
+    lmb_sequence_2d_batch(lmb_stream_of_position(0, position), 0, RAYS_PER_POINT, 0, x, y);
+    lmb_directions_make(LMB_LOBE_SPHERE, vec3(0.0f, 0.0f, 1.0f), x, y, RAYS_PER_POINT, direction);
+    rays->count = RAYS_PER_POINT;
+    for (uint32_t i = 0; i < RAYS_PER_POINT; ++i) {
+        rays->origin[0][i] = position.x;
+        rays->origin[1][i] = position.y;
+        rays->origin[2][i] = position.z;
+        rays->far_distance[i] = FLT_MAX;
+    }
 }
 
-static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *is_free, uint64_t *rays)
+static bool winding_is_free(const lmb_tracer *tracer, lmb_vec3 position, const lmb_ray_batch *rays)
 {
+    int crossings = 0;
+    for (uint32_t i = 0; i < WINDING_RAYS; ++i) {
+        const lmb_vec3 direction = vec3(rays->direction[0][i], rays->direction[1][i], rays->direction[2][i]);
+        crossings += lmb_trace_crossings(tracer, position, direction);
+    }
+    return (float)crossings < ROOM_WINDING * (float)WINDING_RAYS;
+}
+
+static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *is_free, uint64_t *rays_traced)
+{
+    lmb_ray_batch rays;
+    lmb_hit hit[LMB_RAY_BATCH];
+    point_rays(position, &rays);
+    lmb_trace_nearest_batch(tracer, &rays, hit);
+    *rays_traced += RAYS_PER_POINT;
     int hits = 0;
     int backs = 0;
     for (uint32_t i = 0; i < RAYS_PER_POINT; ++i) {
-        const lmb_vec3 direction = point_direction(position, i);
-        lmb_hit hit;
-        ++*rays;
-        if (lmb_trace_nearest(tracer, position, direction, 0.0f, FLT_MAX, &hit)) {
+        if (hit[i].instance != LMB_HIT_NOTHING) {
             ++hits;
-            backs += hit_is_back(tracer, &hit);
+            backs += hit_is_back(tracer, &hit[i]);
         }
     }
     *is_free = true;
     if (hits > 0 && (float)backs > SUSPICIOUS_BACK_SHARE * (float)hits) {
-        int crossings = 0;
-        for (uint32_t i = 0; i < WINDING_RAYS; ++i) {
-            ++*rays;
-            crossings += lmb_trace_crossings(tracer, position, point_direction(position, i));
-        }
-        *is_free = (float)crossings < ROOM_WINDING * (float)WINDING_RAYS;
+        *is_free = winding_is_free(tracer, position, &rays);
+        *rays_traced += WINDING_RAYS;
     }
     /* A free point is valid, however much of it double-sided scenery turns its back on. */
     const float share = 1.0f - (float)backs / (float)RAYS_PER_POINT;
-    return *is_free ? fmaxf(share, LMB_GRID_MIN_VALIDITY) : fminf(share, 0.5f * LMB_GRID_MIN_VALIDITY);
+    return *is_free ? float_larger(share, LMB_GRID_MIN_VALIDITY) : float_smaller(share, 0.5f * LMB_GRID_MIN_VALIDITY);
 }
 
 bool lmb_placement_is_free(const lmb_tracer *tracer, lmb_vec3 position, uint64_t *rays)

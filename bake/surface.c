@@ -23,7 +23,7 @@ static lmb_vec3 position_inset(lmb_vec3 position, const lmb_vec3 corner[3], floa
     const lmb_vec3 middle = vec3_scale(vec3_add(vec3_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
     const lmb_vec3 inward = vec3_sub(middle, position);
     const float length = vec3_length(inward);
-    return length > 0.0f ? vec3_mad(position, inward, fminf(rounding / length, 0.5f)) : position;
+    return length > 0.0f ? vec3_mad(position, inward, float_smaller(rounding / length, 0.5f)) : position;
 }
 
 static float corners_rounding(const lmb_vec3 corner[3])
@@ -102,7 +102,7 @@ static void base_color_at(const lmb_scene *scene, const lmb_material *material, 
             vertex_color = (1.0f - u - v) * mesh->color[vertex[0]][i] + u * mesh->color[vertex[1]][i] +
                            v * mesh->color[vertex[2]][i];
         }
-        rgba[i] = fminf(fmaxf(rgba[i] * material->base_color[i] * vertex_color, 0.0f), 1.0f);
+        rgba[i] = float_smaller(float_larger(rgba[i] * material->base_color[i] * vertex_color, 0.0f), 1.0f);
     }
 }
 
@@ -201,6 +201,6 @@ lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, uint32_t instance, ui
     const lmb_vec3 bitangent = vec3_scale(vec3_cross(normal, tangent), handedness);
     const float x = (2.0f * texel[0] - 1.0f) * material->normal_scale;
     const float y = (2.0f * texel[1] - 1.0f) * material->normal_scale;
-    const float z = fmaxf(2.0f * texel[2] - 1.0f, 0.05f);
+    const float z = float_larger(2.0f * texel[2] - 1.0f, 0.05f);
     return vec3_normalize_or(vec3_mad(vec3_mad(vec3_scale(normal, z), tangent, x), bitangent, y), normal);
 }

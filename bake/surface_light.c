@@ -218,18 +218,25 @@ lmb_cell lmb_cell_find(const lmb_surface_light *light, uint32_t cell)
                       &light->grid[triangle]};
 }
 
-void lmb_cell_point(const lmb_cell *cell, const float numbers[2], float *u, float *v)
+lmb_cell_part lmb_cell_part_of(const lmb_cell *cell)
 {
     const lmb_cell_grid *grid = cell->grid;
-    const float strip = (float)(cell->number / grid->columns);
-    const float column = (float)(cell->number % grid->columns);
-    /* A triangle's area from the apex on grows with the square of the way along. */
-    const float along = sqrtf(strip * strip + numbers[0] * (2.0f * strip + 1.0f)) / (float)grid->strips;
-    const float across = (column + numbers[1]) / (float)grid->columns;
+    return (lmb_cell_part){.strip = (float)(cell->number / grid->columns),
+                           .strips = (float)grid->strips,
+                           .column = (float)(cell->number % grid->columns),
+                           .columns = (float)grid->columns};
+}
+
+void lmb_cell_point(const lmb_cell *cell, const float numbers[2], float *u, float *v)
+{
+    const uint32_t apex = cell->grid->apex;
+    const lmb_cell_part part = lmb_cell_part_of(cell);
+    float along, across;
+    lmb_cell_part_point(&part, numbers, &along, &across);
     float weight[3];
-    weight[grid->apex] = 1.0f - along;
-    weight[(grid->apex + 1) % 3] = along * (1.0f - across);
-    weight[(grid->apex + 2) % 3] = along * across;
+    weight[apex] = 1.0f - along;
+    weight[(apex + 1) % 3] = along * (1.0f - across);
+    weight[(apex + 2) % 3] = along * across;
     *u = weight[1];
     *v = weight[2];
 }

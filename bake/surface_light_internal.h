@@ -2,6 +2,8 @@
 #ifndef LMB_SURFACE_LIGHT_INTERNAL_H
 #define LMB_SURFACE_LIGHT_INTERNAL_H
 
+#include <math.h>
+
 #include <lambent/surface_light.h>
 
 #include "bright_cells.h"
@@ -53,7 +55,24 @@ lmb_result lmb_surface_light_create(const lmb_tracer *tracer, const lmb_surface_
 
 lmb_cell lmb_cell_find(const lmb_surface_light *light, uint32_t cell);
 
-/* Barycentric coordinates of a point of the cell, uniform over its area for uniform numbers in [0, 1). */
+/* Which part of its triangle a cell is. */
+typedef struct lmb_cell_part {
+    float strip, strips;
+    float column, columns;
+} lmb_cell_part;
+
+lmb_cell_part lmb_cell_part_of(const lmb_cell *cell);
+
+/* A point of the part, uniform over its area for uniform numbers in [0, 1): how far it is from the apex to the opposite
+ * edge, and how far across from the next corner to the last one. */
+static inline void lmb_cell_part_point(const lmb_cell_part *part, const float numbers[2], float *along, float *across)
+{
+    /* A triangle's area from the apex on grows with the square of the way along. */
+    *along = sqrtf(part->strip * part->strip + numbers[0] * (2.0f * part->strip + 1.0f)) / part->strips;
+    *across = (part->column + numbers[1]) / part->columns;
+}
+
+/* Barycentric coordinates of a point of the cell, likewise. */
 void lmb_cell_point(const lmb_cell *cell, const float numbers[2], float *u, float *v);
 
 /* Square metres. */

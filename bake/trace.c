@@ -265,13 +265,23 @@ static inline void ray_note(const lmb_tracer *tracer, lmb_ray_kind kind, const s
     }
 }
 
+static bool hit_is_instanced(const struct RTCHit *hit)
+{
+    return hit->instID[0] != RTC_INVALID_GEOMETRY_ID;
+}
+
+static uint32_t hit_instance(const struct RTCHit *hit)
+{
+    return hit_is_instanced(hit) ? hit->instID[0] : hit->geomID;
+}
+
 /* Embree's normal is that of the winding in the space of the geometry. In world space mirroring turns the winding; what
  * the inverse transpose brings there keeps its side. */
-static bool hit_is_front(const lmb_tracer *tracer, const struct RTCRayHit *ray, uint32_t instance, bool instanced)
+static bool hit_is_front(const lmb_tracer *tracer, const struct RTCHit *hit, lmb_vec3 direction)
 {
-    const lmb_vec3 direction = vec3(ray->ray.dir_x, ray->ray.dir_y, ray->ray.dir_z);
-    const lmb_vec3 normal = vec3(ray->hit.Ng_x, ray->hit.Ng_y, ray->hit.Ng_z);
-    if (instanced) {
+    const lmb_vec3 normal = vec3(hit->Ng_x, hit->Ng_y, hit->Ng_z);
+    const uint32_t instance = hit_instance(hit);
+    if (hit_is_instanced(hit)) {
         const lmb_affine *to_world = &tracer->scene->instances[instance].normal_to_world;
         return vec3_dot(affine_vector(to_world, normal), direction) <= 0.0f;
     }
@@ -280,13 +290,12 @@ static bool hit_is_front(const lmb_tracer *tracer, const struct RTCRayHit *ray, 
 
 static void hit_set(const lmb_tracer *tracer, const struct RTCRayHit *ray, lmb_hit *hit)
 {
-    const bool instanced = ray->hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
-    hit->instance = instanced ? ray->hit.instID[0] : ray->hit.geomID;
+    hit->instance = hit_instance(&ray->hit);
     hit->triangle = ray->hit.primID;
     hit->u = ray->hit.u;
     hit->v = ray->hit.v;
     hit->distance = ray->ray.tfar;
-    hit->front = hit_is_front(tracer, ray, hit->instance, instanced);
+    hit->front = hit_is_front(tracer, &ray->hit, vec3(ray->ray.dir_x, ray->ray.dir_y, ray->ray.dir_z));
 }
 
 bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float near_distance,
@@ -413,11 +422,6 @@ bool lmb_tracer_is_see_through(const lmb_tracer *tracer, uint32_t instance, uint
     return tracer->is_see_through[mesh->material[triangle]];
 }
 
-static uint32_t hit_instance(const struct RTCHit *hit)
-{
-    return hit->instID[0] != RTC_INVALID_GEOMETRY_ID ? hit->instID[0] : hit->geomID;
-}
-
 typedef struct crossing_context {
     struct RTCIntersectContext embree; /* first: Embree hands it back */
     const lmb_tracer *tracer;
@@ -430,11 +434,9 @@ static void crossing_count(const struct RTCFilterFunctionNArguments *arguments)
 {
     crossing_context *context = (crossing_context *)arguments->context;
     const struct RTCHit *hit = (const struct RTCHit *)arguments->hit; /* of one ray: N is 1 */
-    const uint32_t instance = hit_instance(hit);
     arguments->valid[0] = 0;
-    if (!lmb_tracer_is_see_through(context->tracer, instance, hit->primID)) {
-        const lmb_place place = lmb_trace_place(context->tracer, instance, hit->primID, 0.0f, 0.0f);
-        context->crossings += vec3_dot(place.geometric_normal, context->direction) > 0.0f ? 1 : -1;
+    if (!lmb_tracer_is_see_through(context->tracer, hit_instance(hit), hit->primID)) {
+        context->crossings += hit_is_front(context->tracer, hit, context->direction) ? -1 : 1;
     }
 }
 

@@ -75,7 +75,7 @@ lmb_rgb lmb_path_radiance(lmb_path *path, lmb_leg leg, lmb_landing landing)
         ++path->vertex;
         float numbers[2];
         if (path->vertex > ROULETTE_AFTER) {
-            const float survival = fminf(rgb_max(leg.throughput) / ROULETTE_BELOW, ROULETTE_MAX_SURVIVAL);
+            const float survival = float_smaller(rgb_max(leg.throughput) / ROULETTE_BELOW, ROULETTE_MAX_SURVIVAL);
             lmb_path_numbers(path, PAIR_ROULETTE, numbers);
             if (numbers[0] >= survival) {
                 return radiance;
