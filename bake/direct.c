@@ -95,8 +95,9 @@ bool lmb_receiver_aim(const lmb_receiver *receiver, const lmb_light_sample *ligh
     if (!lmb_receiver_sees(receiver, light->direction)) {
         return false;
     }
-    const float mis = lmb_balance(light->density, lmb_receiver_density(receiver, light->direction));
-    const float factor = receiver_response(receiver, light->direction) * mis / light->density;
+    /* The balance heuristic's weight over the density. */
+    const float own = lmb_receiver_density(receiver, light->direction);
+    const float factor = receiver_response(receiver, light->direction) / (light->density + own);
     *aimed = aim(receiver, light->direction, light->end, at_infinity, rgb_scale(light->radiance, factor));
     return true;
 }
@@ -138,9 +139,9 @@ static bool triangle_aim(const lmb_transport *transport, const lmb_receiver *rec
 {
     lmb_light_sample light;
     const lmb_triangle_query query = lmb_receiver_triangles(receiver);
-    return lmb_emitters_sample_triangle(transport->emitters, &query, receiver->position, start->choice[0],
-                                        start->triangle, &light) &&
-           lmb_receiver_aim(receiver, &light, false, aimed);
+    lmb_emitters_sample_triangles(transport->emitters, &query, &receiver->position, &start->choice[0],
+                                  &start->triangle[0], &start->triangle[1], 1, &light);
+    return light.density > 0.0f && lmb_receiver_aim(receiver, &light, false, aimed);
 }
 
 int lmb_direct_aim(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,

@@ -1,8 +1,10 @@
 #include <lambent/emitters.h>
 
+#include <assert.h>
 #include <stdlib.h>
 
 #include "bake_internal.h"
+#include "emitter_points.h"
 #include "light_tree.h"
 #include "punctual.h"
 #include "sky.h"
@@ -11,10 +13,6 @@
 typedef struct emitter {
     uint32_t instance;
     uint32_t triangle;
-    float area;
-    float rounding;
-    lmb_vec3 corner[3];
-    lmb_vec3 normal; /* unit */
     lmb_light_bound bound;
     bool even; /* opaque and without texture: `radiance` is its emission everywhere */
     lmb_rgb radiance;
@@ -23,6 +21,7 @@ typedef struct emitter {
 struct lmb_emitters {
     const lmb_tracer *tracer;
     emitter *triangles;
+    lmb_emitter_shape *shapes; /* [triangle] */
     uint32_t triangle_count;
     uint32_t triangle_capacity;
     lmb_light_tree *tree;  /* of the triangles; NULL when there are none, or they are chosen evenly */
@@ -64,35 +63,40 @@ static bool material_emits_evenly(const lmb_material *material)
            !(material->transmission > 0.0f);
 }
 
-static bool emitter_add(lmb_emitters *emitters, const emitter *added)
+static bool emitters_grow(lmb_emitters *emitters)
 {
-    if (emitters->triangle_count == emitters->triangle_capacity) {
-        const uint32_t grown = emitters->triangle_capacity ? 2 * emitters->triangle_capacity : 256;
-        emitter *triangles = realloc(emitters->triangles, grown * sizeof *triangles);
-        if (!triangles) {
-            return false;
-        }
-        emitters->triangles = triangles;
-        emitters->triangle_capacity = grown;
+    const uint32_t grown = emitters->triangle_capacity ? 2 * emitters->triangle_capacity : 256;
+    emitter *triangles = realloc(emitters->triangles, grown * sizeof *triangles);
+    emitters->triangles = triangles ? triangles : emitters->triangles;
+    lmb_emitter_shape *shapes = realloc(emitters->shapes, grown * sizeof *shapes);
+    emitters->shapes = shapes ? shapes : emitters->shapes;
+    if (!triangles || !shapes) {
+        return false;
     }
+    emitters->triangle_capacity = grown;
+    return true;
+}
+
+static bool emitter_add(lmb_emitters *emitters, const emitter *added, const lmb_emitter_shape *shape)
+{
+    if (emitters->triangle_count == emitters->triangle_capacity && !emitters_grow(emitters)) {
+        return false;
+    }
+    emitters->shapes[emitters->triangle_count] = *shape;
     emitters->triangles[emitters->triangle_count++] = *added;
     return true;
 }
 
 /* Describes a triangle as a light; false when it gives none. */
 static bool emitter_make(const lmb_emitters *emitters, uint32_t instance, uint32_t triangle,
-                         const lmb_material *material, emitter *made)
+                         const lmb_material *material, emitter *made, lmb_emitter_shape *shape)
 {
     lmb_vec3 corner[3];
     lmb_trace_corners(emitters->tracer, instance, triangle, corner);
-    const lmb_vec3 normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
     const lmb_place place = lmb_trace_place(emitters->tracer, instance, triangle, 0.0f, 0.0f);
+    *shape = lmb_emitter_shape_of(corner, place.geometric_normal, place.rounding);
     *made = (emitter){.instance = instance,
                       .triangle = triangle,
-                      .area = 0.5f * vec3_length(normal),
-                      .rounding = place.rounding,
-                      .corner = {corner[0], corner[1], corner[2]},
-                      .normal = place.geometric_normal,
                       .bound = {.low = corner[0],
                                 .high = corner[0],
                                 .axis = place.geometric_normal,
@@ -105,8 +109,8 @@ static bool emitter_make(const lmb_emitters *emitters, uint32_t instance, uint32
         made->bound.low = vec3_smaller(made->bound.low, corner[k]);
         made->bound.high = vec3_larger(made->bound.high, corner[k]);
     }
-    made->bound.power = made->area * (made->even ? lmb_luminance(made->radiance)
-                                                 : triangle_luminance(emitters->tracer, instance, triangle));
+    made->bound.power = shape->area * (made->even ? lmb_luminance(made->radiance)
+                                                  : triangle_luminance(emitters->tracer, instance, triangle));
     return made->bound.power > 0.0f && isfinite(made->bound.power);
 }
 
@@ -119,7 +123,8 @@ static bool instance_collect(lmb_emitters *emitters, uint32_t number)
     for (uint32_t t = 0; t < mesh->triangle_count && !instance->dynamic; ++t) {
         const lmb_material *material = &scene->materials[mesh->material[t]];
         emitter made;
-        if (!material_emits(material) || !emitter_make(emitters, number, t, material, &made)) {
+        lmb_emitter_shape shape;
+        if (!material_emits(material) || !emitter_make(emitters, number, t, material, &made, &shape)) {
             continue;
         }
         if (!emitters->emitter_of[number]) {
@@ -132,7 +137,7 @@ static bool instance_collect(lmb_emitters *emitters, uint32_t number)
             }
         }
         emitters->emitter_of[number][t] = emitters->triangle_count;
-        if (!emitter_add(emitters, &made)) {
+        if (!emitter_add(emitters, &made, &shape)) {
             return false;
         }
     }
@@ -207,6 +212,7 @@ void lmb_emitters_destroy(lmb_emitters *emitters)
     }
     free(emitters->emitter_of);
     free(emitters->triangles);
+    free(emitters->shapes);
     lmb_light_tree_destroy(emitters->tree);
     lmb_punctual_destroy(emitters->punctual);
     lmb_sky_free(&emitters->sky);
@@ -216,14 +222,6 @@ void lmb_emitters_destroy(lmb_emitters *emitters)
 uint32_t lmb_emitters_triangle_count(const lmb_emitters *emitters)
 {
     return emitters->triangle_count;
-}
-
-/* Density per solid angle of a point of a triangle that is chosen with `probability`; 0 when seen edge-on. */
-static float density_per_solid_angle(const emitter *light, double probability, float distance, lmb_vec3 direction)
-{
-    const float cosine = fabsf(vec3_dot(direction, light->normal));
-    const float per_area = (float)probability / light->area;
-    return cosine > 1e-6f ? per_area * distance * distance / cosine : 0.0f;
 }
 
 static lmb_light_query tree_query(const lmb_triangle_query *query)
@@ -251,33 +249,46 @@ static double triangle_probability(const lmb_emitters *emitters, const lmb_trian
     return 1.0 / emitters->triangle_count;
 }
 
-bool lmb_emitters_sample_triangle(const lmb_emitters *emitters, const lmb_triangle_query *query, lmb_vec3 position,
-                                  float choice, const float point[2], lmb_light_sample *sample)
+/* What the i-th of the points found gives; the density is 0 where it gives no light. */
+static lmb_light_sample triangle_light(const lmb_emitters *emitters, const lmb_emitter_points *points, uint32_t i)
 {
-    if (emitters->triangle_count == 0) {
-        return false;
-    }
-    double probability;
-    const uint32_t number = triangle_choose(emitters, query, choice, &probability);
-    const emitter *chosen = &emitters->triangles[number];
-    const float root = sqrtf(point[0]);
-    const float u = root * (1.0f - point[1]);
-    const float v = root * point[1];
-    const lmb_vec3 at = lmb_corners_position(chosen->corner, u, v, chosen->rounding);
-    const lmb_vec3 towards = vec3_sub(at, position);
-    const float distance = vec3_length(towards);
-    if (!(distance > 0.0f)) {
-        return false;
-    }
-    sample->direction = vec3_scale(towards, 1.0f / distance);
-    sample->end = lmb_trace_offset(at, chosen->normal, chosen->rounding, vec3_scale(towards, -1.0f));
-    sample->density = density_per_solid_angle(chosen, probability, distance, sample->direction);
-    sample->radiance = chosen->radiance;
+    const emitter *chosen = &emitters->triangles[points->triangle[i]];
+    lmb_light_sample sample = {.direction =
+                                   vec3(points->direction[0][i], points->direction[1][i], points->direction[2][i]),
+                               .end = vec3(points->end[0][i], points->end[1][i], points->end[2][i]),
+                               .radiance = chosen->radiance,
+                               .density = points->density[i]};
     if (!chosen->even) {
-        const lmb_surface surface = lmb_trace_surface(emitters->tracer, chosen->instance, chosen->triangle, u, v);
-        sample->radiance = rgb_scale(surface.emission, surface.opacity);
+        const float root = sqrtf(points->x[i]);
+        const lmb_surface surface = lmb_trace_surface(emitters->tracer, chosen->instance, chosen->triangle,
+                                                      root * (1.0f - points->y[i]), root * points->y[i]);
+        sample.radiance = rgb_scale(surface.emission, surface.opacity);
+        sample.density = rgb_max(sample.radiance) > 0.0f ? sample.density : 0.0f;
     }
-    return sample->density > 0.0f && isfinite(sample->density) && rgb_max(sample->radiance) > 0.0f;
+    return sample;
+}
+
+void lmb_emitters_sample_triangles(const lmb_emitters *emitters, const lmb_triangle_query *query,
+                                   const lmb_vec3 *position, const float *choice, const float *x, const float *y,
+                                   uint32_t count, lmb_light_sample *sample)
+{
+    assert(emitters->triangle_count > 0 && count <= LMB_EMITTER_POINTS);
+    lmb_emitter_points points;
+    points.count = count;
+    for (uint32_t i = 0; i < count; ++i) {
+        double probability;
+        points.triangle[i] = (int32_t)triangle_choose(emitters, query, choice[i], &probability);
+        points.probability[i] = (float)probability;
+        points.x[i] = x[i];
+        points.y[i] = y[i];
+        points.position[0][i] = position[i].x;
+        points.position[1][i] = position[i].y;
+        points.position[2][i] = position[i].z;
+    }
+    lmb_emitter_points_find(emitters->shapes, &points);
+    for (uint32_t i = 0; i < count; ++i) {
+        sample[i] = triangle_light(emitters, &points, i);
+    }
 }
 
 float lmb_emitters_triangle_density(const lmb_emitters *emitters, const lmb_triangle_query *query, const lmb_hit *hit,
@@ -289,7 +300,7 @@ float lmb_emitters_triangle_density(const lmb_emitters *emitters, const lmb_tria
     }
     const uint32_t number = numbers[hit->triangle];
     const double probability = triangle_probability(emitters, query, number);
-    return density_per_solid_angle(&emitters->triangles[number], probability, hit->distance, direction);
+    return lmb_emitter_density(&emitters->shapes[number], (float)probability, hit->distance, direction);
 }
 
 bool lmb_emitters_environment_sampled(const lmb_emitters *emitters)

@@ -162,42 +162,42 @@ static void aimed_add(gather_batch *batch, aimed_lights *lights, lmb_vec3 direct
     lmb_ray_batch_add(&batch->rays, aimed->origin, aimed->towards, aimed->far_distance);
 }
 
-static void gather_triangles(gather_batch *batch)
+/* Aims each sample at its light, and traces that. */
+static void lights_trace(gather_batch *batch, const lmb_light_sample light[SAMPLES], bool at_infinity)
 {
-    const lmb_emitters *emitters = batch->transport->emitters;
-    float x[SAMPLES], y[SAMPLES], choice[SAMPLES], unused[SAMPLES];
     aimed_lights lights;
-    batch_numbers(batch, PAIR_TRIANGLE, x, y);
-    batch_numbers(batch, PAIR_CHOICE, choice, unused);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
-        const float point[2] = {x[i], y[i]};
-        const lmb_receiver *receiver = batch_receiver(batch, i);
-        lmb_light_sample light;
         lmb_aimed_light aimed;
-        if (lmb_emitters_sample_triangle(emitters, &batch->triangles, receiver->position, choice[i], point, &light) &&
-            lmb_receiver_aim(receiver, &light, false, &aimed)) {
-            aimed_add(batch, &lights, light.direction, &aimed);
+        if (light[i].density > 0.0f && lmb_receiver_aim(batch_receiver(batch, i), &light[i], at_infinity, &aimed)) {
+            aimed_add(batch, &lights, light[i].direction, &aimed);
         }
     }
     aimed_trace(batch, &lights);
+}
+
+static void gather_triangles(gather_batch *batch)
+{
+    float x[SAMPLES], y[SAMPLES], choice[SAMPLES], unused[SAMPLES];
+    lmb_vec3 position[SAMPLES];
+    lmb_light_sample light[SAMPLES];
+    batch_numbers(batch, PAIR_TRIANGLE, x, y);
+    batch_numbers(batch, PAIR_CHOICE, choice, unused);
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        position[i] = batch_receiver(batch, i)->position;
+    }
+    lmb_emitters_sample_triangles(batch->transport->emitters, &batch->triangles, position, choice, x, y, batch->count,
+                                  light);
+    lights_trace(batch, light, false);
 }
 
 static void gather_environment(gather_batch *batch)
 {
     float x[SAMPLES], y[SAMPLES];
     lmb_light_sample light[SAMPLES];
-    aimed_lights lights;
     batch_numbers(batch, PAIR_ENVIRONMENT, x, y);
     lmb_emitters_sample_environment(batch->transport->emitters, x, y, batch->count, light);
-    batch->rays.count = 0;
-    for (uint32_t i = 0; i < batch->count; ++i) {
-        lmb_aimed_light aimed;
-        if (light[i].density > 0.0f && lmb_receiver_aim(batch_receiver(batch, i), &light[i], true, &aimed)) {
-            aimed_add(batch, &lights, light[i].direction, &aimed);
-        }
-    }
-    aimed_trace(batch, &lights);
+    lights_trace(batch, light, true);
 }
 
 /* Asks up to `max` lights of a kind, which count for `samples` samples. */

@@ -20,12 +20,6 @@ enum { CHILDREN = LMB_LIGHT_CHILDREN };
 /* The cluster of all lights; any other is a slot + 1. */
 enum { WHOLE = 0 };
 
-/* Rounding must not carry a number to 1, where no child may be. */
-static inline double below_one(double number)
-{
-    return number < 1.0 - DBL_EPSILON ? number : 1.0 - DBL_EPSILON;
-}
-
 static inline float float_between(float low, float number, float high)
 {
     return float_smaller(float_larger(number, low), high);
@@ -163,12 +157,17 @@ static double light_probability(const lmb_light_tree *tree, const lmb_light_quer
     }
 }
 
-/* The first child whose share is not all below the number. */
-static uint32_t child_choose(const lmb_light_shares *shares, double number)
+/* The first child whose share, times `whole`, is not all below the number. */
+static uint32_t child_choose(const lmb_light_shares *shares, double number, double whole)
 {
     uint32_t chosen = 0;
     for (int k = 0; k < CHILDREN; ++k) {
-        chosen += number >= shares->up_to[k];
+        chosen += number >= shares->up_to[k] * whole;
+    }
+    if (chosen == CHILDREN) { /* rounding: the last one that has a share */
+        do {
+            --chosen;
+        } while (chosen > 0 && shares->up_to[chosen] <= shares->up_to[chosen - 1]);
     }
     return chosen;
 }
@@ -178,19 +177,18 @@ static uint32_t light_choose(const lmb_light_tree *tree, const lmb_light_query *
                              double *probability)
 {
     uint32_t at = top;
-    *probability = 1.0;
+    double whole = 1.0; /* share of the numbers that lead here, and `number` is how far into it */
     for (;;) {
         lmb_light_shares room;
         const lmb_light_shares *shares = node_shares(tree, at, query, &room);
-        const uint32_t child = child_choose(shares, number);
+        const uint32_t child = child_choose(shares, number, whole);
         const double before = shares_before(shares, child);
-        const double share = shares->up_to[child] - before;
-        *probability *= share;
+        number -= before * whole;
+        whole *= shares->up_to[child] - before;
         if (tree->node[at].inside[child] == 0) {
+            *probability = whole;
             return tree->light[tree->node[at].first_place[child]];
         }
-        /* What is left of the number is again uniform. */
-        number = below_one((number - before) / share);
         at = tree->node[at].inside[child];
     }
 }
@@ -208,7 +206,7 @@ uint32_t lmb_light_tree_choose_in(const lmb_light_tree *tree, uint32_t cluster, 
         light = lights[even < count ? even : count - 1];
         *probability = top != NO_NODE ? light_probability(tree, query, top, light) : 1.0;
     } else if (top != NO_NODE) {
-        light = light_choose(tree, query, top, below_one((number - EVEN_SHARE) / (1.0 - EVEN_SHARE)), probability);
+        light = light_choose(tree, query, top, (number - EVEN_SHARE) / (1.0 - EVEN_SHARE), probability);
     }
     *probability = with_even_share(count, *probability);
     return light;

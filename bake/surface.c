@@ -33,7 +33,7 @@ static float corners_rounding(const lmb_vec3 corner[3])
     return larger > c ? larger : c;
 }
 
-lmb_vec3 lmb_corners_position(const lmb_vec3 corner[3], float u, float v, float rounding)
+static lmb_vec3 corners_position(const lmb_vec3 corner[3], float u, float v, float rounding)
 {
     const lmb_vec3 along_u = vec3_mad(corner[0], vec3_sub(corner[1], corner[0]), u);
     return position_inset(vec3_mad(along_u, vec3_sub(corner[2], corner[0]), v), corner, rounding);
@@ -43,7 +43,7 @@ lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, uint32_t instance, uint32_
 {
     lmb_vec3 corner[3];
     lmb_trace_corners(tracer, instance, triangle, corner);
-    return lmb_corners_position(corner, u, v, corners_rounding(corner));
+    return corners_position(corner, u, v, corners_rounding(corner));
 }
 
 lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, float u, float v)
@@ -58,7 +58,7 @@ lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, ui
     const lmb_vec3 edge_v = vec3_sub(corner[2], corner[0]);
     lmb_place place;
     place.rounding = corners_rounding(corner);
-    place.position = lmb_corners_position(corner, u, v, place.rounding);
+    place.position = corners_position(corner, u, v, place.rounding);
     lmb_vec3 facing = vec3_normalize_or(vec3_cross(edge_u, edge_v), vec3(0.0f, 1.0f, 0.0f));
     if (instance->mirrored) {
         facing = vec3_scale(facing, -1.0f);

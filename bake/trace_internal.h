@@ -22,9 +22,6 @@ static inline void lmb_ray_batch_add(lmb_ray_batch *rays, lmb_vec3 origin, lmb_v
     rays->far_distance[i] = far_distance;
 }
 
-/* A point of a triangle by its corners; `rounding` as in lmb_place. */
-lmb_vec3 lmb_corners_position(const lmb_vec3 corner[3], float u, float v, float rounding);
-
 /* Embree's scene: an RTCScene. */
 struct RTCSceneTy *lmb_tracer_world(const lmb_tracer *tracer);
 
