@@ -36,80 +36,9 @@ lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front)
                           .kind = LMB_LOBE_COSINE};
 }
 
-float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 direction)
-{
-    switch (receiver->kind) {
-    case LMB_LOBE_SPHERE:
-        return 1.0f / (4.0f * LMB_PI_F);
-    case LMB_LOBE_HEMISPHERE:
-        return lmb_hemisphere_density(vec3_dot(receiver->normal, direction));
-    default:
-        return float_larger(vec3_dot(receiver->normal, direction), 0.0f) / LMB_PI_F;
-    }
-}
-
 lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float point[2])
 {
     return lmb_direction_make(receiver->kind, receiver->normal, point);
-}
-
-bool lmb_receiver_sees(const lmb_receiver *receiver, lmb_vec3 direction)
-{
-    if (receiver->kind == LMB_LOBE_SPHERE) {
-        return true;
-    }
-    return vec3_dot(receiver->normal, direction) > 0.0f &&
-           (receiver->kind == LMB_LOBE_HEMISPHERE || vec3_dot(receiver->geometric_normal, direction) > 0.0f);
-}
-
-/* The receiver's own factor of light from `direction`: a gather point takes it as it is, a surface by the cosine. */
-static float receiver_response(const lmb_receiver *receiver, lmb_vec3 direction)
-{
-    return receiver->kind == LMB_LOBE_COSINE ? vec3_dot(receiver->normal, direction) / LMB_PI_F : 1.0f;
-}
-
-lmb_vec3 lmb_receiver_ray_origin(const lmb_receiver *receiver, lmb_vec3 direction)
-{
-    switch (receiver->kind) {
-    case LMB_LOBE_SPHERE:
-        return vec3_mad(receiver->position, direction, lmb_trace_epsilon(receiver->position));
-    case LMB_LOBE_HEMISPHERE:
-        return receiver->position;
-    default:
-        return lmb_trace_offset(receiver->position, receiver->geometric_normal, receiver->rounding, direction);
-    }
-}
-
-/* A ray towards `end`, or without end. */
-static lmb_aimed_light aim(const lmb_receiver *receiver, lmb_vec3 direction, lmb_vec3 end, bool at_infinity,
-                           lmb_rgb weight)
-{
-    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, direction);
-    return (lmb_aimed_light){origin, at_infinity ? direction : vec3_sub(end, origin),
-                             at_infinity ? FLT_MAX : LMB_TRACE_UP_TO_END, weight};
-}
-
-bool lmb_receiver_aim(const lmb_receiver *receiver, const lmb_light_sample *light, bool at_infinity,
-                      lmb_aimed_light *aimed)
-{
-    if (!lmb_receiver_sees(receiver, light->direction)) {
-        return false;
-    }
-    /* The balance heuristic's weight over the density. */
-    const float own = lmb_receiver_density(receiver, light->direction);
-    const float factor = receiver_response(receiver, light->direction) / (light->density + own);
-    *aimed = aim(receiver, light->direction, light->end, at_infinity, rgb_scale(light->radiance, factor));
-    return true;
-}
-
-bool lmb_receiver_aim_punctual(const lmb_receiver *receiver, const lmb_punctual_sample *light, lmb_aimed_light *aimed)
-{
-    if (!lmb_receiver_sees(receiver, light->direction)) {
-        return false;
-    }
-    const float response = receiver_response(receiver, light->direction);
-    *aimed = aim(receiver, light->direction, light->end, light->at_infinity, rgb_scale(light->irradiance, response));
-    return true;
 }
 
 int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,

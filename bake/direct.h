@@ -5,7 +5,9 @@
 
 #include <lambent/transport.h>
 
+#include "bake_internal.h"
 #include "directions.h"
+#include "trace_internal.h"
 
 /* Dimension pairs of the sequence: the gather point uses vertex 0's, the k-th reflection vertex k's. */
 enum {
@@ -62,16 +64,43 @@ static inline lmb_triangle_query lmb_receiver_triangles(const lmb_receiver *rece
 }
 
 /* Density of the direction that direction sampling picks, per solid angle. */
-float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 direction);
+static inline float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 direction)
+{
+    switch (receiver->kind) {
+    case LMB_LOBE_SPHERE:
+        return 1.0f / (4.0f * LMB_PI_F);
+    case LMB_LOBE_HEMISPHERE:
+        return lmb_hemisphere_density(vec3_dot(receiver->normal, direction));
+    default:
+        return float_larger(vec3_dot(receiver->normal, direction), 0.0f) / LMB_PI_F;
+    }
+}
 
 lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float point[2]);
 
 /* Whether light from `direction` counts at all. A smooth shading normal's hemisphere reaches below the triangle: from
  * there the surface itself blocks the light. */
-bool lmb_receiver_sees(const lmb_receiver *receiver, lmb_vec3 direction);
+static inline bool lmb_receiver_sees(const lmb_receiver *receiver, lmb_vec3 direction)
+{
+    if (receiver->kind == LMB_LOBE_SPHERE) {
+        return true;
+    }
+    return vec3_dot(receiver->normal, direction) > 0.0f &&
+           (receiver->kind == LMB_LOBE_HEMISPHERE || vec3_dot(receiver->geometric_normal, direction) > 0.0f);
+}
 
 /* A point in space may lie exactly on a surface: its rays start beyond, so that it sees both sides. */
-lmb_vec3 lmb_receiver_ray_origin(const lmb_receiver *receiver, lmb_vec3 direction);
+static inline lmb_vec3 lmb_receiver_ray_origin(const lmb_receiver *receiver, lmb_vec3 direction)
+{
+    switch (receiver->kind) {
+    case LMB_LOBE_SPHERE:
+        return vec3_mad(receiver->position, direction, trace_epsilon(receiver->position));
+    case LMB_LOBE_HEMISPHERE:
+        return receiver->position;
+    default:
+        return trace_offset(receiver->position, receiver->geometric_normal, receiver->rounding, direction);
+    }
+}
 
 /* Balance heuristic weight of a technique with density `mine` beside one with `other`. */
 static inline float lmb_balance(float mine, float other)
@@ -89,13 +118,49 @@ typedef struct lmb_aimed_light {
     lmb_rgb weight; /* radiance x solid angle for a gather point, normalised irradiance for a surface */
 } lmb_aimed_light;
 
+/* The receiver's own factor of light from `direction`: a gather point takes it as it is, a surface by the cosine. */
+static inline float lmb_receiver_response(const lmb_receiver *receiver, lmb_vec3 direction)
+{
+    return receiver->kind == LMB_LOBE_COSINE ? vec3_dot(receiver->normal, direction) / LMB_PI_F : 1.0f;
+}
+
+/* A ray towards `end`, or without end. */
+static inline lmb_aimed_light lmb_receiver_aim_along(const lmb_receiver *receiver, lmb_vec3 direction, lmb_vec3 end,
+                                                     bool at_infinity, lmb_rgb weight)
+{
+    const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, direction);
+    return (lmb_aimed_light){origin, at_infinity ? direction : vec3_sub(end, origin),
+                             at_infinity ? FLT_MAX : LMB_TRACE_UP_TO_END, weight};
+}
+
 /* Aims at a light that directions sampled by the receiver find too: weighted against them. False where the receiver
  * does not see it. */
-bool lmb_receiver_aim(const lmb_receiver *receiver, const lmb_light_sample *light, bool at_infinity,
-                      lmb_aimed_light *aimed);
+static inline bool lmb_receiver_aim(const lmb_receiver *receiver, const lmb_light_sample *light, bool at_infinity,
+                                    lmb_aimed_light *aimed)
+{
+    if (!lmb_receiver_sees(receiver, light->direction)) {
+        return false;
+    }
+    /* The balance heuristic's weight over the density. */
+    const float own = lmb_receiver_density(receiver, light->direction);
+    const float factor = lmb_receiver_response(receiver, light->direction) / (light->density + own);
+    *aimed =
+        lmb_receiver_aim_along(receiver, light->direction, light->end, at_infinity, rgb_scale(light->radiance, factor));
+    return true;
+}
 
 /* The same of a punctual light, which they never find. */
-bool lmb_receiver_aim_punctual(const lmb_receiver *receiver, const lmb_punctual_sample *light, lmb_aimed_light *aimed);
+static inline bool lmb_receiver_aim_punctual(const lmb_receiver *receiver, const lmb_punctual_sample *light,
+                                             lmb_aimed_light *aimed)
+{
+    if (!lmb_receiver_sees(receiver, light->direction)) {
+        return false;
+    }
+    const float response = lmb_receiver_response(receiver, light->direction);
+    *aimed = lmb_receiver_aim_along(receiver, light->direction, light->end, light->at_infinity,
+                                    rgb_scale(light->irradiance, response));
+    return true;
+}
 
 /* Punctual lights that a receiver is to look at (lmb_emitters_punctual). */
 int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,

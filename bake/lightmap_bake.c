@@ -143,7 +143,7 @@ static uint32_t texel_points(const bake_work *work, const bake_texel *texel, lmb
     for (uint32_t i = 0; i < spread; ++i) {
         const lmb_vec3 at = lmb_trace_position(tracer, texel->instance, source.triangle, weights[i][0], weights[i][1]);
         points[i] = middle;
-        points[i].position = lmb_trace_offset(at, place.geometric_normal, place.rounding, place.geometric_normal);
+        points[i].position = trace_offset(at, place.geometric_normal, place.rounding, place.geometric_normal);
     }
     const uint32_t open = points_keep_open(tracer, middle.position, points, spread, &count->rays);
     if (open == 0) {

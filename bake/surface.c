@@ -28,7 +28,7 @@ static lmb_vec3 position_inset(lmb_vec3 position, const lmb_vec3 corner[3], floa
 
 static float corners_rounding(const lmb_vec3 corner[3])
 {
-    const float a = lmb_trace_epsilon(corner[0]), b = lmb_trace_epsilon(corner[1]), c = lmb_trace_epsilon(corner[2]);
+    const float a = trace_epsilon(corner[0]), b = trace_epsilon(corner[1]), c = trace_epsilon(corner[2]);
     const float larger = a > b ? a : b;
     return larger > c ? larger : c;
 }

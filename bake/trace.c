@@ -573,14 +573,10 @@ void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch
 
 float lmb_trace_epsilon(lmb_vec3 position)
 {
-    /* Interpolated corners are off by a few ulps of the largest coordinate. Of 120 000 points on random triangles one
-     * meets its own triangle from 2 ulps off it, none from 4. */
-    const float size = float_larger(fabsf(position.x), float_larger(fabsf(position.y), fabsf(position.z)));
-    return float_larger(size * 8.0f * FLT_EPSILON, 1e-12f);
+    return trace_epsilon(position);
 }
 
 lmb_vec3 lmb_trace_offset(lmb_vec3 position, lmb_vec3 geometric_normal, float rounding, lmb_vec3 direction)
 {
-    const bool along = vec3_dot(geometric_normal, direction) >= 0.0f;
-    return vec3_mad(position, geometric_normal, along ? rounding : -rounding);
+    return trace_offset(position, geometric_normal, rounding, direction);
 }

@@ -6,9 +6,27 @@
 
 #include <lambent/trace.h>
 
+#include "bake_internal.h"
+
 /* Far distance of a shadow ray whose direction runs from one point to another. Both lie just off their surfaces
  * already; it stops a hair short of the far one. */
 #define LMB_TRACE_UP_TO_END (1.0f - 4.0f * FLT_EPSILON)
+
+/* lmb_trace_epsilon, for callers that cannot wait. */
+static inline float trace_epsilon(lmb_vec3 position)
+{
+    /* Interpolated corners are off by a few ulps of the largest coordinate. Of 120 000 points on random triangles one
+     * meets its own triangle from 2 ulps off it, none from 4. */
+    const float size = float_larger(fabsf(position.x), float_larger(fabsf(position.y), fabsf(position.z)));
+    return float_larger(size * 8.0f * FLT_EPSILON, 1e-12f);
+}
+
+/* lmb_trace_offset, likewise. */
+static inline lmb_vec3 trace_offset(lmb_vec3 position, lmb_vec3 geometric_normal, float rounding, lmb_vec3 direction)
+{
+    const bool along = vec3_dot(geometric_normal, direction) >= 0.0f;
+    return vec3_mad(position, geometric_normal, along ? rounding : -rounding);
+}
 
 static inline void lmb_ray_batch_add(lmb_ray_batch *rays, lmb_vec3 origin, lmb_vec3 direction, float far_distance)
 {
