@@ -204,11 +204,16 @@ void lmb_sky_look_batch(const lmb_sky *sky, const float *const direction[3], uin
     }
 }
 
-/* The pixel that a number picks, and how far into its share of the total the number is, in [0, 1]. */
-static uint32_t pixel_pick(const lmb_sky *sky, float number, float *across)
+static uint32_t guide_place(const lmb_sky *sky, float number)
+{
+    return (uint32_t)((double)number * (double)sky->aimed_count);
+}
+
+/* The pixel that a number picks, where the guide sends it to `found`, and how far into its share of the total the
+ * number is, in [0, 1]. */
+static uint32_t pixel_pick(const lmb_sky *sky, float number, uint32_t found, float *across)
 {
     const double target = (double)number * sky->total;
-    uint32_t found = sky->guide[(uint32_t)((double)number * (double)sky->aimed_count)];
     while (found + 1 < sky->aimed_count && !(sky->cumulative[found] > target)) {
         ++found;
     }
@@ -219,38 +224,82 @@ static uint32_t pixel_pick(const lmb_sky *sky, float number, float *across)
     return sky->aimed[found];
 }
 
-static lmb_vec3 pixel_direction(const lmb_sky *sky, uint32_t pixel, float across, float down)
+/* Points of picked pixels: their share of a turn about the vertical, and the cosine of the polar angle. */
+typedef struct pixel_points {
+    float turn[BATCH];
+    double cosine[BATCH];
+} pixel_points;
+
+static void pixel_points_find(const lmb_sky *sky, const uint32_t *picked, const float *across, const float *down,
+                              uint32_t count, pixel_points *points)
 {
     const uint32_t width = (uint32_t)sky->environment->image.width;
-    const uint32_t row = pixel / width;
-    const float u = (float)(((double)(pixel - row * width) + (double)across) / (double)width);
-    const double y = sky->row_cosine[row] + (sky->row_cosine[row + 1] - sky->row_cosine[row]) * (double)down;
-    const double square = (1.0 - y) * (1.0 + y);
-    const float r = sqrtf((float)(square > 0.0 ? square : 0.0));
-    float sine, cosine;
-    lmb_turn_sincos(u, &sine, &cosine); /* of the azimuth and half a turn */
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t row = picked[i] / width;
+        points->turn[i] = (float)(((double)(picked[i] - row * width) + (double)across[i]) / (double)width);
+        points->cosine[i] = sky->row_cosine[row] + (sky->row_cosine[row + 1] - sky->row_cosine[row]) * (double)down[i];
+    }
+}
+
+LMB_LANES
+static void points_directions(const lmb_sky *sky, const pixel_points *restrict points, uint32_t count,
+                              float *restrict to_x, float *restrict to_y, float *restrict to_z)
+{
+    /* Of the turn and half a turn more (glTF), or a quarter: see pixel_of_direction. */
     const bool openexr = sky->environment->axes == LMB_LATLONG_OPENEXR;
-    const float x = r * (openexr ? sine : -cosine);
-    const float z = r * (openexr ? -cosine : -sine);
-    return vec3(sky->rotation_cosine * x + sky->rotation_sine * z, (float)y,
-                sky->rotation_cosine * z - sky->rotation_sine * x);
+    const float x_of_sine = openexr ? 1.0f : 0.0f, x_of_cosine = openexr ? 0.0f : -1.0f;
+    const float turned_cosine = sky->rotation_cosine, turned_sine = sky->rotation_sine;
+    for (uint32_t i = 0; i < count; ++i) {
+        const double y = points->cosine[i];
+        const double square = (1.0 - y) * (1.0 + y);
+        const float r = sqrtf((float)(square > 0.0 ? square : 0.0));
+        float sine, cosine;
+        lmb_turn_sincos(points->turn[i], &sine, &cosine);
+        const float x = r * (x_of_sine * sine + x_of_cosine * cosine);
+        const float z = r * (x_of_cosine * sine - x_of_sine * cosine);
+        to_x[i] = turned_cosine * x + turned_sine * z;
+        to_y[i] = (float)y;
+        to_z[i] = turned_cosine * z - turned_sine * x;
+    }
+}
+
+/* Picks pixels for up to BATCH numbers: each table is asked for all of them before any answer is needed. */
+static void pixels_pick(const lmb_sky *sky, const float *number, uint32_t count, uint32_t *picked, float *across)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        __builtin_prefetch(&sky->guide[guide_place(sky, number[i])]);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        picked[i] = sky->guide[guide_place(sky, number[i])];
+        __builtin_prefetch(&sky->cumulative[picked[i]]);
+        __builtin_prefetch(&sky->aimed[picked[i]]);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        picked[i] = pixel_pick(sky, number[i], picked[i], &across[i]);
+        __builtin_prefetch(&sky->pixel[picked[i]]);
+    }
+}
+
+static void batch_sample(const lmb_sky *sky, const float *x, const float *y, uint32_t count, lmb_light_sample *sample)
+{
+    uint32_t picked[BATCH];
+    float across[BATCH], to_x[BATCH], to_y[BATCH], to_z[BATCH];
+    pixel_points points;
+    pixels_pick(sky, x, count, picked, across);
+    pixel_points_find(sky, picked, across, y, count, &points);
+    points_directions(sky, &points, count, to_x, to_y, to_z);
+    for (uint32_t i = 0; i < count; ++i) {
+        const lmb_environment_seen *pixel = &sky->pixel[picked[i]];
+        sample[i].direction = vec3(to_x[i], to_y[i], to_z[i]);
+        sample[i].radiance = pixel->radiance;
+        sample[i].density = pixel->density;
+    }
 }
 
 void lmb_sky_sample_batch(const lmb_sky *sky, const float *x, const float *y, uint32_t count, lmb_light_sample *sample)
 {
-    uint32_t picked[BATCH];
-    float across[BATCH];
     for (uint32_t first = 0; first < count; first += BATCH) {
         const uint32_t some = count - first < BATCH ? count - first : BATCH;
-        for (uint32_t i = 0; i < some; ++i) {
-            picked[i] = pixel_pick(sky, x[first + i], &across[i]);
-            __builtin_prefetch(&sky->pixel[picked[i]]);
-        }
-        for (uint32_t i = 0; i < some; ++i) {
-            const lmb_environment_seen *pixel = &sky->pixel[picked[i]];
-            sample[first + i].direction = pixel_direction(sky, picked[i], across[i], y[first + i]);
-            sample[first + i].radiance = pixel->radiance;
-            sample[first + i].density = pixel->density;
-        }
+        batch_sample(sky, x + first, y + first, some, sample + first);
     }
 }
