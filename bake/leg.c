@@ -5,6 +5,7 @@
 #include <lambent/sequence.h>
 
 #include "bake_internal.h"
+#include "surface_light_internal.h"
 
 lmb_rgb lmb_leg_sky(const lmb_receiver *from, lmb_vec3 direction, const lmb_environment_seen *seen)
 {
@@ -51,6 +52,12 @@ lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *firs
     const lmb_transport *transport = path->transport;
     if (!first) {
         return sky_landing(transport, leg);
+    }
+    /* A camera sees texture that light does not. */
+    const bool known = transport->surface && leg->from;
+    const lmb_rgb *albedo = known ? lmb_surface_light_albedo(transport->surface, first) : NULL;
+    if (albedo) {
+        return (lmb_landing){.on_surface = true, .hit = *first, .albedo = *albedo};
     }
     lmb_hit hit = *first;
     for (uint32_t layer = 0;; ++layer) {

@@ -149,7 +149,8 @@ lmb_result lmb_surface_light_create(const lmb_tracer *tracer, const lmb_surface_
     }
     if (result == LMB_OK) {
         created->grid = calloc(created->triangle_count + 1u, sizeof *created->grid);
-        result = created->grid ? triangles_divide(created, tracer, settings) : LMB_ERROR_MEMORY;
+        created->albedo = calloc(created->triangle_count + 1u, sizeof *created->albedo);
+        result = created->grid && created->albedo ? triangles_divide(created, tracer, settings) : LMB_ERROR_MEMORY;
     }
     if (result != LMB_OK) {
         lmb_surface_light_destroy(created);
@@ -164,6 +165,7 @@ void lmb_surface_light_destroy(lmb_surface_light *light)
     if (light) {
         free(light->triangle_first);
         free(light->grid);
+        free(light->albedo);
         free(light->irradiance);
         free(light->radiance);
         free(light->openness);
@@ -175,7 +177,7 @@ void lmb_surface_light_destroy(lmb_surface_light *light)
 size_t lmb_surface_light_bytes(const lmb_surface_light *light)
 {
     return sizeof *light + (light->instance_count + 1u) * sizeof *light->triangle_first +
-           (light->triangle_count + 1u) * sizeof *light->grid +
+           (light->triangle_count + 1u) * (sizeof *light->grid + sizeof *light->albedo) +
            (2 * (size_t)light->cell_count + 1) *
                (sizeof *light->irradiance + sizeof *light->radiance + sizeof *light->openness) +
            lmb_bright_cells_bytes(light->bright);
@@ -268,111 +270,4 @@ double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *
         }
     }
     return total > 0.0 ? sum / total : 0.0;
-}
-
-/* Triangles that one task of the pool looks at. */
-enum { REFLECT_PER_TASK = 4096 };
-
-/* Cells of less than this share of the largest cell's length are too small for anybody to see texture within. */
-#define EVEN_CELL_SHARE 0.25f
-
-/* Albedos within this of their mean are one. */
-#define EVEN_ALBEDO 0.05f
-
-/* Mean albedo over points of a triangle; false where it changes. */
-static bool albedo_even(const lmb_tracer *tracer, const lmb_hit *hit, bool small, lmb_rgb *mean)
-{
-    enum { POINTS = 16 };
-    const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
-    if (!mesh->color && scene->materials[mesh->material[hit->triangle]].base_color_texture.image < 0) {
-        *mean = lmb_trace_surface(tracer, hit->instance, hit->triangle, 0.0f, 0.0f).albedo;
-        return true;
-    }
-    lmb_rgb albedo[POINTS];
-    *mean = rgb(0.0f, 0.0f, 0.0f);
-    for (int i = 0; i < POINTS; ++i) {
-        /* The R2 sequence (Roberts 2018), in step with no texture; the square's upper half folded back. */
-        float u = 0.5f + (float)i * 0.7548777f;
-        float v = 0.5f + (float)i * 0.5698403f;
-        u -= floorf(u);
-        v -= floorf(v);
-        if (u + v > 1.0f) {
-            u = 1.0f - u;
-            v = 1.0f - v;
-        }
-        albedo[i] = lmb_trace_surface(tracer, hit->instance, hit->triangle, u, v).albedo;
-        *mean = rgb_add(*mean, rgb_scale(albedo[i], 1.0f / POINTS));
-    }
-    for (int i = 0; i < POINTS && !small; ++i) {
-        for (int c = 0; c < 3; ++c) {
-            if (fabsf(albedo[i].c[c] - mean->c[c]) > EVEN_ALBEDO) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
-static bool material_only_reflects(const lmb_material *material)
-{
-    return (material->unlit || !(rgb_max(material->emissive) > 0.0f)) && material->alpha_mode == LMB_ALPHA_OPAQUE &&
-           !(material->transmission > 0.0f);
-}
-
-static float cell_size_largest(const lmb_surface_light *light)
-{
-    float largest = 0.0f;
-    for (uint32_t t = 0; t < light->triangle_count; ++t) {
-        largest = fmaxf(largest, light->grid[t].cell_size);
-    }
-    return largest;
-}
-
-typedef struct reflect_work {
-    lmb_surface_light *light;
-    const lmb_tracer *tracer;
-    float small_size; /* metres: below it a cell's texture does not matter */
-} reflect_work;
-
-static void triangle_reflect(const reflect_work *work, const lmb_hit *hit)
-{
-    lmb_surface_light *light = work->light;
-    const lmb_scene *scene = lmb_tracer_scene(work->tracer);
-    const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
-    lmb_cell_grid *grid = &light->grid[light->triangle_first[hit->instance] + hit->triangle];
-    lmb_rgb albedo;
-    if (!material_only_reflects(&scene->materials[mesh->material[hit->triangle]]) ||
-        !albedo_even(work->tracer, hit, grid->cell_size < work->small_size, &albedo)) {
-        return;
-    }
-    grid->even = 1;
-    for (uint32_t side = 2 * grid->first; side < 2 * (grid + 1)->first; ++side) {
-        light->radiance[side] = rgb_mul(albedo, light->irradiance[side]);
-    }
-}
-
-static void reflect_task(void *context, size_t task, int worker)
-{
-    (void)worker;
-    const reflect_work *work = context;
-    const lmb_surface_light *light = work->light;
-    const uint32_t first = (uint32_t)task * REFLECT_PER_TASK;
-    const uint32_t left = light->triangle_count - first;
-    lmb_hit hit = {
-        .instance = last_not_above(light->triangle_first, sizeof *light->triangle_first, light->instance_count, first)};
-    for (uint32_t t = first; t < first + (left < REFLECT_PER_TASK ? left : REFLECT_PER_TASK); ++t) {
-        while (t >= light->triangle_first[hit.instance + 1]) {
-            ++hit.instance;
-        }
-        hit.triangle = t - light->triangle_first[hit.instance];
-        triangle_reflect(work, &hit);
-    }
-}
-
-lmb_result lmb_surface_light_reflect(lmb_surface_light *light, const lmb_tracer *tracer, lmb_pool *pool)
-{
-    reflect_work work = {light, tracer, EVEN_CELL_SHARE * cell_size_largest(light)};
-    const size_t tasks = ((size_t)light->triangle_count + REFLECT_PER_TASK - 1) / REFLECT_PER_TASK;
-    return lmb_pool_run(pool, tasks, reflect_task, &work, "surface", NULL);
 }

@@ -14,7 +14,7 @@ typedef struct lmb_cell_grid {
     uint32_t strips : 14;
     uint32_t columns : 14;
     uint32_t apex : 2; /* the corner opposite the shortest edge */
-    uint32_t even : 1; /* opaque, dark by itself, and of one albedo: lmb_surface_light.radiance has what it reflects */
+    uint32_t even : 1; /* opaque, dark by itself, and of one albedo: lmb_surface_light has that and what it reflects */
     float cell_size;   /* metres: the longest edge of its cells */
 } lmb_cell_grid;
 
@@ -34,6 +34,7 @@ struct lmb_surface_light {
     uint32_t cell_count;
     uint32_t *triangle_first; /* [instance], and the count at its end: dynamic ones have none */
     lmb_cell_grid *grid;      /* [triangle], and one at its end whose `first` is the count of cells */
+    lmb_rgb *albedo;          /* [triangle] of even ones */
     lmb_rgb *irradiance;      /* [2 cell + side]: 0 the front, 1 the back */
     lmb_rgb *radiance;        /* likewise: irradiance x albedo, of even triangles */
     uint8_t *openness;        /* likewise: an lmb_openness */
@@ -78,12 +79,22 @@ void lmb_cell_point(const lmb_cell *cell, const float numbers[2], float *u, floa
 /* Square metres. */
 float lmb_cell_area(const lmb_cell *cell, const lmb_tracer *tracer);
 
+/* Finds the even triangles and their albedos. */
+lmb_result lmb_surface_light_find_albedos(lmb_surface_light *light, const lmb_tracer *tracer, lmb_pool *pool);
+
 /* Sets `radiance` from `irradiance`. */
-lmb_result lmb_surface_light_reflect(lmb_surface_light *light, const lmb_tracer *tracer, lmb_pool *pool);
+lmb_result lmb_surface_light_reflect(lmb_surface_light *light, lmb_pool *pool);
 
 static inline const lmb_cell_grid *lmb_cell_grid_at(const lmb_surface_light *light, const lmb_hit *hit)
 {
     return &light->grid[light->triangle_first[hit->instance] + hit->triangle];
+}
+
+/* The albedo of an even triangle at a hit; NULL where its surface takes a closer look. */
+static inline const lmb_rgb *lmb_surface_light_albedo(const lmb_surface_light *light, const lmb_hit *hit)
+{
+    const uint32_t triangle = light->triangle_first[hit->instance] + hit->triangle;
+    return light->grid[triangle].even ? &light->albedo[triangle] : NULL;
 }
 
 /* Position of the strip or column that `share` in [0, 1] of the way falls into. */

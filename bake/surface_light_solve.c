@@ -367,10 +367,15 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
         return result;
     }
     lmb_surface_light_stats made = {.cells = created->cell_count};
-    solve_work work = {.transport = transport, .light = created, .side_count = 2 * created->cell_count};
+    lmb_transport solving = *transport;
+    solving.surface = created; /* of which the albedos are known */
+    solve_work work = {.transport = &solving, .light = created, .side_count = 2 * created->cell_count};
     bytes_count(&work, 0, 0);
     /* Without reflections nobody looks at what surfaces receive. */
     if (transport->bounces != 0 && work.side_count > 0) {
+        result = lmb_surface_light_find_albedos(created, transport->tracer, pool);
+    }
+    if (result == LMB_OK && transport->bounces != 0 && work.side_count > 0) {
         result = work_run(&work, settings->samples > 0 ? settings->samples : ENOUGH_SAMPLES, pool, progress, &made);
     }
     made.bytes_solving = work.most_bytes;
@@ -381,7 +386,7 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
     free(work.links);
     free(work.rays);
     if (result == LMB_OK) {
-        result = lmb_surface_light_reflect(created, transport->tracer, pool);
+        result = lmb_surface_light_reflect(created, pool);
     }
     if (result == LMB_OK && !settings->bright_by_chance) {
         result = lmb_bright_cells_create(created, transport->tracer, &created->bright);
