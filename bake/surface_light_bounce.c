@@ -17,6 +17,9 @@
 
 enum { ROWS_PER_TASK = 4096 };
 
+/* Links whose light is on its way while a pass adds up. */
+enum { AHEAD = 24 };
+
 /* Passes in a cycle, and cycles before the last that are combined. */
 enum { CYCLE = 4, HISTORY = 3, VECTORS = 4 + 2 * HISTORY };
 
@@ -70,10 +73,12 @@ static void pass_task(void *context, size_t task, int worker)
     (void)worker;
     const bounce_work *work = context;
     const lmb_bounce_rows *rows = work->rows;
+    const size_t all = rows->first[rows->count];
     for (uint32_t i = (uint32_t)task * ROWS_PER_TASK; i < task_end(work, task); ++i) {
         lmb_rgb sum = {{0.0f, 0.0f, 0.0f}};
         for (size_t k = rows->first[i]; k < rows->first[i + 1]; ++k) {
             const lmb_link *link = &rows->links[k];
+            __builtin_prefetch(&work->light[rows->links[k + AHEAD < all ? k + AHEAD : k].target]);
             for (int c = 0; c < 3; ++c) {
                 sum.c[c] += (float)link->weight[c] * work->light[link->target].c[c];
             }
