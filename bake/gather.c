@@ -15,7 +15,6 @@
 
 enum {
     SAMPLES = LMB_RAY_BATCH,
-    RECEIVERS = SAMPLES / LMB_GATHER_BLOCK,
     SAMPLES_PER_AIM = 4,      /* that a ray at a bright cell joins */
     SAMPLES_PER_PUNCTUAL = 2, /* a receiver asks no more punctual lights than it has samples for that */
 };
@@ -29,8 +28,9 @@ typedef struct gather_batch {
     uint64_t stream;
     uint32_t first;
     uint32_t count;
-    lmb_receiver receiver[RECEIVERS];
-    uint32_t per_receiver; /* samples that a receiver has */
+    lmb_receiver receiver;      /* that samples share, but for the place */
+    lmb_vec3 position[SAMPLES]; /* of each sample's receiver */
+    uint32_t per_receiver;      /* samples that one place has */
     uint64_t *rays_traced;
     lmb_ray_batch rays;
     lmb_contributions found;
@@ -60,6 +60,16 @@ static lmb_receiver point_receiver(const lmb_gather_point *point)
                           .kind = point->hemisphere ? LMB_LOBE_HEMISPHERE : LMB_LOBE_SPHERE};
 }
 
+/* What all batches have in common; the place too, if it is the only one. */
+static void receiver_set(gather_batch *batch, const lmb_gather_samples *samples)
+{
+    batch->receiver = point_receiver(&samples->points[0]);
+    batch->receiver.triangles = &batch->triangles;
+    for (uint32_t i = 0; i < SAMPLES && samples->point_count == 1; ++i) {
+        batch->position[i] = batch->receiver.position;
+    }
+}
+
 static void queries_set(gather_batch *batch, const lmb_gather_point *point)
 {
     const lmb_vec3 *normal = point->hemisphere ? &point->normal : NULL;
@@ -69,39 +79,29 @@ static void queries_set(gather_batch *batch, const lmb_gather_point *point)
     memset(batch->bright_memo.node, 0, sizeof batch->bright_memo.node);
 }
 
-static void receiver_set(gather_batch *batch, uint32_t number, const lmb_gather_point *point)
-{
-    batch->receiver[number] = point_receiver(point);
-    batch->receiver[number].triangles = &batch->triangles;
-}
-
 static void batch_start(gather_batch *batch, const lmb_gather_samples *samples, uint32_t done)
 {
     const uint32_t left = samples->count - done;
     batch->first = samples->first + done;
     batch->count = left < SAMPLES ? left : SAMPLES;
+    batch->per_receiver = samples->point_count == 1 ? SAMPLES : LMB_GATHER_BLOCK;
     if (samples->point_count == 1) {
-        batch->per_receiver = SAMPLES;
-        receiver_set(batch, 0, &samples->points[0]);
         return;
     }
-    batch->per_receiver = LMB_GATHER_BLOCK;
-    for (uint32_t i = 0; i * LMB_GATHER_BLOCK < batch->count; ++i) {
-        const uint32_t block = batch->first / LMB_GATHER_BLOCK + i;
-        const uint32_t place = block + samples->replicate * samples->point_count / LMB_GATHER_REPLICATES;
-        receiver_set(batch, i, &samples->points[place % samples->point_count]);
+    uint32_t place =
+        batch->first / LMB_GATHER_BLOCK + samples->replicate * samples->point_count / LMB_GATHER_REPLICATES;
+    for (uint32_t i = 0; i < batch->count; i += LMB_GATHER_BLOCK, ++place) {
+        for (uint32_t k = 0; k < LMB_GATHER_BLOCK; ++k) {
+            batch->position[i + k] = samples->points[place % samples->point_count].position;
+        }
     }
 }
 
-static const lmb_receiver *batch_receiver(const gather_batch *batch, uint32_t sample)
+static lmb_receiver batch_receiver(const gather_batch *batch, uint32_t sample)
 {
-    return &batch->receiver[sample / batch->per_receiver];
-}
-
-static uint32_t receiver_samples(const gather_batch *batch, uint32_t number)
-{
-    const uint32_t left = batch->count - number * batch->per_receiver;
-    return left < batch->per_receiver ? left : batch->per_receiver;
+    lmb_receiver receiver = batch->receiver;
+    receiver.position = batch->position[sample];
+    return receiver;
 }
 
 static void batch_numbers(const gather_batch *batch, uint32_t pair, float *x, float *y)
@@ -168,8 +168,9 @@ static void lights_trace(gather_batch *batch, const lmb_light_sample light[SAMPL
     aimed_lights lights;
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
+        const lmb_receiver receiver = batch_receiver(batch, i);
         lmb_aimed_light aimed;
-        if (light[i].density > 0.0f && lmb_receiver_aim(batch_receiver(batch, i), &light[i], at_infinity, &aimed)) {
+        if (light[i].density > 0.0f && lmb_receiver_aim(&receiver, &light[i], at_infinity, &aimed)) {
             aimed_add(batch, &lights, light[i].direction, &aimed);
         }
     }
@@ -179,15 +180,11 @@ static void lights_trace(gather_batch *batch, const lmb_light_sample light[SAMPL
 static void gather_triangles(gather_batch *batch)
 {
     float x[SAMPLES], y[SAMPLES], choice[SAMPLES], unused[SAMPLES];
-    lmb_vec3 position[SAMPLES];
     lmb_light_sample light[SAMPLES];
     batch_numbers(batch, PAIR_TRIANGLE, x, y);
     batch_numbers(batch, PAIR_CHOICE, choice, unused);
-    for (uint32_t i = 0; i < batch->count; ++i) {
-        position[i] = batch_receiver(batch, i)->position;
-    }
-    lmb_emitters_sample_triangles(batch->transport->emitters, &batch->triangles, position, choice, x, y, batch->count,
-                                  light);
+    lmb_emitters_sample_triangles(batch->transport->emitters, &batch->triangles, batch->position, choice, x, y,
+                                  batch->count, light);
     lights_trace(batch, light, false);
 }
 
@@ -222,30 +219,31 @@ static void punctual_ask(gather_batch *batch, const lmb_receiver *receiver, cons
 static void receiver_punctual(gather_batch *batch, uint32_t number)
 {
     const uint32_t first = number * batch->per_receiver;
-    const uint32_t samples = receiver_samples(batch, number);
+    const uint32_t left = batch->count - first;
+    const uint32_t samples = left < batch->per_receiver ? left : batch->per_receiver;
     const uint32_t wanted = samples / SAMPLES_PER_PUNCTUAL;
     const int max = wanted < 1 ? 1 : wanted < LMB_PUNCTUAL_MAX ? (int)wanted : LMB_PUNCTUAL_MAX;
     float choice[2];
     const uint32_t sample = (batch->first + first) / batch->per_receiver;
     lmb_sample_numbers(batch->transport, batch->stream, sample, 1, PAIR_CHOICE, &choice[0], &choice[1]);
-    punctual_ask(batch, &batch->receiver[number], choice, max, samples);
+    const lmb_receiver receiver = batch_receiver(batch, first);
+    punctual_ask(batch, &receiver, choice, max, samples);
 }
 
 /* Rays of all directions by the receivers' density, which is returned for each. */
 static void rays_make(gather_batch *batch, float density[SAMPLES])
 {
-    const lmb_receiver *first = &batch->receiver[0];
     lmb_ray_batch *rays = &batch->rays;
     float x[SAMPLES], y[SAMPLES];
     float *const direction[3] = {rays->direction[0], rays->direction[1], rays->direction[2]};
     batch_numbers(batch, PAIR_DIRECTION, x, y);
-    lmb_directions_make(first->kind, first->normal, x, y, batch->count, direction);
+    lmb_directions_make(batch->receiver.kind, batch->receiver.normal, x, y, batch->count, direction);
     rays->count = batch->count;
     for (uint32_t i = 0; i < batch->count; ++i) {
         const lmb_vec3 towards = vec3(direction[0][i], direction[1][i], direction[2][i]);
-        const lmb_receiver *receiver = batch_receiver(batch, i);
-        const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, towards);
-        density[i] = lmb_receiver_density(receiver, towards);
+        const lmb_receiver receiver = batch_receiver(batch, i);
+        const lmb_vec3 origin = lmb_receiver_ray_origin(&receiver, towards);
+        density[i] = lmb_receiver_density(&receiver, towards);
         rays->origin[0][i] = origin.x;
         rays->origin[1][i] = origin.y;
         rays->origin[2][i] = origin.z;
@@ -259,7 +257,8 @@ static lmb_rgb radiance_followed(const gather_batch *batch, uint32_t sample, lmb
     const lmb_ray_batch *rays = &batch->rays;
     lmb_path path = {batch->transport, batch->stream, batch->first + sample, 0, batch->rays_traced};
     const lmb_vec3 origin = vec3(rays->origin[0][sample], rays->origin[1][sample], rays->origin[2][sample]);
-    lmb_leg leg = {batch_receiver(batch, sample), origin, direction, {{1.0f, 1.0f, 1.0f}}};
+    const lmb_receiver receiver = batch_receiver(batch, sample);
+    lmb_leg leg = {&receiver, origin, direction, {{1.0f, 1.0f, 1.0f}}};
     const lmb_landing landing = lmb_leg_land(&path, &leg, hit);
     return lmb_path_radiance(&path, leg, landing);
 }
@@ -295,7 +294,7 @@ static void skies_gather(gather_batch *batch, const lmb_hit *hit, const float *d
     lmb_emitters_environment_look(batch->transport->emitters, arrays, count, seen);
     for (uint32_t k = 0; k < count; ++k) {
         const uint32_t i = number[k];
-        const lmb_rgb sky = lmb_leg_sky(batch_receiver(batch, i), ray_direction(batch, i), &seen[k]);
+        const lmb_rgb sky = lmb_leg_sky(&batch->receiver, ray_direction(batch, i), &seen[k]);
         ray_give(batch, i, sky, density[i]);
     }
 }
@@ -330,11 +329,11 @@ static void bright_rays_make(gather_batch *batch, bright_ray *made)
         const float point[2] = {x[i], y[i]};
         bright_ray *ray = &made[batch->rays.count];
         ray->sample = i * SAMPLES_PER_AIM;
-        const lmb_receiver *receiver = batch_receiver(batch, ray->sample);
-        if (lmb_bright_cells_aim(batch->light->bright, &batch->bright, receiver->position, choice[i], point,
+        const lmb_receiver receiver = batch_receiver(batch, ray->sample);
+        if (lmb_bright_cells_aim(batch->light->bright, &batch->bright, receiver.position, choice[i], point,
                                  &ray->aim) &&
-            lmb_receiver_sees(receiver, ray->aim.direction)) {
-            lmb_ray_batch_add(&batch->rays, lmb_receiver_ray_origin(receiver, ray->aim.direction), ray->aim.direction,
+            lmb_receiver_sees(&receiver, ray->aim.direction)) {
+            lmb_ray_batch_add(&batch->rays, lmb_receiver_ray_origin(&receiver, ray->aim.direction), ray->aim.direction,
                               FLT_MAX);
         }
     }
@@ -355,7 +354,7 @@ static void gather_bright(gather_batch *batch)
         uint32_t side;
         if (hit[i].instance != LMB_HIT_NOTHING &&
             lmb_surface_light_find(light, &hit[i], transport->bounces < 0, &side) && side == aim->side) {
-            const float density = lmb_receiver_density(batch_receiver(batch, ray[i].sample), aim->direction) +
+            const float density = lmb_receiver_density(&batch->receiver, aim->direction) +
                                   aims_per_sample(batch) * lmb_bright_aim_density(light->bright, aim, &hit[i]);
             contribution_add(&batch->found, aim->direction, rgb_scale(light->radiance[side], 1.0f / density));
         }
@@ -426,6 +425,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
     batch.stream = replicate_stream(transport, samples);
     batch.rays_traced = rays;
     batch.found.count = 0;
+    receiver_set(&batch, samples);
     queries_set(&batch, &samples->points[0]);
     for (uint32_t done = 0; done < samples->count; done += batch.count) {
         batch_start(&batch, samples, done);
