@@ -140,10 +140,11 @@ static uint32_t texel_points(const bake_work *work, const bake_texel *texel, lmb
     const uint32_t spread = lmb_texel_spread(
         &lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh], &grid, (int32_t)(texel->pixel % width) - region->x,
         (int32_t)(texel->pixel / width) - region->y, source.triangle, stream, work->points_per_texel, weights);
+    lmb_vec3 at[MAX_POINTS];
+    lmb_trace_positions(tracer, texel->instance, source.triangle, (const float(*)[2])weights, spread, at);
     for (uint32_t i = 0; i < spread; ++i) {
-        const lmb_vec3 at = lmb_trace_position(tracer, texel->instance, source.triangle, weights[i][0], weights[i][1]);
         points[i] = middle;
-        points[i].position = trace_offset(at, place.geometric_normal, place.rounding, place.geometric_normal);
+        points[i].position = trace_offset(at[i], place.geometric_normal, place.rounding, place.geometric_normal);
     }
     const uint32_t open = points_keep_open(tracer, middle.position, points, spread, &count->rays);
     if (open == 0) {

@@ -39,11 +39,23 @@ static lmb_vec3 corners_position(const lmb_vec3 corner[3], float u, float v, flo
     return position_inset(vec3_mad(along_u, vec3_sub(corner[2], corner[0]), v), corner, rounding);
 }
 
-lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+void lmb_trace_positions(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, const float (*weights)[2],
+                         uint32_t count, lmb_vec3 *position)
 {
     lmb_vec3 corner[3];
     lmb_trace_corners(tracer, instance, triangle, corner);
-    return corners_position(corner, u, v, corners_rounding(corner));
+    const float rounding = corners_rounding(corner);
+    for (uint32_t i = 0; i < count; ++i) {
+        position[i] = corners_position(corner, weights[i][0], weights[i][1], rounding);
+    }
+}
+
+lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+{
+    const float weights[1][2] = {{u, v}};
+    lmb_vec3 position;
+    lmb_trace_positions(tracer, instance, triangle, weights, 1, &position);
+    return position;
 }
 
 lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, float u, float v)

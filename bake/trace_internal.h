@@ -40,6 +40,10 @@ static inline void lmb_ray_batch_add(lmb_ray_batch *rays, lmb_vec3 origin, lmb_v
     rays->far_distance[i] = far_distance;
 }
 
+/* lmb_trace_position of `count` points of a triangle. */
+void lmb_trace_positions(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, const float (*weights)[2],
+                         uint32_t count, lmb_vec3 *position);
+
 /* Embree's scene: an RTCScene. */
 struct RTCSceneTy *lmb_tracer_world(const lmb_tracer *tracer);
 
