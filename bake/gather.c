@@ -197,37 +197,46 @@ static void gather_environment(gather_batch *batch)
     lights_trace(batch, light, true);
 }
 
-/* Asks up to `max` lights of a kind, which count for `samples` samples. */
-static void punctual_ask(gather_batch *batch, const lmb_receiver *receiver, const float choice[2], int max,
-                         uint32_t samples)
+/* Aims at up to `max` lights of a kind, which count for `samples` samples. */
+static void punctual_aim(gather_batch *batch, aimed_lights *lights, const lmb_receiver *receiver, const float choice[2],
+                         int max, uint32_t samples)
 {
     lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
-    aimed_lights lights;
     const int count = lmb_receiver_punctual(batch->transport, receiver, choice, max, light);
-    batch->rays.count = 0;
     for (int i = 0; i < count; ++i) {
         lmb_aimed_light aimed;
         if (lmb_receiver_aim_punctual(receiver, &light[i], &aimed)) {
             aimed.weight = rgb_scale(aimed.weight, (float)samples);
-            aimed_add(batch, &lights, light[i].direction, &aimed);
+            aimed_add(batch, lights, light[i].direction, &aimed);
         }
     }
-    aimed_trace(batch, &lights);
 }
 
 /* Lights of no extent are the same for all of a receiver's samples: each is asked once, and counts for all of them. */
-static void receiver_punctual(gather_batch *batch, uint32_t number)
+static void gather_punctual(gather_batch *batch, lmb_gather_sink sink, void *context)
 {
-    const uint32_t first = number * batch->per_receiver;
-    const uint32_t left = batch->count - first;
-    const uint32_t samples = left < batch->per_receiver ? left : batch->per_receiver;
-    const uint32_t wanted = samples / SAMPLES_PER_PUNCTUAL;
-    const int max = wanted < 1 ? 1 : wanted < LMB_PUNCTUAL_MAX ? (int)wanted : LMB_PUNCTUAL_MAX;
-    float choice[2];
-    const uint32_t sample = (batch->first + first) / batch->per_receiver;
-    lmb_sample_numbers(batch->transport, batch->stream, sample, 1, PAIR_CHOICE, &choice[0], &choice[1]);
-    const lmb_receiver receiver = batch_receiver(batch, first);
-    punctual_ask(batch, &receiver, choice, max, samples);
+    const uint32_t receivers = (batch->count + batch->per_receiver - 1) / batch->per_receiver;
+    float x[SAMPLES], y[SAMPLES];
+    aimed_lights lights;
+    lmb_sample_numbers(batch->transport, batch->stream, batch->first / batch->per_receiver, receivers, PAIR_CHOICE, x,
+                       y);
+    batch->rays.count = 0;
+    for (uint32_t i = 0; i < receivers; ++i) {
+        const uint32_t first = i * batch->per_receiver;
+        const uint32_t left = batch->count - first;
+        const uint32_t samples = left < batch->per_receiver ? left : batch->per_receiver;
+        const uint32_t wanted = samples / SAMPLES_PER_PUNCTUAL;
+        const int max = wanted < 1 ? 1 : wanted < LMB_PUNCTUAL_MAX ? (int)wanted : LMB_PUNCTUAL_MAX;
+        const float choice[2] = {x[i], y[i]};
+        const lmb_receiver receiver = batch_receiver(batch, first);
+        if (batch->rays.count + 2 * LMB_PUNCTUAL_MAX > SAMPLES) {
+            aimed_trace(batch, &lights);
+            found_make_room(batch, sink, context);
+            batch->rays.count = 0;
+        }
+        punctual_aim(batch, &lights, &receiver, choice, max, samples);
+    }
+    aimed_trace(batch, &lights);
 }
 
 /* Rays of all directions by the receivers' density, which is returned for each. */
@@ -438,10 +447,8 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
             found_make_room(&batch, sink, context);
         }
         if (lmb_tracer_scene(transport->tracer)->light_count > 0 && !samples->without_punctual) {
-            for (uint32_t i = 0; i * batch.per_receiver < batch.count; ++i) {
-                receiver_punctual(&batch, i);
-                found_make_room(&batch, sink, context);
-            }
+            gather_punctual(&batch, sink, context);
+            found_make_room(&batch, sink, context);
         }
         gather_rays(&batch);
         found_make_room(&batch, sink, context);
@@ -465,7 +472,10 @@ bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point 
     batch.transport = transport;
     batch.rays_traced = rays;
     batch.found.count = 0;
-    punctual_ask(&batch, &receiver, choice, LMB_PUNCTUAL_MAX, 1);
+    batch.rays.count = 0;
+    aimed_lights lights;
+    punctual_aim(&batch, &lights, &receiver, choice, LMB_PUNCTUAL_MAX, 1);
+    aimed_trace(&batch, &lights);
     found_give(&batch, sink, context);
     return true;
 }
