@@ -24,6 +24,7 @@ enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1 << 17 };
 /* Measured; writing is a small part of any bake. */
 #define WRITE_SECONDS_PER_PROBE 3e-6
 #define WRITE_SECONDS_PER_TEXEL 1e-6
+#define WRITE_SECONDS_PER_CHARTED_TRIANGLE 3e-6
 
 typedef struct trial_work {
     const lmb_bake *bake;
@@ -101,6 +102,26 @@ static void surface_guess(const lmb_bake *bake, double seconds_per_sample, lmb_f
     forecast->seconds[FORECAST_BOUNCES] = BOUNCES_SHARE * (pilot + lit) * seconds_per_sample;
 }
 
+/* Triangles of the meshes that are written again, with UVs of their own. */
+static double charted_triangles(const lmb_lightmap *lightmap)
+{
+    double count = 0.0;
+    for (uint32_t i = 0; i < lightmap->scene->mesh_count; ++i) {
+        count += lightmap->corner_uv[i] ? lightmap->scene->meshes[i].triangle_count : 0.0;
+    }
+    return count;
+}
+
+static double write_guess(const lmb_bake *bake)
+{
+    double seconds = WRITE_SECONDS_PER_PROBE * bake->record.placement.probes_valid;
+    if (bake->lightmap) {
+        seconds += WRITE_SECONDS_PER_TEXEL * (double)bake->lightmap->covered_texel_count +
+                   WRITE_SECONDS_PER_CHARTED_TRIANGLE * charted_triangles(bake->lightmap);
+    }
+    return seconds;
+}
+
 lmb_result forecast_make(const lmb_bake *bake, lmb_forecast *forecast)
 {
     trial_work work = {.bake = bake, .transport = bake->level->transport, .effort = bake_effort(bake)};
@@ -128,7 +149,7 @@ lmb_result forecast_make(const lmb_bake *bake, lmb_forecast *forecast)
     if (unsolved && probes > 0.0) {
         surface_guess(bake, seconds_per_sample, forecast);
     }
-    forecast->seconds[FORECAST_WRITE] = WRITE_SECONDS_PER_PROBE * probes + WRITE_SECONDS_PER_TEXEL * texels;
+    forecast->seconds[FORECAST_WRITE] = write_guess(bake);
     return LMB_OK;
 }
 
