@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include <lambent/types.h>
+#include <lambent/trace.h>
 
 /* A triangle, as an array of numbers that vector code can pick from. */
 typedef struct lmb_emitter_shape {
@@ -18,7 +18,7 @@ lmb_emitter_shape lmb_emitter_shape_of(const lmb_vec3 corner[3], lmb_vec3 normal
 
 /* Of each sample: which triangle was chosen, with what probability, by what numbers in [0, 1)^2 its point is picked,
  * and from where it is looked at. */
-enum { LMB_EMITTER_POINTS = 64 };
+enum { LMB_EMITTER_POINTS = LMB_RAY_BATCH };
 typedef struct lmb_emitter_points {
     uint32_t count;
     int32_t triangle[LMB_EMITTER_POINTS];

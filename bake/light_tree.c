@@ -227,7 +227,7 @@ double lmb_light_tree_probability(const lmb_light_tree *tree, const lmb_light_qu
 typedef struct clusters {
     uint32_t cluster[LMB_LIGHT_CLUSTERS];
     float importance[LMB_LIGHT_CLUSTERS];
-    bool is_whole[LMB_LIGHT_CLUSTERS]; /* a single light, or there is no room for its children */
+    bool is_final[LMB_LIGHT_CLUSTERS]; /* a single light, or there is no room for its children */
     int count;
 } clusters;
 
@@ -236,7 +236,7 @@ static int strongest_find(const clusters *found)
     int strongest = -1;
     for (int i = 0; i < found->count; ++i) {
         const bool stronger = strongest < 0 || found->importance[i] > found->importance[strongest];
-        strongest = !found->is_whole[i] && stronger ? i : strongest;
+        strongest = !found->is_final[i] && stronger ? i : strongest;
     }
     return strongest;
 }
@@ -253,19 +253,19 @@ static void cluster_divide(const lmb_light_tree *tree, const lmb_light_query *qu
         giving += weight[k] > 0.0f;
     }
     if (found->count - 1 + giving > max) {
-        found->is_whole[number] = true;
+        found->is_final[number] = true;
         return;
     }
     --found->count;
     found->cluster[number] = found->cluster[found->count];
     found->importance[number] = found->importance[found->count];
-    found->is_whole[number] = found->is_whole[found->count];
+    found->is_final[number] = found->is_final[found->count];
     for (int k = 0; k < CHILDREN; ++k) {
         if (weight[k] > 0.0f) {
             const int i = found->count++;
             found->cluster[i] = node * CHILDREN + (uint32_t)k + 1;
             found->importance[i] = weight[k];
-            found->is_whole[i] = tree->node[node].inside[k] == 0;
+            found->is_final[i] = tree->node[node].inside[k] == 0;
         }
     }
 }

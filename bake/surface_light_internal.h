@@ -93,8 +93,8 @@ static inline const lmb_cell_grid *lmb_cell_grid_at(const lmb_surface_light *lig
 /* The albedo of an even triangle at a hit; NULL where its surface takes a closer look. */
 static inline const lmb_rgb *lmb_surface_light_albedo(const lmb_surface_light *light, const lmb_hit *hit)
 {
-    const uint32_t triangle = light->triangle_first[hit->instance] + hit->triangle;
-    return light->grid[triangle].even ? &light->albedo[triangle] : NULL;
+    const lmb_cell_grid *grid = lmb_cell_grid_at(light, hit);
+    return grid->even ? &light->albedo[grid - light->grid] : NULL;
 }
 
 /* Position of the strip or column that `share` in [0, 1] of the way falls into. */

@@ -353,7 +353,10 @@ static lmb_result work_run(solve_work *work, uint32_t samples, lmb_pool *pool, c
     if (!work->links) {
         return LMB_ERROR_MEMORY;
     }
-    const lmb_result result = work_sample(work, pool, progress, stats);
+    lmb_result result = lmb_surface_light_find_albedos(work->light, work->transport->tracer, pool);
+    if (result == LMB_OK) {
+        result = work_sample(work, pool, progress, stats);
+    }
     return result == LMB_OK ? work_bounce(work, pool, progress, &stats->passes) : result;
 }
 
@@ -373,9 +376,6 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
     bytes_count(&work, 0, 0);
     /* Without reflections nobody looks at what surfaces receive. */
     if (transport->bounces != 0 && work.side_count > 0) {
-        result = lmb_surface_light_find_albedos(created, transport->tracer, pool);
-    }
-    if (result == LMB_OK && transport->bounces != 0 && work.side_count > 0) {
         result = work_run(&work, settings->samples > 0 ? settings->samples : ENOUGH_SAMPLES, pool, progress, &made);
     }
     made.bytes_solving = work.most_bytes;

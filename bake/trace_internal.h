@@ -12,7 +12,7 @@
  * already; it stops a hair short of the far one. */
 #define LMB_TRACE_UP_TO_END (1.0f - 4.0f * FLT_EPSILON)
 
-/* lmb_trace_epsilon, for callers that cannot wait. */
+/* lmb_trace_epsilon, inline for what every sample does. */
 static inline float trace_epsilon(lmb_vec3 position)
 {
     /* Interpolated corners are off by a few ulps of the largest coordinate. Of 120 000 points on random triangles one

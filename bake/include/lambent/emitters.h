@@ -44,10 +44,10 @@ typedef struct lmb_triangle_query {
     struct lmb_light_memo *memo; /* what was found out about the triangles for this place; NULL: nothing is kept */
 } lmb_triangle_query;
 
-/* A point on an emissive triangle for each of `count` <= 64 samples, seen from position[i]: the triangle chosen by
- * `choice[i]` in [0, 1) and by what it may give to `query`, which is one of these places or one near them, the point
- * uniform in its area, by (x[i], y[i]) in [0, 1)^2. Time grows with the logarithm of the triangles' number, of which
- * there is one at least. Where a choice gives no light the density is 0. */
+/* A point on an emissive triangle for each of `count` <= LMB_RAY_BATCH samples, seen from position[i]: the triangle
+ * chosen by `choice[i]` in [0, 1) and by what it may give to `query`, which is one of these places or one near them,
+ * the point uniform in its area, by (x[i], y[i]) in [0, 1)^2. Time grows with the logarithm of the triangles' number,
+ * of which there is one at least. Where a choice gives no light the density is 0. */
 void lmb_emitters_sample_triangles(const lmb_emitters *emitters, const lmb_triangle_query *query,
                                    const lmb_vec3 *position, const float *choice, const float *x, const float *y,
                                    uint32_t count, lmb_light_sample *sample);
