@@ -158,7 +158,7 @@ static inline bool hard_bake_volume(hard_level *level, const hard_settings *sett
 static inline bool hard_bake_lightmap(hard_level *level, const hard_settings *settings)
 {
     lmb_error error = {{0}};
-    const lmb_lightmap_settings layout = {settings->texels_per_m, 256};
+    const lmb_lightmap_settings layout = {.texels_per_m = settings->texels_per_m, .max_image_size = 256};
     lmb_result result = lmb_lightmap_create(level->traced.scene, &layout, &level->lightmap, &error);
     if (result == LMB_OK) {
         result = lmb_lightmap_bake(level->lightmap, &level->traced.transport,

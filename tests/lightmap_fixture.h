@@ -29,7 +29,7 @@ static inline void baked_close(baked *bake)
 static inline bool lightmap_make(baked *bake, float texels_per_m, int32_t max_image_size)
 {
     lmb_error error = {""};
-    const lmb_lightmap_settings settings = {texels_per_m, max_image_size};
+    const lmb_lightmap_settings settings = {.texels_per_m = texels_per_m, .max_image_size = max_image_size};
     bake->lightmap = NULL;
     const lmb_result result = lmb_lightmap_create(bake->level.scene, &settings, &bake->lightmap, &error);
     CHECK(result == LMB_OK, "%s", error.message);

@@ -424,7 +424,7 @@ static void test_marks_and_exclusion(void)
     } cases[] = {{"lift", 0},   {"liftD*", 2}, {"*oor", 2},  {"f?ame", 2}, {"frame?", 3}, {"*", 0},
                  {"node 6", 3}, {"", 3},       {"l*D*r", 2}, {"Lift", 3},  {"**", 0},     {"other*", 3}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        const lmb_gltf_options options = {&cases[i].pattern, 1, false};
+        const lmb_gltf_options options = {.exclude = &cases[i].pattern, .exclude_count = 1};
         if (load_text_with("marks", text, &options, &s) == LMB_OK) {
             CHECK(s->instance_count == cases[i].instances, "%s: %u", cases[i].pattern, s->instance_count);
             CHECK(s->content_hash != whole, "%s: the hash knows", cases[i].pattern);

@@ -188,7 +188,7 @@ static void test_uris(void)
         snprintf(text, sizeof text, HEAD "'buffers':[{'uri':'%s','byteLength':48}]}", uris[i]);
         lmb_scene_destroy(load_text("spaces \xc3\xa9", text));
     }
-    const lmb_gltf_options anywhere = {NULL, 0, true};
+    const lmb_gltf_options anywhere = {.allow_outside_uris = true};
     static const char outside[] = HEAD "'buffers':[{'uri':'../gltf/quad.bin','byteLength':92}]}";
     CHECK(load_text_with("outside", outside, &anywhere, &s) == LMB_OK, "%s", error.message);
     lmb_scene_destroy(s);

@@ -535,8 +535,11 @@ static void bake_can_be_stopped(void)
 
 static void settings_are_checked(void)
 {
-    static const lmb_lightmap_settings BAD[] = {{0.0f, 1024}, {-1.0f, 1024}, {NAN, 1024},   {INFINITY, 1024},
-                                                {1.0f, 1000}, {1.0f, 0},     {1.0f, -1024}, {1.0f, 1 << 20}};
+    static const struct {
+        float texels_per_m;
+        int32_t max_image_size;
+    } BAD[] = {{0.0f, 1024}, {-1.0f, 1024}, {NAN, 1024},   {INFINITY, 1024},
+               {1.0f, 1000}, {1.0f, 0},     {1.0f, -1024}, {1.0f, 1 << 20}};
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_settings.glb");
     baked bake;
@@ -545,8 +548,10 @@ static void settings_are_checked(void)
     }
     for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; ++i) {
         bake.lightmap = NULL;
-        CHECK(lmb_lightmap_create(bake.level.scene, &BAD[i], &bake.lightmap, &error) == LMB_ERROR_ARGUMENT, "case %zu",
-              i);
+        const lmb_lightmap_settings settings = {.texels_per_m = BAD[i].texels_per_m,
+                                                .max_image_size = BAD[i].max_image_size};
+        CHECK(lmb_lightmap_create(bake.level.scene, &settings, &bake.lightmap, &error) == LMB_ERROR_ARGUMENT,
+              "case %zu", i);
         CHECK(bake.lightmap == NULL, "case %zu", i);
     }
     const lmb_lightmap_settings chosen = lmb_lightmap_settings_default(bake.level.scene);

@@ -123,7 +123,7 @@ static void files_read_back(void)
     check_read_back(bake.lightmap, directory);
 
     /* Another density is another layout, and nothing of the lightmap changes. */
-    const lmb_lightmap_settings other = {9.0f, 1024};
+    const lmb_lightmap_settings other = {.texels_per_m = 9.0f, .max_image_size = 1024};
     lmb_lightmap *lightmap = NULL;
     if (lmb_lightmap_create(bake.level.scene, &other, &lightmap, &error) == LMB_OK) {
         CHECK(lmb_lightmap_read(lightmap, directory, &error) == LMB_ERROR_FORMAT, "another layout was read");

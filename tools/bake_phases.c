@@ -1,7 +1,5 @@
 #include "bake_phases.h"
 
-#include <stdio.h>
-
 #include "command.h"
 
 lmb_result bake_place(lmb_bake *bake, lmb_error *error)
@@ -10,17 +8,16 @@ lmb_result bake_place(lmb_bake *bake, lmb_error *error)
     lmb_result result = lmb_placement_make(bake->level->tracer, &bake->settings->placement, bake->level->pool,
                                            bake->progress, &bake->grid, &bake->record.placement, error);
     bake->record.seconds_place = seconds_now() - start;
-    if (result != LMB_OK || bake->settings->level.options.quiet) {
+    if (result != LMB_OK) {
         return result;
     }
+    const lmb_warnings *warnings = &bake->level->options.gltf.warnings;
     if (bake->record.placement.everything_solid) {
-        fprintf(stderr,
-                "lambent: warning: %s: all faces look away from all free space; baking everywhere in its "
-                "bounds\n",
-                bake->level->scene->path);
+        lmb_warn(warnings, "%s: all faces look away from all free space; baking everywhere in its bounds",
+                 bake->level->scene->path);
     }
     if (bake->record.placement.seeds_in_solid) {
-        fprintf(stderr, "lambent: warning: a seed point lies inside something, or outside the level: ignored\n");
+        lmb_warn(warnings, "a seed point lies inside something, or outside the level: ignored");
     }
     return LMB_OK;
 }
@@ -34,6 +31,7 @@ lmb_result bake_layout(lmb_bake *bake, lmb_error *error)
     if (bake->settings->texels_per_m > 0.0f) {
         settings.texels_per_m = bake->settings->texels_per_m;
     }
+    settings.warnings = bake->level->options.gltf.warnings;
     const double start = seconds_now();
     const lmb_result result = lmb_lightmap_create(bake->level->scene, &settings, &bake->lightmap, error);
     bake->record.seconds_layout = seconds_now() - start;

@@ -10,6 +10,19 @@ lmb_level_options level_options_default(void)
     return (lmb_level_options){.bounces = -1};
 }
 
+static void warning_print(void *context, const char *line)
+{
+    const lmb_level_options *options = context;
+    if (!options->quiet) {
+        fprintf(stderr, "lambent: warning: %s\n", line);
+    }
+}
+
+lmb_warnings level_warnings(const lmb_level_options *options)
+{
+    return (lmb_warnings){warning_print, (void *)options};
+}
+
 bool level_argument(lmb_level_arguments *level, lmb_arguments *arguments, const char *option)
 {
     lmb_level_options *options = &level->options;
@@ -70,12 +83,8 @@ static lmb_result environment_open(lmb_level *opened, lmb_error *error)
     if (lmb_scene_has_light(opened->scene)) {
         return LMB_OK;
     }
-    if (!options->quiet) {
-        fprintf(stderr,
-                "lambent: warning: %s has no light of any kind; baking under a constant sky of 1 "
-                "(give one with --env)\n",
-                options->path);
-    }
+    lmb_warn(&options->gltf.warnings,
+             "%s has no light of any kind; baking under a constant sky of 1 (give one with --env)", options->path);
     return lmb_scene_set_environment(opened->scene, "#ffffff", error);
 }
 
@@ -83,8 +92,9 @@ lmb_result level_open(const lmb_level_options *options, lmb_level *opened, lmb_e
 {
     memset(opened, 0, sizeof *opened);
     opened->options = *options;
+    opened->options.gltf.warnings = level_warnings(options);
     const double start = seconds_now();
-    lmb_result result = lmb_gltf_load(options->path, &options->gltf, &opened->scene, error);
+    lmb_result result = lmb_gltf_load(options->path, &opened->options.gltf, &opened->scene, error);
     if (result == LMB_OK) {
         result = environment_open(opened, error);
     }
@@ -137,8 +147,6 @@ lmb_result level_solve(lmb_level *level, lmb_estimator estimator, const lmb_prog
     if (result != LMB_ERROR_UNSUPPORTED) {
         return result;
     }
-    if (!level->options.quiet) {
-        fprintf(stderr, "lambent: warning: %s; tracing every path to its end\n", error->message);
-    }
+    lmb_warn(&level->options.gltf.warnings, "%s; tracing every path to its end", error->message);
     return LMB_OK;
 }

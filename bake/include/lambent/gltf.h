@@ -4,6 +4,7 @@
 #define LAMBENT_GLTF_H
 
 #include <lambent/scene.h>
+#include <lambent/warning.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -13,6 +14,7 @@ typedef struct lmb_gltf_options {
     const char *const *exclude; /* patterns of node names to leave out with their children; `*` and `?` match */
     size_t exclude_count;
     bool allow_outside_uris; /* accept URIs that are absolute or leave the level's folder; else refused */
+    lmb_warnings warnings;      /* what of the file is left out or doubtful, each with the name of its place */
 } lmb_gltf_options;
 
 /* Loads a level. `options` may be NULL. Unsupported required extensions, broken references, missing files, and

@@ -9,6 +9,7 @@
 #include <lambent/chart.h>
 #include <lambent/hhd.h>
 #include <lambent/probe.h>
+#include <lambent/warning.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,6 +18,7 @@ extern "C" {
 typedef struct lmb_lightmap_settings {
     float texels_per_m;     /* > 0; lowered for instances that would not fit an image */
     int32_t max_image_size; /* texels along a side, a power of two */
+    lmb_warnings warnings;
 } lmb_lightmap_settings;
 
 /* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048. */
