@@ -11,27 +11,27 @@
 /* Aiming pays when bright cells reflect this share of all light, or more. */
 #define WORTH_SHARE 0.1
 
-/* A side of a cell, and what it takes to pick a point of it. */
+/* A patch, and what it takes to pick a point of its cell. */
 typedef struct bright_cell {
     lmb_cell_part part;
     lmb_vec3 apex;   /* of the triangle */
     lmb_vec3 leg[2]; /* from there to its other corners */
     lmb_vec3 normal; /* unit, of the side */
-    float area;      /* square metres */
-    uint32_t side;
+    float area;      /* of the cell, square metres */
+    uint32_t patch;
 } bright_cell;
 
 struct lmb_bright_cells {
     uint32_t count;
-    bright_cell *cell; /* by rising sides */
+    bright_cell *cell; /* by rising patches */
     float least;       /* luminance that a bright cell has at least */
     lmb_light_tree *tree;
 };
 
-static double side_luminance(const lmb_surface_light *light, uint32_t side)
+static double patch_luminance(const lmb_surface_light *light, uint32_t patch)
 {
-    const double luminance = (double)lmb_luminance(light->radiance[side]);
-    return light->openness[side] != LMB_CELL_HIDDEN && isfinite(luminance) ? luminance : 0.0;
+    const double luminance = (double)lmb_luminance(light->radiance[patch]);
+    return light->openness[patch] != LMB_CELL_HIDDEN && isfinite(luminance) ? luminance : 0.0;
 }
 
 typedef struct bright_sums {
@@ -39,29 +39,25 @@ typedef struct bright_sums {
     uint32_t count;
 } bright_sums;
 
-/* Over all sides of a luminance above `least`. */
+/* Over all patches of a luminance above `least`. */
 static bright_sums sums_above(const lmb_surface_light *light, const lmb_tracer *tracer, double least)
 {
     bright_sums sums = {0.0, 0.0, 0};
-    for (uint32_t number = 0; number < light->cell_count; ++number) {
-        const double luminance[2] = {side_luminance(light, 2 * number), side_luminance(light, 2 * number + 1)};
-        if (!(luminance[0] > least || luminance[1] > least)) {
-            continue;
-        }
-        const lmb_cell cell = lmb_cell_find(light, number);
-        const double area = (double)lmb_cell_area(&cell, tracer);
-        for (int side = 0; side < 2; ++side) {
-            if (luminance[side] > least) {
-                sums.power += luminance[side] * area;
-                sums.area += area;
-                ++sums.count;
-            }
+    for (uint32_t patch = 0; patch < lmb_patch_count(light); ++patch) {
+        const double luminance = patch_luminance(light, patch);
+        if (luminance > least) {
+            const lmb_cell cell = lmb_cell_find(light, lmb_patch_side(light, patch) / 2);
+            const double area = (double)lmb_patch_area(light, tracer, &cell, patch);
+            sums.power += luminance * area;
+            sums.area += area;
+            ++sums.count;
         }
     }
     return sums;
 }
 
-static bright_cell bright_cell_make(const lmb_tracer *tracer, const lmb_cell *cell, uint32_t side, float area)
+static bright_cell bright_cell_make(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_cell *cell,
+                                    uint32_t patch)
 {
     const lmb_place place = lmb_trace_place(tracer, cell->instance, cell->triangle, 0.0f, 0.0f);
     lmb_vec3 corner[3];
@@ -71,9 +67,10 @@ static bright_cell bright_cell_make(const lmb_tracer *tracer, const lmb_cell *ce
                          .apex = *apex,
                          .leg = {vec3_sub(corner[(cell->grid->apex + 1) % 3], *apex),
                                  vec3_sub(corner[(cell->grid->apex + 2) % 3], *apex)},
-                         .normal = vec3_scale(place.geometric_normal, side % 2 == 0 ? 1.0f : -1.0f),
-                         .area = area,
-                         .side = side};
+                         .normal =
+                             vec3_scale(place.geometric_normal, lmb_patch_side(light, patch) % 2 == 0 ? 1.0f : -1.0f),
+                         .area = lmb_cell_area(cell, tracer),
+                         .patch = patch};
 }
 
 static lmb_vec3 bright_cell_point(const bright_cell *cell, const float numbers[2])
@@ -104,17 +101,16 @@ static lmb_light_bound cell_bound(const bright_cell *cell, float power)
 static void cells_take(lmb_bright_cells *bright, const lmb_surface_light *light, const lmb_tracer *tracer,
                        lmb_light_bound *bounds)
 {
-    for (uint32_t side = 0; side < 2 * light->cell_count; ++side) {
-        const double luminance = side_luminance(light, side);
+    for (uint32_t patch = 0; patch < lmb_patch_count(light); ++patch) {
+        const double luminance = patch_luminance(light, patch);
         if (!(luminance > (double)bright->least)) {
             continue;
         }
-        const lmb_cell cell = lmb_cell_find(light, side / 2);
-        const float area = lmb_cell_area(&cell, tracer);
-        const float power = (float)luminance * area;
+        const lmb_cell cell = lmb_cell_find(light, lmb_patch_side(light, patch) / 2);
+        const float power = (float)luminance * lmb_patch_area(light, tracer, &cell, patch);
         if (power > 0.0f && isfinite(power)) {
             bright_cell *taken = &bright->cell[bright->count];
-            *taken = bright_cell_make(tracer, &cell, side, area);
+            *taken = bright_cell_make(light, tracer, &cell, patch);
             bounds[bright->count++] = cell_bound(taken, power);
         }
     }
@@ -173,7 +169,7 @@ bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_light_query 
     if (!(distance > 0.0f) || !(vec3_dot(towards, chosen->normal) < 0.0f)) {
         return false;
     }
-    aim->side = chosen->side;
+    aim->patch = chosen->patch;
     aim->direction = vec3_scale(towards, 1.0f / distance);
     return true;
 }
@@ -190,22 +186,22 @@ float lmb_bright_aim_density(const lmb_bright_cells *bright, const lmb_bright_ai
 }
 
 float lmb_bright_cells_density(const lmb_surface_light *light, const lmb_light_query *query, lmb_vec3 direction,
-                               const lmb_hit *hit, uint32_t side)
+                               const lmb_hit *hit, uint32_t patch)
 {
     const lmb_bright_cells *bright = light->bright;
-    if (!(lmb_luminance(light->radiance[side]) > bright->least)) {
+    if (!(lmb_luminance(light->radiance[patch]) > bright->least)) {
         return 0.0f;
     }
     uint32_t low = 0, high = bright->count;
     while (low < high) {
         const uint32_t middle = low + (high - low) / 2;
-        if (bright->cell[middle].side < side) {
+        if (bright->cell[middle].patch < patch) {
             low = middle + 1;
         } else {
             high = middle;
         }
     }
-    if (low == bright->count || bright->cell[low].side != side) {
+    if (low == bright->count || bright->cell[low].patch != patch) {
         return 0.0f;
     }
     return density_of(&bright->cell[low], lmb_light_tree_probability(bright->tree, query, low), direction, hit);

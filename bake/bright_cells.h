@@ -15,11 +15,11 @@ lmb_result lmb_bright_cells_create(const lmb_surface_light *light, const lmb_tra
 void lmb_bright_cells_destroy(lmb_bright_cells *bright);
 size_t lmb_bright_cells_bytes(const lmb_bright_cells *bright);
 
-/* What is aimed at: a point of a cell's side. It counts when nothing is in the way, so that a ray in its direction hits
- * that side, and is not near (lmb_surface_light_find). */
+/* What is aimed at: a point of a patch's cell. It counts when nothing is in the way, so that a ray in its direction
+ * finds that patch (lmb_surface_light_find). */
 typedef struct lmb_bright_aim {
     uint32_t number;
-    uint32_t side;
+    uint32_t patch;
     double probability;
     lmb_vec3 direction; /* unit */
 } lmb_bright_aim;
@@ -32,9 +32,9 @@ bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_light_query 
 /* The density per solid angle of having been aimed at like this, when it hit. */
 float lmb_bright_aim_density(const lmb_bright_cells *bright, const lmb_bright_aim *aim, const lmb_hit *hit);
 
-/* The density with which a hit that a ray found by chance might have been aimed at; 0 if its side is not bright. The
- * light has bright cells. */
+/* The density with which a hit that a ray found by chance might have been aimed at; 0 if its patch is not bright.
+ * The light has bright cells. */
 float lmb_bright_cells_density(const lmb_surface_light *light, const lmb_light_query *query, lmb_vec3 direction,
-                               const lmb_hit *hit, uint32_t side);
+                               const lmb_hit *hit, uint32_t patch);
 
 #endif

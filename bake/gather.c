@@ -360,19 +360,22 @@ static void gather_bright(gather_batch *batch)
     *batch->rays_traced += batch->rays.count;
     for (uint32_t i = 0; i < batch->rays.count; ++i) {
         const lmb_bright_aim *aim = &ray[i].aim;
-        uint32_t side;
+        uint32_t patch;
         if (hit[i].instance != LMB_HIT_NOTHING &&
-            lmb_surface_light_find(light, &hit[i], transport->bounces < 0, &side) && side == aim->side) {
+            lmb_surface_light_find(light, transport->tracer, &hit[i], transport->bounces < 0, batch->rays_traced,
+                                   &patch) &&
+            patch == aim->patch) {
             const float density = lmb_receiver_density(&batch->receiver, aim->direction) +
                                   aims_per_sample(batch) * lmb_bright_aim_density(light->bright, aim, &hit[i]);
-            contribution_add(&batch->found, aim->direction, rgb_scale(light->radiance[side], 1.0f / density));
+            contribution_add(&batch->found, aim->direction, rgb_scale(light->radiance[patch], 1.0f / density));
         }
     }
 }
 
-/* Sides that have the radiance of what rays hit, NO_SIDE where it takes a closer look. Their memory is on its way. */
-#define NO_SIDE UINT32_MAX
-static void sides_find(const gather_batch *batch, const lmb_hit *hit, uint32_t *side)
+/* Patches that have the radiance of what rays hit, NO_PATCH where it takes a closer look. Their memory is on its way.
+ */
+#define NO_PATCH UINT32_MAX
+static void patches_find(const gather_batch *batch, const lmb_hit *hit, uint32_t *patch)
 {
     const lmb_surface_light *light = batch->light;
     for (uint32_t i = 0; light && i < batch->count; ++i) {
@@ -382,10 +385,11 @@ static void sides_find(const gather_batch *batch, const lmb_hit *hit, uint32_t *
     }
     for (uint32_t i = 0; i < batch->count; ++i) {
         if (light && hit[i].instance != LMB_HIT_NOTHING &&
-            lmb_surface_light_find(light, &hit[i], batch->transport->bounces < 0, &side[i])) {
-            __builtin_prefetch(&light->radiance[side[i]]);
+            lmb_surface_light_find(light, batch->transport->tracer, &hit[i], batch->transport->bounces < 0,
+                                   batch->rays_traced, &patch[i])) {
+            __builtin_prefetch(&light->radiance[patch[i]]);
         } else {
-            side[i] = NO_SIDE;
+            patch[i] = NO_PATCH;
         }
     }
 }
@@ -394,23 +398,23 @@ static void sides_find(const gather_batch *batch, const lmb_hit *hit, uint32_t *
 static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float *density)
 {
     const lmb_surface_light *light = batch->light;
-    uint32_t side[SAMPLES];
-    sides_find(batch, hit, side);
+    uint32_t patch[SAMPLES];
+    patches_find(batch, hit, patch);
     for (uint32_t i = 0; i < batch->count; ++i) {
         if (hit[i].instance == LMB_HIT_NOTHING) {
             continue;
         }
         const lmb_vec3 direction = ray_direction(batch, i);
-        if (side[i] == NO_SIDE) {
+        if (patch[i] == NO_PATCH) {
             ray_give(batch, i, radiance_followed(batch, i, direction, &hit[i]), density[i]);
             continue;
         }
         float aimed = 0.0f;
         if (light->bright) {
             aimed =
-                aims_per_sample(batch) * lmb_bright_cells_density(light, &batch->bright, direction, &hit[i], side[i]);
+                aims_per_sample(batch) * lmb_bright_cells_density(light, &batch->bright, direction, &hit[i], patch[i]);
         }
-        ray_give(batch, i, light->radiance[side[i]], density[i] + aimed);
+        ray_give(batch, i, light->radiance[patch[i]], density[i] + aimed);
     }
 }
 

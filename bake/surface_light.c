@@ -121,10 +121,15 @@ static lmb_result triangles_divide(lmb_surface_light *light, const lmb_tracer *t
     }
     light->grid[light->triangle_count].first = light->cell_count;
     free(edges);
-    const size_t sides = 2 * (size_t)light->cell_count + 1;
-    light->irradiance = calloc(sides, sizeof *light->irradiance);
-    light->radiance = calloc(sides, sizeof *light->radiance);
-    light->openness = calloc(sides, sizeof *light->openness);
+    return LMB_OK;
+}
+
+lmb_result lmb_surface_light_allocate(lmb_surface_light *light)
+{
+    const size_t patches = (size_t)lmb_patch_count(light) + 1;
+    light->irradiance = calloc(patches, sizeof *light->irradiance);
+    light->radiance = calloc(patches, sizeof *light->radiance);
+    light->openness = calloc(patches, sizeof *light->openness);
     return light->irradiance && light->radiance && light->openness ? LMB_OK : LMB_ERROR_MEMORY;
 }
 
@@ -166,6 +171,8 @@ void lmb_surface_light_destroy(lmb_surface_light *light)
         free(light->triangle_first);
         free(light->grid);
         free(light->albedo);
+        free(light->first_piece);
+        free(light->piece);
         free(light->irradiance);
         free(light->radiance);
         free(light->openness);
@@ -178,7 +185,9 @@ size_t lmb_surface_light_bytes(const lmb_surface_light *light)
 {
     return sizeof *light + (light->instance_count + 1u) * sizeof *light->triangle_first +
            (light->triangle_count + 1u) * (sizeof *light->grid + sizeof *light->albedo) +
-           (2 * (size_t)light->cell_count + 1) *
+           (light->first_piece ? 2 * (size_t)light->cell_count * sizeof *light->first_piece : 0) +
+           light->piece_count * sizeof *light->piece +
+           ((size_t)lmb_patch_count(light) + 1) *
                (sizeof *light->irradiance + sizeof *light->radiance + sizeof *light->openness) +
            lmb_bright_cells_bytes(light->bright);
 }
@@ -188,9 +197,16 @@ float lmb_surface_light_cell_size(const lmb_surface_light *light)
     return light->cell_size;
 }
 
-lmb_rgb lmb_surface_light_at(const lmb_surface_light *light, const lmb_hit *hit, bool front)
+bool lmb_surface_light_at(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit, bool front,
+                          lmb_rgb *irradiance)
 {
-    return light->irradiance[lmb_surface_light_side(light, hit, front)];
+    uint64_t rays = 0;
+    uint32_t patch;
+    if (!lmb_surface_light_patch(light, tracer, hit, front, &rays, &patch)) {
+        return false;
+    }
+    *irradiance = light->irradiance[patch];
+    return true;
 }
 
 /* The last of `count` rising numbers that is not above `target`; stride in bytes. */
@@ -254,19 +270,30 @@ float lmb_cell_area(const lmb_cell *cell, const lmb_tracer *tracer)
     return 0.5f * vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]))) * share;
 }
 
+float lmb_patch_area(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_cell *cell, uint32_t patch)
+{
+    const float area = lmb_cell_area(cell, tracer);
+    const uint32_t sides = 2 * light->cell_count;
+    if (patch < sides) {
+        return area;
+    }
+    return area * (float)__builtin_popcount(light->piece[patch - sides].starts) / LMB_CELL_STARTS;
+}
+
 double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *tracer)
 {
     double sum = 0.0;
     double total = 0.0;
-    for (uint32_t number = 0; number < light->cell_count; ++number) {
-        const lmb_cell cell = lmb_cell_find(light, number);
-        const double area = (double)lmb_cell_area(&cell, tracer);
-        for (size_t side = 2 * (size_t)number; side < 2 * (size_t)number + 2; ++side) {
-            const double luminance = (double)lmb_luminance(light->irradiance[side]);
-            if (luminance > 0.0 && isfinite(luminance * area)) {
-                sum += luminance * area;
-                total += area;
-            }
+    for (uint32_t patch = 0; patch < lmb_patch_count(light); ++patch) {
+        const double luminance = (double)lmb_luminance(light->irradiance[patch]);
+        if (!(luminance > 0.0)) {
+            continue;
+        }
+        const lmb_cell cell = lmb_cell_find(light, lmb_patch_side(light, patch) / 2);
+        const double area = (double)lmb_patch_area(light, tracer, &cell, patch);
+        if (isfinite(luminance * area)) {
+            sum += luminance * area;
+            total += area;
         }
     }
     return total > 0.0 ? sum / total : 0.0;

@@ -126,5 +126,12 @@ static void reflect_task(void *context, size_t task, int worker)
 
 lmb_result lmb_surface_light_reflect(lmb_surface_light *light, lmb_pool *pool)
 {
+    for (uint32_t i = 0; i < light->piece_count; ++i) {
+        const lmb_cell cell = lmb_cell_find(light, light->piece[i].side / 2);
+        const uint32_t patch = 2 * light->cell_count + i;
+        if (cell.grid->even) {
+            light->radiance[patch] = rgb_mul(light->albedo[cell.grid - light->grid], light->irradiance[patch]);
+        }
+    }
     return lmb_pool_run(pool, task_count(light), reflect_task, light, "surface", NULL);
 }

@@ -15,7 +15,8 @@ typedef struct lmb_cell_grid {
     uint32_t columns : 14;
     uint32_t apex : 2; /* the corner opposite the shortest edge */
     uint32_t even : 1; /* opaque, dark by itself, and of one albedo: lmb_surface_light has that and what it reflects */
-    float cell_size;   /* metres: the longest edge of its cells */
+    uint32_t divided : 1; /* some of its sides are in pieces */
+    float cell_size;      /* metres: the longest edge of its cells */
 } lmb_cell_grid;
 
 /* Metres: what looks at a cell from nearer than half its length sees one place of it, for which its mean is no measure.
@@ -28,6 +29,20 @@ static inline float lmb_cell_near(const lmb_cell_grid *grid)
 /* Whether rays get that far from the cell. The light of a mixed one is that of its open part. */
 typedef enum lmb_openness { LMB_CELL_HIDDEN, LMB_CELL_MIXED, LMB_CELL_OPEN } lmb_openness;
 
+/* A side on which a wall or a thing stands holds no light of its own: each of its pieces is what one place of it sees.
+ */
+#define LMB_SIDE_WHOLE UINT32_MAX
+#define LMB_SIDE_HOLE (UINT32_MAX - 1) /* no light at all, because its cell is small: hits are looked at one by one */
+enum { LMB_CELL_STARTS = 8 };
+typedef struct lmb_cell_piece {
+    lmb_vec3 place; /* just off the surface */
+    uint32_t side;
+    uint16_t starts; /* those of the side's first LMB_CELL_STARTS samples' starts that belong to it, a bit each */
+    bool last;       /* of its side */
+} lmb_cell_piece;
+
+/* What has light of its own is a patch: a side is patch 2 cell (the front) or 2 cell + 1 (the back), and a piece is
+ * patch 2 cell_count + its number. */
 struct lmb_surface_light {
     uint32_t instance_count;
     uint32_t triangle_count; /* of all static instances together */
@@ -35,9 +50,12 @@ struct lmb_surface_light {
     uint32_t *triangle_first; /* [instance], and the count at its end: dynamic ones have none */
     lmb_cell_grid *grid;      /* [triangle], and one at its end whose `first` is the count of cells */
     lmb_rgb *albedo;          /* [triangle] of even ones */
-    lmb_rgb *irradiance;      /* [2 cell + side]: 0 the front, 1 the back */
-    lmb_rgb *radiance;        /* likewise: irradiance x albedo, of even triangles */
-    uint8_t *openness;        /* likewise: an lmb_openness */
+    uint32_t *first_piece;    /* [side] LMB_SIDE_WHOLE, _HOLE, or its first piece; NULL: all sides are whole */
+    lmb_cell_piece *piece;    /* [piece] those of one side together */
+    uint32_t piece_count;
+    lmb_rgb *irradiance;      /* [patch] */
+    lmb_rgb *radiance;        /* [patch] irradiance x albedo, of even triangles */
+    uint8_t *openness;        /* [patch] an lmb_openness */
     lmb_bright_cells *bright; /* NULL: none */
     float cell_size;          /* metres: the largest of all */
 };
@@ -55,6 +73,39 @@ lmb_result lmb_surface_light_create(const lmb_tracer *tracer, const lmb_surface_
                                     lmb_surface_light **light, lmb_error *error);
 
 lmb_cell lmb_cell_find(const lmb_surface_light *light, uint32_t cell);
+
+/* Whether a cell is less than half as long as cells can be. */
+static inline bool lmb_cell_is_small(const lmb_surface_light *light, const lmb_cell_grid *grid)
+{
+    return grid->cell_size < 0.5f * light->cell_size;
+}
+
+/* Finds the sides that something stands on, and their pieces. Adds to `*rays`. */
+lmb_result lmb_surface_light_divide(lmb_surface_light *light, const lmb_transport *transport, lmb_pool *pool,
+                                    uint64_t *rays);
+
+/* Makes room for the light of all patches, which is 0. */
+lmb_result lmb_surface_light_allocate(lmb_surface_light *light);
+
+static inline uint32_t lmb_patch_count(const lmb_surface_light *light)
+{
+    return 2 * light->cell_count + light->piece_count;
+}
+
+/* The side that a patch is, or is a piece of. */
+static inline uint32_t lmb_patch_side(const lmb_surface_light *light, uint32_t patch)
+{
+    const uint32_t sides = 2 * light->cell_count;
+    return patch < sides ? patch : light->piece[patch - sides].side;
+}
+
+static inline bool lmb_side_is_whole(const lmb_surface_light *light, uint32_t side)
+{
+    return !light->first_piece || light->first_piece[side] == LMB_SIDE_WHOLE;
+}
+
+/* Square metres of a patch of that cell. */
+float lmb_patch_area(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_cell *cell, uint32_t patch);
 
 /* Which part of its triangle a cell is. */
 typedef struct lmb_cell_part {
@@ -124,17 +175,30 @@ static inline void lmb_surface_light_prefetch(const lmb_surface_light *light, co
     __builtin_prefetch(lmb_cell_grid_at(light, hit));
 }
 
-/* The side whose `radiance` the surface at a hit sends back along the ray. False where that takes a closer look: what
- * is not even, and, when `not_near` is set, what is too near to its cells. */
-static inline bool lmb_surface_light_find(const lmb_surface_light *light, const lmb_hit *hit, bool not_near,
-                                          uint32_t *side)
+/* Makes of the side at a hit, `*patch`, the piece that the hit sees; false when it sees the place of none. Adds to
+ * `*rays`. */
+bool lmb_surface_light_piece_find(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit,
+                                  bool front, uint64_t *rays, uint32_t *patch);
+
+/* The patch at a hit; false where there is none. */
+static inline bool lmb_surface_light_patch(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit,
+                                           bool front, uint64_t *rays, uint32_t *patch)
+{
+    *patch = lmb_surface_light_side(light, hit, front);
+    return !lmb_cell_grid_at(light, hit)->divided ||
+           lmb_surface_light_piece_find(light, tracer, hit, front, rays, patch);
+}
+
+/* The patch whose `radiance` the surface at a hit sends back along the ray. False where that takes a closer look: what
+ * is not even, is in no piece, and, when `not_near` is set, what is too near to its cells. */
+static inline bool lmb_surface_light_find(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit,
+                                          bool not_near, uint64_t *rays, uint32_t *patch)
 {
     const lmb_cell_grid *grid = lmb_cell_grid_at(light, hit);
     if (!grid->even || (not_near && hit->distance < lmb_cell_near(grid))) {
         return false;
     }
-    *side = lmb_surface_light_side(light, hit, hit->front);
-    return true;
+    return lmb_surface_light_patch(light, tracer, hit, hit->front, rays, patch);
 }
 
 #endif

@@ -1,8 +1,12 @@
 #include "surface_light_sample.h"
 
+#include <lambent/sequence.h>
+
 #include "bake_internal.h"
 #include "leg.h"
 #include "trace_internal.h"
+
+#define STREAM_OF_CELLS UINT64_C(0x73757266616365)
 
 /* Samples on their way. */
 typedef struct sample_batch {
@@ -40,10 +44,25 @@ static void numbers_find(const sample_batch *batch, uint32_t pair, sample_number
     }
 }
 
+/* The same of their starts. */
+static void starts_numbers_find(const sample_batch *batch, sample_numbers *numbers)
+{
+    for (uint32_t i = 0, end; i < batch->count; i = end) {
+        const lmb_side_sample *sample = &batch->sample[i];
+        end = i + 1;
+        while (end < batch->count && sample[end - i].start_stream == sample->start_stream &&
+               sample[end - i].start_sample == sample->start_sample + (end - i)) {
+            ++end;
+        }
+        lmb_sample_numbers(batch->transport, sample->start_stream, sample->start_sample, end - i, LMB_PAIR_START,
+                           &numbers->x[i], &numbers->y[i]);
+    }
+}
+
 static void receivers_place(sample_batch *batch)
 {
     sample_numbers points;
-    numbers_find(batch, PAIRS_PER_VERTEX + PAIR_DIRECTION, &points);
+    starts_numbers_find(batch, &points);
     for (uint32_t i = 0; i < batch->count; ++i) {
         const lmb_side_sample *sample = &batch->sample[i];
         const float numbers[2] = {points.x[i], points.y[i]};
@@ -112,7 +131,7 @@ static void openness_find(sample_batch *batch)
 {
     lmb_rgb share[LMB_RAY_BATCH];
     sample_numbers directions;
-    numbers_find(batch, PAIRS_PER_VERTEX + PAIR_ENVIRONMENT, &directions);
+    numbers_find(batch, LMB_PAIR_OPENNESS, &directions);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
         lmb_side_sample *sample = &batch->sample[i];
@@ -138,20 +157,53 @@ static void link_weigh(lmb_link *link, lmb_rgb weight)
     }
 }
 
+/* Reflections at most before a path finds a patch. */
+enum { LINK_VERTICES = 8 };
+
+/* Reflects a path where the light of no patch stands for that of its landing, and adds the direct light there. False
+ * when it ends. */
+static bool path_reflect(lmb_path *path, lmb_leg *leg, lmb_landing *landing, lmb_receiver *here, lmb_rgb *direct)
+{
+    leg->throughput = rgb_mul(leg->throughput, landing->albedo);
+    *here = lmb_landing_receiver(path, landing);
+    *direct = rgb_add(*direct, rgb_mul(leg->throughput, lmb_direct_collect(path, here)));
+    float numbers[2];
+    lmb_path_numbers(path, PAIR_DIRECTION, numbers);
+    leg->from = here;
+    leg->direction = lmb_receiver_direction(here, numbers);
+    leg->origin = lmb_receiver_ray_origin(here, leg->direction);
+    if (!lmb_receiver_sees(here, leg->direction)) {
+        return false;
+    }
+    *landing = lmb_leg_follow(path, leg);
+    *direct = rgb_add(*direct, rgb_mul(leg->throughput, landing->emitted));
+    return true;
+}
+
 static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *hit)
 {
     const lmb_ray_batch *rays = &batch->rays;
-    const uint32_t i = batch->owner[ray];
-    lmb_side_sample *sample = &batch->sample[i];
-    lmb_leg leg = {&batch->receiver[i],
+    const lmb_tracer *tracer = batch->transport->tracer;
+    lmb_side_sample *sample = &batch->sample[batch->owner[ray]];
+    lmb_leg leg = {&batch->receiver[batch->owner[ray]],
                    vec3(rays->origin[0][ray], rays->origin[1][ray], rays->origin[2][ray]),
                    vec3(rays->direction[0][ray], rays->direction[1][ray], rays->direction[2][ray]),
                    {{1.0f, 1.0f, 1.0f}}};
-    const lmb_landing landing = lmb_leg_land(&sample->path, &leg, hit->instance != LMB_HIT_NOTHING ? hit : NULL);
+    lmb_path path = sample->path;
+    lmb_landing landing = lmb_leg_land(&path, &leg, hit->instance != LMB_HIT_NOTHING ? hit : NULL);
     sample->direct = rgb_add(sample->direct, rgb_mul(leg.throughput, landing.emitted));
-    if (landing.on_surface && rgb_max(landing.albedo) > 0.0f) {
-        sample->link.target = lmb_surface_light_side(batch->light, &landing.hit, landing.hit.front);
-        link_weigh(&sample->link, rgb_mul(leg.throughput, landing.albedo));
+    lmb_receiver receivers[2]; /* the one at hand, and the one before, which `leg.from` points to */
+    for (path.vertex = 2; landing.on_surface && rgb_max(landing.albedo) > 0.0f; ++path.vertex) {
+        uint32_t patch;
+        if (lmb_surface_light_patch(batch->light, tracer, &landing.hit, landing.hit.front, path.rays, &patch)) {
+            sample->link.target = patch;
+            link_weigh(&sample->link, rgb_mul(leg.throughput, landing.albedo));
+            return;
+        }
+        if (path.vertex > LINK_VERTICES ||
+            !path_reflect(&path, &leg, &landing, &receivers[path.vertex % 2], &sample->direct)) {
+            return;
+        }
     }
 }
 
@@ -174,6 +226,12 @@ static void links_find(sample_batch *batch)
     for (uint32_t k = 0; k < batch->rays.count; ++k) {
         sample_land(batch, k, &hit[k]);
     }
+}
+
+uint64_t lmb_side_stream(const lmb_transport *transport, const lmb_cell *cell, uint32_t side)
+{
+    const uint64_t instance = lmb_mix(transport->seed ^ STREAM_OF_CELLS, cell->instance);
+    return lmb_mix(lmb_mix(instance, cell->triangle), 2 * (uint64_t)cell->number + (side & 1));
 }
 
 void lmb_side_samples_take(const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count)

@@ -6,17 +6,26 @@
 #include "surface_light_bounce.h"
 #include "surface_light_internal.h"
 
-/* A sample of one side of a cell: the caller sets the first three. */
+/* Dimension pairs of a sample that its path's vertices 0 and 2 and further do not use: where it starts on its cell, and
+ * the direction in which it looks for openness. */
+enum { LMB_PAIR_START = PAIRS_PER_VERTEX, LMB_PAIR_OPENNESS };
+
+/* The stream of a side's samples, apart from those of gather points. */
+uint64_t lmb_side_stream(const lmb_transport *transport, const lmb_cell *cell, uint32_t side);
+
+/* A sample of one side of a cell: the caller sets the first five. */
 typedef struct lmb_side_sample {
     lmb_path path; /* at its first vertex */
     lmb_cell cell;
     bool front;
+    uint64_t start_stream; /* its start's numbers are those of this sample of this stream */
+    uint32_t start_sample;
     lmb_rgb direct; /* that was found: irradiance over pi */
-    lmb_link link;  /* what was seen; its target is a side */
+    lmb_link link;  /* what was seen; its target is a patch */
 } lmb_side_sample;
 
 /* Takes up to LMB_SIDE_SAMPLES samples at once, so that rays of a kind go together. Sets what they find. Samples of one
- * side come one after the other, as they are numbered. */
+ * patch come one after the other, as they are numbered. */
 enum { LMB_SIDE_SAMPLES = LMB_RAY_BATCH / LMB_AIMED_MOST };
 void lmb_side_samples_take(const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count);
 

@@ -16,16 +16,21 @@
 /* A gap is narrow below this share of a cell's size. */
 #define NARROW_SHARE 0.125f
 
-/* Whether a hit is so near to the cell that the cell's mean is no measure of what one point of it sends. After the
- * first reflection only that within a gap counts, where light goes to and fro: one that is narrow beside its cells, or
- * that the cell is partly in. Counting the reflections forbids to put one more before what is stored. */
-static bool hit_is_near(const lmb_path *path, const lmb_hit *hit)
+/* The patch whose light stands for that of the very hit. False where it does not: the hit sees none, or is so near to
+ * the cell that its mean is no measure of what one point of it sends. After the first reflection only that within a gap
+ * counts as near, where light goes to and fro: one that is narrow beside its cells, or that the cell is partly in.
+ * Counting the reflections forbids to put one more before what is stored. */
+static bool patch_look_up(const lmb_path *path, const lmb_hit *hit, uint32_t *patch)
 {
-    const lmb_surface_light *light = path->transport->surface;
+    const lmb_transport *transport = path->transport;
+    const lmb_surface_light *light = transport->surface;
     const lmb_cell_grid *grid = lmb_cell_grid_at(light, hit);
-    return path->transport->bounces < 0 && hit->distance < lmb_cell_near(grid) &&
-           (path->vertex == 0 || hit->distance < NARROW_SHARE * grid->cell_size ||
-            light->openness[lmb_surface_light_side(light, hit, hit->front)] == LMB_CELL_MIXED);
+    const bool near = transport->bounces < 0 && hit->distance < lmb_cell_near(grid);
+    if (near && (path->vertex == 0 || hit->distance < NARROW_SHARE * grid->cell_size)) {
+        return false;
+    }
+    return lmb_surface_light_patch(light, transport->tracer, hit, hit->front, path->rays, patch) &&
+           !(near && light->openness[*patch] == LMB_CELL_MIXED);
 }
 
 /* Whether what a landing reflects is to be looked up, and that. A camera sees each cell's edges, so its own landing is
@@ -33,10 +38,11 @@ static bool hit_is_near(const lmb_path *path, const lmb_hit *hit)
 static bool landing_look_up(const lmb_path *path, const lmb_leg *leg, const lmb_landing *landing, lmb_rgb *irradiance)
 {
     const lmb_surface_light *light = path->transport->surface;
-    if (!light || !leg->from || hit_is_near(path, &landing->hit)) {
+    uint32_t patch;
+    if (!light || !leg->from || !patch_look_up(path, &landing->hit, &patch)) {
         return false;
     }
-    *irradiance = lmb_surface_light_at(light, &landing->hit, landing->hit.front);
+    *irradiance = light->irradiance[patch];
     return true;
 }
 
@@ -45,14 +51,12 @@ static bool hit_look_up(const lmb_path *path, const lmb_hit *hit, lmb_rgb *radia
 {
     const lmb_transport *transport = path->transport;
     const lmb_surface_light *light = transport->surface;
-    if (!light || (transport->bounces >= 0 && path->vertex >= (uint32_t)transport->bounces)) {
+    uint32_t patch;
+    if (!light || (transport->bounces >= 0 && path->vertex >= (uint32_t)transport->bounces) ||
+        !lmb_cell_grid_at(light, hit)->even || !patch_look_up(path, hit, &patch)) {
         return false;
     }
-    uint32_t side;
-    if (hit_is_near(path, hit) || !lmb_surface_light_find(light, hit, false, &side)) {
-        return false;
-    }
-    *radiance = light->radiance[side];
+    *radiance = light->radiance[patch];
     return true;
 }
 

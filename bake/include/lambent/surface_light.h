@@ -17,6 +17,9 @@
  * gap behind a lamp or in a corner count by how open they are, because that is the share of the rays that reach them
  * and look here. Emission and albedo are not stored: they are exact at each hit.
  *
+ * A wall that stands on a cell would let light through it. Rays across each cell, just above it, find out; such a cell
+ * is divided into pieces, each what one of its places sees, and a hit takes the light of a piece whose place it sees.
+ *
  * The solution is that of E = D + T E, where D is direct light and T the transport between cells: both are sampled
  * once, with one ray for each sample that finds direct light by its part of multiple importance sampling and one entry
  * of a sparse matrix. After that the bounces cost no rays, and however white a room is some hundred passes over the
@@ -44,7 +47,7 @@ lmb_surface_light_settings lmb_surface_light_settings_default(void);
 
 typedef struct lmb_surface_light_stats {
     uint32_t cells;
-    uint32_t lit_sides; /* of two for each cell: those that any light can reach */
+    uint32_t lit_sides; /* of two for each cell, or more where it is in pieces: those that any light can reach */
     int passes;         /* over the transport, until the solution stood still, or transport.bounces - 1 */
     uint64_t rays;
     size_t bytes_solving; /* at most at once, the solution's own among them */
@@ -67,8 +70,10 @@ float lmb_surface_light_cell_size(const lmb_surface_light *light);
 /* Luminance of the normalised irradiance, as the mean over the area of all sides that light reaches; 0 without any. */
 double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *tracer);
 
-/* Normalised irradiance on one side of a surface at a hit: radiance is albedo times this. */
-lmb_rgb lmb_surface_light_at(const lmb_surface_light *light, const lmb_hit *hit, bool front);
+/* Normalised irradiance on one side of a surface at a hit: radiance is albedo times this. False, and nothing is set,
+ * where nothing is stored: in corners of divided cells that none of their places sees. */
+bool lmb_surface_light_at(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit, bool front,
+                          lmb_rgb *irradiance);
 
 #ifdef __cplusplus
 }
