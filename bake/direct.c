@@ -108,17 +108,35 @@ static lmb_direct_start path_start(const lmb_path *path)
     return start;
 }
 
-lmb_rgb lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver)
+static lmb_rgb aimed_collect(const lmb_path *path, const lmb_aimed_light *aimed, int count)
 {
-    const lmb_tracer *tracer = path->transport->tracer;
-    lmb_aimed_light aimed[LMB_AIMED_MOST];
-    const lmb_direct_start start = path_start(path);
-    const int count = lmb_direct_aim(path->transport, receiver, &start, aimed);
     lmb_rgb sum = rgb(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < count; ++i) {
-        const lmb_rgb share =
-            lmb_trace_transmittance_along(tracer, aimed[i].origin, aimed[i].towards, aimed[i].far_distance, path->rays);
+        const lmb_rgb share = lmb_trace_transmittance_along(path->transport->tracer, aimed[i].origin, aimed[i].towards,
+                                                            aimed[i].far_distance, path->rays);
         sum = rgb_add(sum, rgb_mul(aimed[i].weight, share));
     }
     return sum;
+}
+
+lmb_rgb lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver)
+{
+    lmb_aimed_light aimed[LMB_AIMED_MOST];
+    const lmb_direct_start start = path_start(path);
+    return aimed_collect(path, aimed, lmb_direct_aim(path->transport, receiver, &start, aimed));
+}
+
+lmb_rgb lmb_direct_collect_suns(const lmb_path *path, const lmb_receiver *receiver)
+{
+    lmb_aimed_light aimed[LMB_AIMED_MOST];
+    lmb_direct_start start;
+    lmb_path_numbers(path, PAIR_CHOICE, start.choice);
+    const int count = punctual_aim(path->transport, receiver, &start, aimed);
+    int suns = 0;
+    for (int i = 0; i < count; ++i) {
+        if (aimed[i].is_sun) {
+            aimed[suns++] = aimed[i];
+        }
+    }
+    return aimed_collect(path, aimed, suns);
 }

@@ -116,6 +116,7 @@ typedef struct lmb_aimed_light {
     lmb_vec3 towards;
     float far_distance;
     lmb_rgb weight; /* radiance x solid angle for a gather point, normalised irradiance for a surface */
+    bool is_sun;    /* a directional light */
 } lmb_aimed_light;
 
 /* The receiver's own factor of light from `direction`: a gather point takes it as it is, a surface by the cosine. */
@@ -130,7 +131,7 @@ static inline lmb_aimed_light lmb_receiver_aim_along(const lmb_receiver *receive
 {
     const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, direction);
     return (lmb_aimed_light){origin, at_infinity ? direction : vec3_sub(end, origin),
-                             at_infinity ? FLT_MAX : LMB_TRACE_UP_TO_END, weight};
+                             at_infinity ? FLT_MAX : LMB_TRACE_UP_TO_END, weight, false};
 }
 
 /* Aims at a light that directions sampled by the receiver find too: weighted against them. False where the receiver
@@ -159,6 +160,7 @@ static inline bool lmb_receiver_aim_punctual(const lmb_receiver *receiver, const
     const float response = lmb_receiver_response(receiver, light->direction);
     *aimed = lmb_receiver_aim_along(receiver, light->direction, light->end, light->at_infinity,
                                     rgb_scale(light->irradiance, response));
+    aimed->is_sun = light->at_infinity;
     return true;
 }
 
@@ -180,5 +182,8 @@ int lmb_direct_aim(const lmb_transport *transport, const lmb_receiver *receiver,
 
 /* What arrives of it on the path's way, summed. */
 lmb_rgb lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver);
+
+/* The part of it that directional lights give. */
+lmb_rgb lmb_direct_collect_suns(const lmb_path *path, const lmb_receiver *receiver);
 
 #endif

@@ -272,6 +272,14 @@ static lmb_rgb radiance_followed(const gather_batch *batch, uint32_t sample, lmb
     return lmb_path_radiance(&path, leg, landing);
 }
 
+/* Radiance of a patch along a ray that hits it; of an uneven one that of the very hit. */
+static lmb_rgb patch_radiance(const gather_batch *batch, uint32_t sample, lmb_vec3 direction, const lmb_hit *hit,
+                              uint32_t patch)
+{
+    return lmb_patch_is_uneven(batch->light, patch) ? radiance_followed(batch, sample, direction, hit)
+                                                    : batch->light->radiance[patch];
+}
+
 static lmb_vec3 ray_direction(const gather_batch *batch, uint32_t sample)
 {
     const lmb_ray_batch *rays = &batch->rays;
@@ -367,7 +375,8 @@ static void gather_bright(gather_batch *batch)
             patch == aim->patch) {
             const float density = lmb_receiver_density(&batch->receiver, aim->direction) +
                                   aims_per_sample(batch) * lmb_bright_aim_density(light->bright, aim, &hit[i]);
-            contribution_add(&batch->found, aim->direction, rgb_scale(light->radiance[patch], 1.0f / density));
+            const lmb_rgb radiance = patch_radiance(batch, i, aim->direction, &hit[i], patch);
+            contribution_add(&batch->found, aim->direction, rgb_scale(radiance, 1.0f / density));
         }
     }
 }
@@ -414,7 +423,7 @@ static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float
             aimed =
                 aims_per_sample(batch) * lmb_bright_cells_density(light, &batch->bright, direction, &hit[i], patch[i]);
         }
-        ray_give(batch, i, light->radiance[patch[i]], density[i] + aimed);
+        ray_give(batch, i, patch_radiance(batch, i, direction, &hit[i], patch[i]), density[i] + aimed);
     }
 }
 

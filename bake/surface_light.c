@@ -176,6 +176,7 @@ void lmb_surface_light_destroy(lmb_surface_light *light)
         free(light->irradiance);
         free(light->radiance);
         free(light->openness);
+        free(light->sun);
         lmb_bright_cells_destroy(light->bright);
         free(light);
     }
@@ -187,8 +188,8 @@ size_t lmb_surface_light_bytes(const lmb_surface_light *light)
            (light->triangle_count + 1u) * (sizeof *light->grid + sizeof *light->albedo) +
            (light->first_piece ? 2 * (size_t)light->cell_count * sizeof *light->first_piece : 0) +
            light->piece_count * sizeof *light->piece +
-           ((size_t)lmb_patch_count(light) + 1) *
-               (sizeof *light->irradiance + sizeof *light->radiance + sizeof *light->openness) +
+           ((size_t)lmb_patch_count(light) + 1) * (sizeof *light->irradiance + sizeof *light->radiance +
+                                                   sizeof *light->openness + (light->sun ? sizeof *light->sun : 0)) +
            lmb_bright_cells_bytes(light->bright);
 }
 

@@ -27,6 +27,9 @@ enum { CYCLE = 4, HISTORY = 3, VECTORS = 4 + 2 * HISTORY };
  * places, or a few that are shut in between white surfaces, as within a lamp, would keep all waiting. */
 #define STILL 5e-4
 
+/* What is darker than this share of the mean light may change by a share of that. */
+#define DARK 0.01
+
 /* The most passes: those that multiply with LINKS_IN_ALL links together, within these bounds. */
 enum { MIN_PASSES = 256, MAX_PASSES = 2000, LINKS_IN_ALL = 400000000 };
 
@@ -151,8 +154,8 @@ static void combine_task(void *context, size_t task, int worker)
             work->gain[work->newest][i].c[c] = work->light[i].c[c] - begin;
             changed += fabs((double)work->light[i].c[c] - (double)begin);
         }
-        const double light = rgb_sum(work->light[i]);
-        change += light > 0.0 ? (double)work->rows->samples[i] * changed / light : 0.0;
+        const double scale = rgb_sum(work->light[i]) + DARK * work->mean;
+        change += scale > 0.0 ? (double)work->rows->samples[i] * changed / scale : 0.0;
     }
     work->sums[task].change = change;
 }

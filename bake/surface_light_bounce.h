@@ -23,6 +23,16 @@ static inline uint16_t lmb_link_weight(const lmb_link *link)
     return larger > link->weight[2] ? larger : link->weight[2];
 }
 
+/* How many are open. */
+static inline uint32_t lmb_links_open(const lmb_link *begin, const lmb_link *end)
+{
+    uint32_t count = 0;
+    for (const lmb_link *link = begin; link < end; ++link) {
+        count += link->open;
+    }
+    return count;
+}
+
 typedef struct lmb_bounce_rows {
     uint32_t count;
     const size_t *first;   /* [place] its first link, and the count of all at its end */

@@ -6,6 +6,7 @@
 
 #include <lambent/surface_light.h>
 
+#include "bake_internal.h"
 #include "bright_cells.h"
 
 /* The cells of one triangle. Strip i, column j is cell first + i columns + j; strips count from the apex. */
@@ -33,7 +34,7 @@ typedef enum lmb_openness { LMB_CELL_HIDDEN, LMB_CELL_MIXED, LMB_CELL_OPEN } lmb
  */
 #define LMB_SIDE_WHOLE UINT32_MAX
 #define LMB_SIDE_HOLE (UINT32_MAX - 1) /* no light at all, because its cell is small: hits are looked at one by one */
-enum { LMB_CELL_STARTS = 8 };
+enum { LMB_CELL_STARTS = 6 };
 typedef struct lmb_cell_piece {
     lmb_vec3 place; /* just off the surface */
     uint32_t side;
@@ -53,9 +54,11 @@ struct lmb_surface_light {
     uint32_t *first_piece;    /* [side] LMB_SIDE_WHOLE, _HOLE, or its first piece; NULL: all sides are whole */
     lmb_cell_piece *piece;    /* [piece] those of one side together */
     uint32_t piece_count;
-    lmb_rgb *irradiance;      /* [patch] */
-    lmb_rgb *radiance;        /* [patch] irradiance x albedo, of even triangles */
-    uint8_t *openness;        /* [patch] an lmb_openness */
+    lmb_rgb *irradiance; /* [patch] */
+    lmb_rgb *radiance;   /* [patch] irradiance x albedo, of even triangles */
+    uint8_t *openness;   /* [patch] an lmb_openness */
+    lmb_rgb *sun;        /* [patch] of uneven ones, else black: the part of `irradiance` that directional lights give;
+                            at a hit it is found anew; NULL: all are even */
     lmb_bright_cells *bright; /* NULL: none */
     float cell_size;          /* metres: the largest of all */
 };
@@ -102,6 +105,12 @@ static inline uint32_t lmb_patch_side(const lmb_surface_light *light, uint32_t p
 static inline bool lmb_side_is_whole(const lmb_surface_light *light, uint32_t side)
 {
     return !light->first_piece || light->first_piece[side] == LMB_SIDE_WHOLE;
+}
+
+/* Whether a patch lies partly in a shadow, of the sun, so that its mean is too bright there. */
+static inline bool lmb_patch_is_uneven(const lmb_surface_light *light, uint32_t patch)
+{
+    return light->sun && rgb_max(light->sun[patch]) > 0.0f;
 }
 
 /* Square metres of a patch of that cell. */
@@ -189,8 +198,8 @@ static inline bool lmb_surface_light_patch(const lmb_surface_light *light, const
            lmb_surface_light_piece_find(light, tracer, hit, front, rays, patch);
 }
 
-/* The patch whose `radiance` the surface at a hit sends back along the ray. False where that takes a closer look: what
- * is not even, is in no piece, and, when `not_near` is set, what is too near to its cells. */
+/* The patch whose `radiance` the surface at a hit sends back along the ray, if it is not uneven. False where that takes
+ * a closer look: what is not even, is in no piece, and, when `not_near` is set, what is too near to its cells. */
 static inline bool lmb_surface_light_find(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit,
                                           bool not_near, uint64_t *rays, uint32_t *patch)
 {

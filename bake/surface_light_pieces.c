@@ -109,51 +109,81 @@ static lmb_vec3 place_of_start(const lmb_tracer *tracer, const side_frame *frame
     return rgb_max(lmb_trace_transmittance(tracer, low, high, rays)) > OPEN_SHARE ? high : low;
 }
 
-/* Those of the starts in `left` that `place` sees. */
-static uint32_t starts_seen(const lmb_tracer *tracer, const side_frame *frame, const lmb_vec3 *start, uint32_t left,
-                            lmb_vec3 place, uint64_t *rays_traced)
+/* Which starts see each other: a bit for each of the others. */
+static void starts_see(const lmb_tracer *tracer, const lmb_vec3 *place, uint32_t sees[LMB_CELL_STARTS],
+                       uint64_t *rays_traced)
 {
     lmb_ray_batch rays;
     lmb_rgb share[LMB_RAY_BATCH];
-    uint32_t owner[LMB_CELL_STARTS];
     rays.count = 0;
-    for (uint32_t i = 0; i < LMB_CELL_STARTS; ++i) {
-        if (left >> i & 1u) {
-            const lmb_vec3 from = vec3_add(start[i], frame->off);
-            owner[rays.count] = i;
-            lmb_ray_batch_add(&rays, from, vec3_sub(place, from), LMB_TRACE_UP_TO_END);
+    for (int i = 0; i < LMB_CELL_STARTS; ++i) {
+        for (int k = i + 1; k < LMB_CELL_STARTS; ++k) {
+            lmb_ray_batch_add(&rays, place[i], vec3_sub(place[k], place[i]), LMB_TRACE_UP_TO_END);
         }
     }
     lmb_trace_transmittance_batch(tracer, &rays, share, rays_traced);
-    uint32_t seen = 0;
-    for (uint32_t k = 0; k < rays.count; ++k) {
-        seen |= rgb_max(share[k]) > OPEN_SHARE ? 1u << owner[k] : 0;
+    memset(sees, 0, LMB_CELL_STARTS * sizeof *sees);
+    const lmb_rgb *ray = share;
+    for (int i = 0; i < LMB_CELL_STARTS; ++i) {
+        for (int k = i + 1; k < LMB_CELL_STARTS; ++k, ++ray) {
+            if (rgb_max(*ray) > OPEN_SHARE) {
+                sees[i] |= 1u << k;
+                sees[k] |= 1u << i;
+            }
+        }
     }
-    return seen;
 }
 
-/* Each start belongs to the first piece whose place it sees. */
+/* Of the starts in `left`, the one that sees most of them; the first of several. */
+static int start_most_open(const uint32_t sees[LMB_CELL_STARTS], uint32_t left)
+{
+    int most = -1;
+    for (int i = 0; i < LMB_CELL_STARTS; ++i) {
+        if (left >> i & 1u &&
+            (most < 0 || __builtin_popcount(sees[i] & left) > __builtin_popcount(sees[most] & left))) {
+            most = i;
+        }
+    }
+    return most;
+}
+
+/* A piece takes starts that all see each other, the most open first: what is seen through a slit alone, as by one of
+ * many, stays out. */
+static uint32_t piece_take(const uint32_t sees[LMB_CELL_STARTS], uint32_t left, int first)
+{
+    uint32_t taken = 1u << first;
+    uint32_t open = left & sees[first];
+    while (open != 0) {
+        const int next = start_most_open(sees, open);
+        taken |= 1u << next;
+        open &= sees[next] & ~(1u << next);
+    }
+    return taken;
+}
+
 static void side_divide(const pieces_work *work, const side_frame *frame, uint32_t side, piece_list *list)
 {
     const lmb_tracer *tracer = work->transport->tracer;
     const uint64_t stream = lmb_side_stream(work->transport, &frame->cell, side);
     float x[LMB_CELL_STARTS], y[LMB_CELL_STARTS];
-    lmb_vec3 start[LMB_CELL_STARTS];
+    lmb_vec3 start[LMB_CELL_STARTS], high[LMB_CELL_STARTS];
+    uint32_t sees[LMB_CELL_STARTS];
     lmb_sample_numbers(work->transport, stream, 0, LMB_CELL_STARTS, LMB_PAIR_START, x, y);
     for (int i = 0; i < LMB_CELL_STARTS; ++i) {
         const float numbers[2] = {x[i], y[i]};
         float along, across;
         lmb_cell_part_point(&frame->part, numbers, &along, &across);
         start[i] = frame_point(frame, along, across);
+        high[i] = vec3_add(start[i], frame->lift);
     }
+    starts_see(tracer, high, sees, &list->rays);
     uint32_t left = (1u << LMB_CELL_STARTS) - 1u;
     for (int count = 0; left != 0 && count < MAX_PIECES; ++count) {
-        const uint32_t first = (uint32_t)__builtin_ctz(left);
+        const int first = start_most_open(sees, left);
+        const uint32_t taken = piece_take(sees, left, first);
+        left &= ~taken;
         const lmb_vec3 place = place_of_start(tracer, frame, start[first], &list->rays);
-        const uint32_t seen =
-            starts_seen(tracer, frame, start, left & ~(1u << first), place, &list->rays) | 1u << first;
-        left &= ~seen;
-        const lmb_cell_piece piece = {place, side, (uint16_t)seen, left == 0 || count + 1 == MAX_PIECES};
+        const lmb_cell_piece piece = {place, side, (uint16_t)taken, left == 0 || count + 1 == MAX_PIECES};
         list_add(list, &piece);
     }
 }
@@ -272,20 +302,31 @@ lmb_result lmb_surface_light_divide(lmb_surface_light *light, const lmb_transpor
 bool lmb_surface_light_piece_find(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit,
                                   bool front, uint64_t *rays, uint32_t *patch)
 {
-    uint32_t number = light->first_piece[*patch];
+    const uint32_t number = light->first_piece[*patch];
     if (number >= LMB_SIDE_HOLE) {
         return number == LMB_SIDE_WHOLE;
     }
     const lmb_place place = lmb_trace_place(tracer, hit->instance, hit->triangle, hit->u, hit->v);
     const lmb_vec3 from = vec3_mad(place.position, place.geometric_normal, front ? place.rounding : -place.rounding);
-    for (;; ++number) {
-        const lmb_cell_piece *piece = &light->piece[number];
-        if (rgb_max(lmb_trace_transmittance(tracer, from, piece->place, rays)) > OPEN_SHARE) {
-            *patch = 2 * light->cell_count + number;
+    lmb_vec3 towards[MAX_PIECES];
+    float distance[MAX_PIECES];
+    int count = 0;
+    do {
+        towards[count] = vec3_sub(light->piece[number + (uint32_t)count].place, from);
+        distance[count] = vec3_dot(towards[count], towards[count]);
+    } while (!light->piece[number + (uint32_t)count++].last);
+    /* The nearest that is seen: through a slit, others are too. */
+    for (int tries = 0; tries < count; ++tries) {
+        int nearest = 0;
+        for (int i = 1; i < count; ++i) {
+            nearest = distance[i] < distance[nearest] ? i : nearest;
+        }
+        const lmb_rgb share = lmb_trace_transmittance_along(tracer, from, towards[nearest], LMB_TRACE_UP_TO_END, rays);
+        if (rgb_max(share) > OPEN_SHARE) {
+            *patch = 2 * light->cell_count + number + (uint32_t)nearest;
             return true;
         }
-        if (piece->last) {
-            return false;
-        }
+        distance[nearest] = INFINITY;
     }
+    return false;
 }

@@ -18,6 +18,15 @@ enum { PILOT_SAMPLES = 4 };
  * gaps, where few samples may all see each other's cells, which then never let go of the light. */
 enum { SMALL_SAMPLES = 2 };
 
+/* The light of a cell that is partly in a gap is that of its open part, if enough samples show that part. Fewer may all
+ * see each other's cells: what reflects more than WHITE of the light then hardly ever lets go of it. */
+enum { ENOUGH_OPEN_SAMPLES = 4 };
+#define WHITE 0.9f
+
+/* A patch of which a sample finds less than this share of its mean of the sun is uneven. Of other lights the samples
+ * differ by chance too, and to choose by that would be a bias. */
+#define SHADED 0.25f
+
 static size_t task_count(uint32_t patch_count)
 {
     return ((size_t)patch_count + PATCHES_PER_TASK - 1) / PATCHES_PER_TASK;
@@ -64,6 +73,7 @@ static uint32_t pilot_samples(const lmb_light_rows *rows, uint32_t patch)
 
 typedef struct rows_work {
     lmb_light_rows *rows;
+    bool corrects;  /* samples that see uneven patches */
     uint32_t first; /* of each patch's samples that are to be taken */
     uint64_t *rays; /* [task] */
 } rows_work;
@@ -75,6 +85,14 @@ typedef struct sample_queue {
     lmb_side_sample sample[LMB_SIDE_SAMPLES];
 } sample_queue;
 
+static void direct_add(const lmb_light_rows *rows, uint32_t patch, const lmb_side_sample *sample)
+{
+    rows->direct[patch] = rgb_add(rows->direct[patch], sample->direct);
+    if (sample->link.open) {
+        rows->open_direct[patch] = rgb_add(rows->open_direct[patch], sample->direct);
+    }
+}
+
 static void queue_take(const lmb_light_rows *rows, sample_queue *queue)
 {
     if (queue->count == 0) {
@@ -84,11 +102,10 @@ static void queue_take(const lmb_light_rows *rows, sample_queue *queue)
     for (uint32_t i = 0; i < queue->count; ++i) {
         const lmb_side_sample *sample = &queue->sample[i];
         const uint32_t patch = queue->patch[i];
+        direct_add(rows, patch, sample);
         rows->links[rows->row[patch] + sample->path.sample] = sample->link;
-        rows->direct[patch] = rgb_add(rows->direct[patch], sample->direct);
-        if (sample->link.open) {
-            rows->open_direct[patch] = rgb_add(rows->open_direct[patch], sample->direct);
-        }
+        rows->sun[patch] = rgb_add(rows->sun[patch], sample->sun);
+        rows->sun_least[patch] = float_smaller(rows->sun_least[patch], lmb_luminance(sample->sun));
     }
     queue->count = 0;
 }
@@ -116,22 +133,57 @@ static lmb_side_sample sample_make(const lmb_light_rows *rows, uint32_t patch, u
     return sample;
 }
 
+static void queue_correct(const lmb_light_rows *rows, sample_queue *queue)
+{
+    if (queue->count == 0) {
+        return;
+    }
+    lmb_side_samples_correct(rows->light, queue->sample, queue->count);
+    for (uint32_t i = 0; i < queue->count; ++i) {
+        direct_add(rows, queue->patch[i], &queue->sample[i]);
+    }
+    queue->count = 0;
+}
+
+static void sample_number(const lmb_light_rows *rows, uint32_t patch, uint32_t number, lmb_side_sample *sample)
+{
+    const uint32_t sides = 2 * rows->light->cell_count;
+    sample->path.sample = number;
+    sample->start_sample = patch < sides ? number : piece_start(&rows->light->piece[patch - sides], number);
+}
+
 static void queue_patch(const lmb_light_rows *rows, sample_queue *queue, uint32_t patch, uint32_t first, uint64_t *rays)
 {
     const uint32_t samples = (uint32_t)(rows->row[patch + 1] - rows->row[patch]);
     if (first >= samples) {
         return;
     }
-    const lmb_surface_light *light = rows->light;
-    const uint32_t sides = 2 * light->cell_count;
     lmb_side_sample sample = sample_make(rows, patch, rays);
     for (uint32_t i = first; i < samples; ++i) {
-        sample.path.sample = i;
-        sample.start_sample = patch < sides ? i : piece_start(&light->piece[patch - sides], i);
+        sample_number(rows, patch, i, &sample);
         queue->patch[queue->count] = patch;
         queue->sample[queue->count++] = sample;
         if (queue->count == LMB_SIDE_SAMPLES) {
             queue_take(rows, queue);
+        }
+    }
+}
+
+/* Those of a patch's samples that see uneven patches. */
+static void queue_patch_again(const lmb_light_rows *rows, sample_queue *queue, uint32_t patch, uint64_t *rays)
+{
+    for (size_t k = rows->row[patch]; k < rows->row[patch + 1]; ++k) {
+        const lmb_link *link = &rows->links[k];
+        if (lmb_link_weight(link) == 0 || !lmb_patch_is_uneven(rows->light, link->target)) {
+            continue;
+        }
+        lmb_side_sample sample = sample_make(rows, patch, rays);
+        sample_number(rows, patch, (uint32_t)(k - rows->row[patch]), &sample);
+        sample.link = *link;
+        queue->patch[queue->count] = patch;
+        queue->sample[queue->count++] = sample;
+        if (queue->count == LMB_SIDE_SAMPLES) {
+            queue_correct(rows, queue);
         }
     }
 }
@@ -146,24 +198,31 @@ static void rows_task(void *context, size_t task, int worker)
     sample_queue queue;
     queue.count = 0;
     for (uint32_t patch = first; patch < end; ++patch) {
-        queue_patch(rows, &queue, patch, work->first, &work->rays[task]);
+        if (work->corrects) {
+            queue_patch_again(rows, &queue, patch, &work->rays[task]);
+        } else {
+            queue_patch(rows, &queue, patch, work->first, &work->rays[task]);
+        }
     }
-    queue_take(rows, &queue);
+    if (work->corrects) {
+        queue_correct(rows, &queue);
+    } else {
+        queue_take(rows, &queue);
+    }
 }
 
-static lmb_result samples_take(lmb_light_rows *rows, uint32_t first, const char *phase, lmb_pool *pool,
-                               const lmb_progress *progress)
+static lmb_result tasks_run(rows_work *work, const char *phase, lmb_pool *pool, const lmb_progress *progress)
 {
-    const size_t tasks = task_count(rows->patch_count);
-    rows_work work = {rows, first, calloc(tasks + 1, sizeof *work.rays)};
-    if (!work.rays) {
+    const size_t tasks = task_count(work->rows->patch_count);
+    work->rays = calloc(tasks + 1, sizeof *work->rays);
+    if (!work->rays) {
         return LMB_ERROR_MEMORY;
     }
-    const lmb_result result = lmb_pool_run(pool, tasks, rows_task, &work, phase, progress);
+    const lmb_result result = lmb_pool_run(pool, tasks, rows_task, work, phase, progress);
     for (size_t i = 0; i < tasks; ++i) {
-        rows->rays += work.rays[i];
+        work->rows->rays += work->rays[i];
     }
-    free(work.rays);
+    free(work->rays);
     return result;
 }
 
@@ -239,14 +298,17 @@ static lmb_result rows_start(lmb_light_rows *rows)
     const size_t patches = (size_t)rows->patch_count + 1;
     rows->direct = calloc(patches, sizeof *rows->direct);
     rows->open_direct = calloc(patches, sizeof *rows->open_direct);
+    rows->sun = calloc(patches, sizeof *rows->sun);
+    rows->sun_least = malloc(patches * sizeof *rows->sun_least);
     rows->row = malloc(patches * sizeof *rows->row);
     size_t count = 0;
-    for (uint32_t patch = 0; rows->row && patch < rows->patch_count; ++patch) {
+    for (uint32_t patch = 0; rows->row && rows->sun_least && patch < rows->patch_count; ++patch) {
+        rows->sun_least[patch] = INFINITY;
         rows->row[patch] = count;
         count += pilot_samples(rows, patch);
     }
     rows->links = malloc((count + 1) * sizeof *rows->links);
-    if (!rows->direct || !rows->open_direct || !rows->row || !rows->links) {
+    if (!rows->direct || !rows->open_direct || !rows->sun || !rows->sun_least || !rows->row || !rows->links) {
         return LMB_ERROR_MEMORY;
     }
     rows->row[rows->patch_count] = count;
@@ -265,6 +327,51 @@ static lmb_result lit_extend(lmb_light_rows *rows)
     return result;
 }
 
+/* Of a patch by its samples, the links from `begin` to `end`. */
+static lmb_openness patch_openness(const lmb_link *begin, const lmb_link *end)
+{
+    const uint32_t open = lmb_links_open(begin, end);
+    if (open == 0) {
+        return LMB_CELL_HIDDEN;
+    }
+    if (begin + open == end) {
+        return LMB_CELL_OPEN;
+    }
+    for (const lmb_link *link = begin; link < end && open < ENOUGH_OPEN_SAMPLES; ++link) {
+        if ((float)lmb_link_weight(link) > WHITE * 65535.0f) {
+            return LMB_CELL_HIDDEN;
+        }
+    }
+    return LMB_CELL_MIXED;
+}
+
+static bool patch_is_shaded(const lmb_light_rows *rows, uint32_t patch, uint32_t samples)
+{
+    const float mean = lmb_luminance(rows->sun[patch]) / (float)samples;
+    return rows->light->openness[patch] != LMB_CELL_MIXED && samples >= PILOT_SAMPLES &&
+           rows->sun_least[patch] < SHADED * mean;
+}
+
+/* Tells how open patches are, and which are uneven. */
+static void patches_describe(lmb_light_rows *rows)
+{
+    lmb_surface_light *light = rows->light;
+    bool any = false;
+    for (uint32_t patch = 0; patch < rows->patch_count; ++patch) {
+        const size_t begin = rows->row[patch], end = rows->row[patch + 1];
+        light->openness[patch] = (uint8_t)patch_openness(rows->links + begin, rows->links + end);
+        const uint32_t samples = (uint32_t)(end - begin);
+        /* Where reflections are counted, what is stored has as many as it may have. */
+        const bool uneven = rows->transport->bounces < 0 && samples > 0 && patch_is_shaded(rows, patch, samples);
+        rows->sun[patch] = rgb_scale(rows->sun[patch], uneven ? 1.0f / (float)samples : 0.0f);
+        any = any || uneven;
+    }
+    if (any) {
+        light->sun = rows->sun;
+        rows->sun = NULL;
+    }
+}
+
 lmb_result lmb_light_rows_sample(lmb_light_rows *rows, uint32_t samples, lmb_pool *pool, const lmb_progress *progress)
 {
     rows->cell_samples = malloc(((size_t)rows->light->cell_count + 1) * sizeof *rows->cell_samples);
@@ -272,20 +379,32 @@ lmb_result lmb_light_rows_sample(lmb_light_rows *rows, uint32_t samples, lmb_poo
         return LMB_ERROR_MEMORY;
     }
     cell_samples_set(rows, samples);
+    rows_work work = {.rows = rows};
     lmb_result result = rows_start(rows);
     if (result == LMB_OK) {
-        result = samples_take(rows, 0, "surface pilot", pool, progress);
+        result = tasks_run(&work, "surface pilot", pool, progress);
     }
     if (result == LMB_OK) {
         result = lit_extend(rows);
     }
-    return result == LMB_OK ? samples_take(rows, PILOT_SAMPLES, "surface", pool, progress) : result;
+    if (result == LMB_OK) {
+        work.first = PILOT_SAMPLES;
+        result = tasks_run(&work, "surface", pool, progress);
+    }
+    if (result == LMB_OK) {
+        patches_describe(rows);
+        work.corrects = true;
+        result = rows->light->sun ? tasks_run(&work, "surface", pool, NULL) : LMB_OK;
+    }
+    return result;
 }
 
 void lmb_light_rows_free(lmb_light_rows *rows)
 {
     free(rows->direct);
     free(rows->open_direct);
+    free(rows->sun);
+    free(rows->sun_least);
     free(rows->row);
     free(rows->cell_samples);
     free(rows->links);

@@ -12,6 +12,8 @@ typedef struct lmb_light_rows {
     uint32_t *cell_samples; /* [cell] that each of its sides is to get, if it is lit */
     lmb_rgb *direct;        /* [patch] sum over its samples */
     lmb_rgb *open_direct;   /* [patch] over those that are open */
+    lmb_rgb *sun;           /* [patch] sum of what directional lights give */
+    float *sun_least;       /* [patch] the least luminance of it in a sample */
     size_t *row;            /* [patch] its first link, and the count at its end; a row is as long as it has samples */
     lmb_link *links;        /* their targets are patches */
     uint64_t rays;

@@ -14,6 +14,7 @@ typedef struct sample_batch {
     const lmb_surface_light *light;
     lmb_side_sample *sample;
     uint32_t count;
+    bool corrects; /* direct light is known but for what patches leave open */
     lmb_receiver receiver[LMB_SIDE_SAMPLES];
     lmb_ray_batch rays;
     uint32_t owner[LMB_RAY_BATCH]; /* sample of each ray */
@@ -106,6 +107,7 @@ static void starts_find(const sample_batch *batch, lmb_direct_start *starts)
 static void direct_find(sample_batch *batch)
 {
     lmb_rgb weight[LMB_RAY_BATCH], share[LMB_RAY_BATCH];
+    bool is_sun[LMB_RAY_BATCH];
     lmb_direct_start starts[LMB_SIDE_SAMPLES];
     starts_find(batch, starts);
     batch->rays.count = 0;
@@ -114,14 +116,20 @@ static void direct_find(sample_batch *batch)
         const int count = lmb_direct_aim(batch->transport, &batch->receiver[i], &starts[i], aimed);
         for (int k = 0; k < count; ++k) {
             weight[batch->rays.count] = aimed[k].weight;
+            is_sun[batch->rays.count] = aimed[k].is_sun;
             ray_add(batch, i, aimed[k].origin, aimed[k].towards, aimed[k].far_distance);
         }
         batch->sample[i].direct = rgb(0.0f, 0.0f, 0.0f);
+        batch->sample[i].sun = rgb(0.0f, 0.0f, 0.0f);
     }
     lmb_trace_transmittance_batch(batch->transport->tracer, &batch->rays, share, batch->rays_traced);
     for (uint32_t k = 0; k < batch->rays.count; ++k) {
-        lmb_rgb *direct = &batch->sample[batch->owner[k]].direct;
-        *direct = rgb_add(*direct, rgb_mul(weight[k], share[k]));
+        lmb_side_sample *sample = &batch->sample[batch->owner[k]];
+        const lmb_rgb arrives = rgb_mul(weight[k], share[k]);
+        sample->direct = rgb_add(sample->direct, arrives);
+        if (is_sun[k]) {
+            sample->sun = rgb_add(sample->sun, arrives);
+        }
     }
 }
 
@@ -180,6 +188,21 @@ static bool path_reflect(lmb_path *path, lmb_leg *leg, lmb_landing *landing, lmb
     return true;
 }
 
+/* The weight as the bounces take it: what is corrected in a patch's light is to vanish where the patch's light does. */
+static lmb_rgb link_weight_rounded(const lmb_link *link)
+{
+    return rgb_scale(rgb((float)link->weight[0], (float)link->weight[1], (float)link->weight[2]), 1.0f / 65535.0f);
+}
+
+static void sample_correct(const sample_batch *batch, lmb_side_sample *sample, const lmb_path *path,
+                           const lmb_landing *landing)
+{
+    const lmb_rgb mean = batch->light->sun[sample->link.target];
+    const lmb_receiver here = lmb_landing_receiver(path, landing);
+    const lmb_rgb direct = lmb_direct_collect_suns(path, &here);
+    sample->direct = rgb_mul(link_weight_rounded(&sample->link), rgb_add(direct, rgb_scale(mean, -1.0f)));
+}
+
 static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *hit)
 {
     const lmb_ray_batch *rays = &batch->rays;
@@ -198,6 +221,9 @@ static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *
         if (lmb_surface_light_patch(batch->light, tracer, &landing.hit, landing.hit.front, path.rays, &patch)) {
             sample->link.target = patch;
             link_weigh(&sample->link, rgb_mul(leg.throughput, landing.albedo));
+            if (batch->corrects) {
+                sample_correct(batch, sample, &path, &landing);
+            }
             return;
         }
         if (path.vertex > LINK_VERTICES ||
@@ -234,21 +260,45 @@ uint64_t lmb_side_stream(const lmb_transport *transport, const lmb_cell *cell, u
     return lmb_mix(lmb_mix(instance, cell->triangle), 2 * (uint64_t)cell->number + (side & 1));
 }
 
+static void batch_begin(sample_batch *batch, const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count)
+{
+    batch->transport = samples[0].path.transport;
+    batch->light = light;
+    batch->sample = samples;
+    batch->count = count;
+    batch->rays_traced = samples[0].path.rays;
+    receivers_place(batch);
+}
+
+static lmb_rgb finite_or_black(lmb_rgb light)
+{
+    return rgb_is_finite(light) ? light : rgb(0.0f, 0.0f, 0.0f);
+}
+
 void lmb_side_samples_take(const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count)
 {
     sample_batch batch; /* large: only what is used is set */
-    batch.transport = samples[0].path.transport;
-    batch.light = light;
-    batch.sample = samples;
-    batch.count = count;
-    batch.rays_traced = samples[0].path.rays;
-    receivers_place(&batch);
+    batch.corrects = false;
+    batch_begin(&batch, light, samples, count);
     direct_find(&batch);
     openness_find(&batch);
     links_find(&batch);
     for (uint32_t i = 0; i < count; ++i) {
-        if (!rgb_is_finite(samples[i].direct)) {
-            samples[i].direct = rgb(0.0f, 0.0f, 0.0f);
-        }
+        samples[i].direct = finite_or_black(samples[i].direct);
+        samples[i].sun = finite_or_black(samples[i].sun);
+    }
+}
+
+void lmb_side_samples_correct(const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count)
+{
+    sample_batch batch;
+    batch.corrects = true;
+    batch_begin(&batch, light, samples, count);
+    for (uint32_t i = 0; i < count; ++i) {
+        samples[i].direct = rgb(0.0f, 0.0f, 0.0f);
+    }
+    links_find(&batch);
+    for (uint32_t i = 0; i < count; ++i) {
+        samples[i].direct = finite_or_black(samples[i].direct);
     }
 }

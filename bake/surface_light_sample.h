@@ -21,6 +21,7 @@ typedef struct lmb_side_sample {
     uint64_t start_stream; /* its start's numbers are those of this sample of this stream */
     uint32_t start_sample;
     lmb_rgb direct; /* that was found: irradiance over pi */
+    lmb_rgb sun;    /* the part of it that directional lights give */
     lmb_link link;  /* what was seen; its target is a patch */
 } lmb_side_sample;
 
@@ -28,5 +29,9 @@ typedef struct lmb_side_sample {
  * patch come one after the other, as they are numbered. */
 enum { LMB_SIDE_SAMPLES = LMB_RAY_BATCH / LMB_AIMED_MOST };
 void lmb_side_samples_take(const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count);
+
+/* Of samples that see uneven patches: sets `direct` to how much more sun than the patch's mean arrives from the very
+ * point that is seen. */
+void lmb_side_samples_correct(const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count);
 
 #endif

@@ -9,11 +9,6 @@
 /* For a side whose cell is about as large as cells can be. */
 enum { ENOUGH_SAMPLES = 8 };
 
-/* The light of a cell that is partly in a gap is that of its open part, if enough samples show that part. Fewer may all
- * see each other's cells: what reflects more than WHITE of the light then hardly ever lets go of it. */
-enum { ENOUGH_OPEN_SAMPLES = 4 };
-#define WHITE 0.9f
-
 /* Of patches that stay dark. */
 #define NO_PLACE UINT32_MAX
 
@@ -27,32 +22,6 @@ static uint32_t places_number(const lmb_light_rows *rows, uint32_t *place)
     return count;
 }
 
-/* Of a patch by its samples, the links from `begin` to `end`, of which `open` are open. */
-static lmb_openness patch_openness(const lmb_link *begin, const lmb_link *end, uint32_t open)
-{
-    if (open == 0) {
-        return LMB_CELL_HIDDEN;
-    }
-    if (begin + open == end) {
-        return LMB_CELL_OPEN;
-    }
-    for (const lmb_link *link = begin; link < end && open < ENOUGH_OPEN_SAMPLES; ++link) {
-        if ((float)lmb_link_weight(link) > WHITE * 65535.0f) {
-            return LMB_CELL_HIDDEN;
-        }
-    }
-    return LMB_CELL_MIXED;
-}
-
-static uint32_t open_count(const lmb_link *begin, const lmb_link *end)
-{
-    uint32_t count = 0;
-    for (const lmb_link *link = begin; link < end; ++link) {
-        count += link->open;
-    }
-    return count;
-}
-
 /* Moves what the patches have to their places: the links that see something lit, of mixed ones only those of open
  * samples. `samples` has room for every place. */
 static lmb_bounce_rows rows_compact(lmb_light_rows *rows, const uint32_t *place, float *samples)
@@ -62,11 +31,8 @@ static lmb_bounce_rows rows_compact(lmb_light_rows *rows, const uint32_t *place,
     for (uint32_t patch = 0; patch < rows->patch_count; ++patch) {
         const size_t end = rows->row[patch + 1];
         if (place[patch] != NO_PLACE) {
-            const uint32_t open = open_count(rows->links + begin, rows->links + end);
-            const lmb_openness openness = patch_openness(rows->links + begin, rows->links + end, open);
-            const bool mixed = openness == LMB_CELL_MIXED;
+            const bool mixed = rows->light->openness[patch] == LMB_CELL_MIXED;
             const lmb_rgb direct = mixed ? rows->open_direct[patch] : rows->direct[patch];
-            rows->light->openness[patch] = (uint8_t)openness;
             rows->row[places.count] = kept;
             for (size_t k = begin; k < end; ++k) {
                 lmb_link link = rows->links[k];
@@ -75,7 +41,8 @@ static lmb_bounce_rows rows_compact(lmb_light_rows *rows, const uint32_t *place,
                     rows->links[kept++] = link;
                 }
             }
-            samples[places.count] = mixed ? (float)open : (float)(end - begin);
+            const size_t counted = mixed ? lmb_links_open(rows->links + begin, rows->links + end) : end - begin;
+            samples[places.count] = (float)counted;
             rows->direct[places.count] = rgb_scale(direct, 1.0f / samples[places.count]);
             ++places.count;
         }
@@ -122,10 +89,10 @@ static lmb_result rows_solve(lmb_light_rows *rows, uint32_t samples, lmb_pool *p
         result = lmb_surface_light_divide(rows->light, rows->transport, pool, &rows->rays);
     }
     if (result == LMB_OK) {
-        result = lmb_light_rows_sample(rows, samples, pool, progress);
+        result = lmb_surface_light_allocate(rows->light);
     }
     if (result == LMB_OK) {
-        result = lmb_surface_light_allocate(rows->light);
+        result = lmb_light_rows_sample(rows, samples, pool, progress);
     }
     return result == LMB_OK ? rows_bounce(rows, pool, progress, passes) : result;
 }

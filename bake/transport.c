@@ -35,7 +35,7 @@ static bool patch_look_up(const lmb_path *path, const lmb_hit *hit, uint32_t *pa
 
 /* Whether what a landing reflects is to be looked up, and that. A camera sees each cell's edges, so its own landing is
  * traced. */
-static bool landing_look_up(const lmb_path *path, const lmb_leg *leg, const lmb_landing *landing, lmb_rgb *irradiance)
+static bool landing_look_up(lmb_path *path, const lmb_leg *leg, const lmb_landing *landing, lmb_rgb *irradiance)
 {
     const lmb_surface_light *light = path->transport->surface;
     uint32_t patch;
@@ -43,6 +43,14 @@ static bool landing_look_up(const lmb_path *path, const lmb_leg *leg, const lmb_
         return false;
     }
     *irradiance = light->irradiance[patch];
+    if (lmb_patch_is_uneven(light, patch)) {
+        ++path->vertex;
+        const lmb_receiver here = lmb_landing_receiver(path, landing);
+        const lmb_rgb direct = lmb_direct_collect_suns(path, &here);
+        for (int c = 0; c < 3; ++c) {
+            irradiance->c[c] = float_larger(irradiance->c[c] - light->sun[patch].c[c], 0.0f) + direct.c[c];
+        }
+    }
     return true;
 }
 
@@ -53,7 +61,7 @@ static bool hit_look_up(const lmb_path *path, const lmb_hit *hit, lmb_rgb *radia
     const lmb_surface_light *light = transport->surface;
     uint32_t patch;
     if (!light || (transport->bounces >= 0 && path->vertex >= (uint32_t)transport->bounces) ||
-        !lmb_cell_grid_at(light, hit)->even || !patch_look_up(path, hit, &patch)) {
+        !lmb_cell_grid_at(light, hit)->even || !patch_look_up(path, hit, &patch) || lmb_patch_is_uneven(light, patch)) {
         return false;
     }
     *radiance = light->radiance[patch];
