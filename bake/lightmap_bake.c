@@ -12,8 +12,9 @@
 #include "bake_internal.h"
 #include "trace_internal.h"
 
-/* Texels that one task of the pool gathers. */
-enum { TEXELS_PER_TASK = 32 };
+/* Texels are listed in squares of this side: a group of neighbours. */
+enum { SQUARE = 8 };
+_Static_assert(SQUARE *SQUARE == LMB_GATHER_GROUP, "a square is a group");
 
 /* Places that a texel's light is the mean over. */
 enum { MAX_POINTS = LMB_RAY_BATCH };
@@ -27,7 +28,7 @@ typedef struct bake_texel {
 /* Until its light is known, a texel holds the surface point that stands for it: levels have many millions of them. */
 _Static_assert(sizeof(lmb_texel_source) <= sizeof(lmb_irradz), "a texel's source fits its light's place");
 
-/* What one task has counted. */
+/* What one group has counted. */
 typedef struct bake_count {
     uint64_t pushed_out;
     uint64_t samples;
@@ -43,7 +44,8 @@ typedef struct bake_work {
     uint32_t points_per_texel;
     size_t texel_count;
     bake_texel *texels;
-    bake_count *counts; /* [task] */
+    bake_count *counts;       /* [group] */
+    lmb_gather_point *points; /* [worker] of a group's texels */
 } bake_work;
 
 static void instance_list(bake_work *work, uint32_t number, lmb_texel_source *source)
@@ -54,15 +56,20 @@ static void instance_list(bake_work *work, uint32_t number, lmb_texel_source *so
     const uint32_t mesh = lightmap->scene->instances[number].mesh;
     const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, number);
     lmb_texels_cover(&lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh], &grid, source);
-    for (int32_t y = 0; y < grid.height; ++y) {
-        for (int32_t x = 0; x < grid.width; ++x) {
-            const lmb_texel_source *from = &source[(size_t)y * (size_t)grid.width + (size_t)x];
-            if (from->triangle != LMB_TEXEL_UNCOVERED) {
-                assert(work->texel_count < lightmap->covered_texel_count);
-                const uint32_t pixel = (uint32_t)(region->y + y) * (uint32_t)image->width + (uint32_t)(region->x + x);
-                work->texels[work->texel_count++] = (bake_texel){number, pixel};
-                memcpy(&image->texel[pixel], from, sizeof *from);
-            }
+    const int32_t columns = (grid.width + SQUARE - 1) / SQUARE, rows = (grid.height + SQUARE - 1) / SQUARE;
+    for (int32_t i = 0; i < columns * rows * SQUARE * SQUARE; ++i) {
+        const int32_t square = i / (SQUARE * SQUARE);
+        const int32_t x = square % columns * SQUARE + i % SQUARE;
+        const int32_t y = square / columns * SQUARE + i / SQUARE % SQUARE;
+        if (x >= grid.width || y >= grid.height) {
+            continue;
+        }
+        const lmb_texel_source *from = &source[(size_t)y * (size_t)grid.width + (size_t)x];
+        if (from->triangle != LMB_TEXEL_UNCOVERED) {
+            assert(work->texel_count < lightmap->covered_texel_count);
+            const uint32_t pixel = (uint32_t)(region->y + y) * (uint32_t)image->width + (uint32_t)(region->x + x);
+            work->texels[work->texel_count++] = (bake_texel){number, pixel};
+            memcpy(&image->texel[pixel], from, sizeof *from);
         }
     }
 }
@@ -153,34 +160,39 @@ static uint32_t texel_points(const bake_work *work, const bake_texel *texel, lmb
     return open > 0 ? open : 1;
 }
 
-static void texel_bake(const bake_work *work, const bake_texel *texel, bake_count *count)
+static void texel_store(const bake_work *work, const bake_texel *texel, const lmb_gather_element *element,
+                        bake_count *count)
 {
-    lmb_gather_point points[MAX_POINTS];
-    const uint32_t point_count = texel_points(work, texel, points, count);
-    const lmb_vec3 normal = points[0].normal;
-    lmb_gathered gathered;
-    lmb_gather_sh3_area(work->transport, points, point_count, work->effort, &gathered);
+    const lmb_vec3 normal = element->points[0].normal;
+    const lmb_gathered *gathered = &element->gathered;
     lmb_sh3_rgb radiance;
     for (int c = 0; c < 3; ++c) {
-        radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered.moments.channel[c], normal);
+        radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered->moments.channel[c], normal);
     }
     lmb_lightmap_image *image = &work->lightmap->image[work->lightmap->region[texel->instance].image];
     image->texel[texel->pixel] = lmb_irradz_encode(&radiance, normal, 0.0f);
     image->state[texel->pixel] = LMB_TEXEL_GATHERED;
-    count->samples += gathered.samples;
-    count->rays += gathered.rays;
-    count->squared_error += gathered.squared_error;
-    count->squared_length += gathered.squared_length;
+    count->samples += gathered->samples;
+    count->rays += gathered->rays;
+    count->squared_error += gathered->squared_error;
+    count->squared_length += gathered->squared_length;
 }
 
-static void bake_task(void *context, size_t task, int worker)
+static void group_task(void *context, size_t group, int worker)
 {
-    (void)worker;
     const bake_work *work = context;
-    const size_t first = task * TEXELS_PER_TASK;
-    const size_t end = first + TEXELS_PER_TASK < work->texel_count ? first + TEXELS_PER_TASK : work->texel_count;
-    for (size_t i = first; i < end; ++i) {
-        texel_bake(work, &work->texels[i], &work->counts[task]);
+    const size_t first = lmb_gather_group_first(work->texel_count, group);
+    const uint32_t count = (uint32_t)(lmb_gather_group_first(work->texel_count, group + 1) - first);
+    lmb_gather_point *points = work->points + (size_t)worker * LMB_GATHER_GROUP_MOST * MAX_POINTS;
+    lmb_gather_element elements[LMB_GATHER_GROUP_MOST];
+    for (uint32_t i = 0; i < count; ++i) {
+        elements[i].points = points + (size_t)i * MAX_POINTS;
+        elements[i].point_count =
+            texel_points(work, &work->texels[first + i], points + (size_t)i * MAX_POINTS, &work->counts[group]);
+    }
+    lmb_gather_sh3_group(work->transport, work->effort, elements, count);
+    for (uint32_t i = 0; i < count; ++i) {
+        texel_store(work, &work->texels[first + i], &elements[i], &work->counts[group]);
     }
 }
 
@@ -194,10 +206,10 @@ static void images_clear(lmb_lightmap *lightmap)
     }
 }
 
-static lmb_lightmap_stats counts_sum(const bake_work *work, size_t tasks)
+static lmb_lightmap_stats counts_sum(const bake_work *work)
 {
     lmb_lightmap_stats stats = {.texels = work->texel_count};
-    for (size_t i = 0; i < tasks; ++i) {
+    for (size_t i = 0; i < lmb_gather_group_count(work->texel_count); ++i) {
         stats.pushed_out += work->counts[i].pushed_out;
         stats.samples += work->counts[i].samples;
         stats.rays += work->counts[i].rays;
@@ -219,33 +231,36 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
                              lmb_pool *pool, const lmb_progress *progress, lmb_lightmap_stats *stats)
 {
     const size_t texels = (size_t)lightmap->covered_texel_count;
-    const size_t tasks = (texels + TEXELS_PER_TASK - 1) / TEXELS_PER_TASK;
+    const size_t groups = lmb_gather_group_count(texels);
+    const size_t workers = (size_t)lmb_pool_threads(pool);
     bake_work work = {
         .lightmap = lightmap,
         .transport = transport,
         .effort = effort,
         .points_per_texel = points_per_texel(effort),
         .texels = malloc((texels + 1u) * sizeof(bake_texel)),
-        .counts = calloc(tasks + 1u, sizeof(bake_count)),
+        .counts = calloc(groups + 1u, sizeof(bake_count)),
+        .points = malloc(workers * LMB_GATHER_GROUP_MOST * MAX_POINTS * sizeof(lmb_gather_point)),
     };
     lmb_result result = LMB_ERROR_MEMORY;
     images_clear(lightmap);
-    if (work.texels && work.counts) {
+    if (work.texels && work.counts && work.points) {
         result = texels_list(&work);
     }
     if (result == LMB_OK) {
-        result = lmb_pool_run(pool, tasks, bake_task, &work, "lightmaps", progress);
+        result = lmb_pool_run(pool, groups, group_task, &work, "lightmaps", progress);
     }
     if (result == LMB_OK) {
         result = lmb_lightmap_dilate(lightmap);
     }
     if (result == LMB_OK) {
-        *stats = counts_sum(&work, tasks);
+        *stats = counts_sum(&work);
     } else {
         images_clear(lightmap);
     }
     free(work.texels);
     free(work.counts);
+    free(work.points);
     return result;
 }
 

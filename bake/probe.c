@@ -78,7 +78,7 @@ static lmb_sh3 basis_factors(void)
     return factors;
 }
 
-/* An element while it is gathered. */
+/* Samples of an element on their way. */
 typedef struct gather_work {
     const lmb_transport *transport;
     lmb_gather_samples samples;                /* those to be taken now, of the first replicate */
@@ -88,29 +88,54 @@ typedef struct gather_work {
     uint64_t punctual_rays;
 } gather_work;
 
+/* What an element's samples have found. */
+typedef struct element_sums {
+    double replicate[LMB_GATHER_REPLICATES][3][LMB_SH3_COUNT]; /* of polynomials, summed over samples */
+    double punctual[3][LMB_SH3_COUNT];
+    uint32_t taken; /* by each replicate */
+    uint64_t rays;
+} element_sums;
+
 static double lanes_sum(const double lane[LANES])
 {
     return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
 }
 
+/* Adds what work has found since it began. */
+static void sums_add(element_sums *sums, const gather_work *work)
+{
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+                sums->replicate[r][c][i] += lanes_sum(work->sum[r].c[c][i]);
+            }
+            sums->punctual[c][i] += lanes_sum(work->punctual.c[c][i]);
+        }
+    }
+    sums->taken += work->samples.count;
+    sums->rays += work->punctual_rays;
+    for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+        sums->rays += work->rays[r];
+    }
+}
+
 /* Mean of the replicates, and the standard error of that mean from their spread. */
-static void replicates_combine(const gather_work *work, lmb_gathered *gathered)
+static void replicates_combine(const element_sums *sums, lmb_gathered *gathered)
 {
     const double count = LMB_GATHER_REPLICATES;
     const lmb_sh3 factors = basis_factors();
-    const uint32_t taken = work->samples.first + work->samples.count;
-    *gathered = (lmb_gathered){.samples = LMB_GATHER_REPLICATES * taken, .rays = work->punctual_rays};
+    *gathered = (lmb_gathered){.samples = LMB_GATHER_REPLICATES * sums->taken, .rays = sums->rays};
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-            const double scale = (double)factors.c[i] / (double)taken;
+            const double scale = (double)factors.c[i] / (double)sums->taken;
             double replicate[LMB_GATHER_REPLICATES];
             double sum = 0.0;
             for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-                replicate[r] = scale * lanes_sum(work->sum[r].c[c][i]);
+                replicate[r] = scale * sums->replicate[r][c][i];
                 sum += replicate[r];
             }
             const double average = sum / count;
-            const double whole = average + (double)factors.c[i] * lanes_sum(work->punctual.c[c][i]);
+            const double whole = average + (double)factors.c[i] * sums->punctual[c][i];
             for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
                 const double off = replicate[r] - average;
                 gathered->squared_error += off * off / (count * (count - 1.0));
@@ -118,9 +143,6 @@ static void replicates_combine(const gather_work *work, lmb_gathered *gathered)
             gathered->squared_length += whole * whole;
             gathered->moments.channel[c].c[i] = (float)whole;
         }
-    }
-    for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-        gathered->rays += work->rays[r];
     }
 }
 
@@ -148,42 +170,157 @@ static void work_begin(gather_work *work, const lmb_transport *transport, const 
     }
 }
 
-static bool effort_is_enough(const lmb_gather_effort *effort, const lmb_gathered *gathered)
+static void work_gather(gather_work *work)
 {
-    const double floor_squared = effort->floor * effort->floor;
-    const double squared = gathered->squared_length > floor_squared ? gathered->squared_length : floor_squared;
-    return gathered->squared_error <= effort->tolerance * effort->tolerance * squared;
+    for (uint32_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+        lmb_gather_samples samples = work->samples;
+        samples.replicate = r;
+        lmb_gather(work->transport, &samples, moment_sink, &work->sum[r], &work->rays[r]);
+    }
+}
+
+/* The first samples, `count` of each replicate. Returns whether they leave out punctual lights, which are known. */
+static bool element_begin(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
+                          uint32_t count, element_sums *sums)
+{
+    gather_work work; /* large: begun where it is */
+    work_begin(&work, transport, points, point_count, count);
+    work_gather(&work);
+    memset(sums, 0, sizeof *sums);
+    sums_add(sums, &work);
+    return work.samples.without_punctual;
+}
+
+/* The samples after those, up to `count` of each replicate. */
+static void element_continue(const lmb_transport *transport, const lmb_gather_element *element, bool without_punctual,
+                             uint32_t count, element_sums *sums)
+{
+    gather_work work;
+    memset(&work, 0, sizeof work);
+    work.transport = transport;
+    work.samples = (lmb_gather_samples){.points = element->points,
+                                        .point_count = element->point_count,
+                                        .first = sums->taken,
+                                        .count = count - sums->taken,
+                                        .without_punctual = without_punctual};
+    work_gather(&work);
+    sums_add(sums, &work);
 }
 
 void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
-                         const lmb_gather_effort *effort, lmb_gathered *gathered)
+                         uint32_t samples, lmb_gathered *gathered)
 {
-    const bool adapts = effort->max_samples > effort->samples;
-    const uint32_t begin = replicate_share(effort->samples, adapts ? LMB_GATHER_BLOCK : 1);
-    const uint32_t most = adapts ? replicate_share(effort->max_samples, LMB_GATHER_BLOCK) : begin;
-    gather_work work; /* large: begun where it is */
-    work_begin(&work, transport, points, point_count, begin);
-    for (;;) {
-        for (uint32_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-            lmb_gather_samples samples = work.samples;
-            samples.replicate = r;
-            lmb_gather(transport, &samples, moment_sink, &work.sum[r], &work.rays[r]);
-        }
-        replicates_combine(&work, gathered);
-        const uint32_t taken = work.samples.first + work.samples.count;
-        if (taken >= most || effort_is_enough(effort, gathered)) {
-            return;
-        }
-        work.samples.first = taken;
-        work.samples.count = most - taken < taken ? most - taken : taken;
+    element_sums sums;
+    element_begin(transport, points, point_count, replicate_share(samples, 1), &sums);
+    replicates_combine(&sums, gathered);
+}
+
+static bool effort_adapts(const lmb_gather_effort *effort)
+{
+    return effort->max_samples > effort->samples;
+}
+
+static uint32_t effort_pilot(const lmb_gather_effort *effort)
+{
+    return replicate_share(effort->samples, effort_adapts(effort) ? LMB_GATHER_BLOCK : 1);
+}
+
+/* Samples of each replicate for a pilot's squared error relative to the light: it falls with the 4/3rd power of their
+ * number, as measured over the levels of docs/testing.md; the nearest power of two. */
+static uint32_t effort_share(const lmb_gather_effort *effort, double squared_error)
+{
+    const uint32_t pilot = effort_pilot(effort);
+    const uint32_t most = replicate_share(effort->max_samples, LMB_GATHER_BLOCK);
+    const double wanted = squared_error / (effort->tolerance * effort->tolerance);
+    double times = 1.0;
+    while (4.0 * times * times * times * times < wanted * wanted * wanted && times * pilot < most) {
+        times *= 2.0;
     }
+    return times * pilot < most ? (uint32_t)times * pilot : most > pilot ? most : pilot;
+}
+
+static double squared_light(const lmb_gather_effort *effort, const lmb_gathered *gathered)
+{
+    return fmax(gathered->squared_length, effort->floor * effort->floor);
+}
+
+static double error_share(double squared_error, double squared_light)
+{
+    return squared_light > 0.0 ? squared_error / squared_light : 0.0;
+}
+
+uint32_t lmb_gather_effort_samples(const lmb_gather_effort *effort, const lmb_gathered *pilot)
+{
+    const uint32_t share = effort_adapts(effort)
+                               ? effort_share(effort, error_share(pilot->squared_error, squared_light(effort, pilot)))
+                               : effort_pilot(effort);
+    return LMB_GATHER_REPLICATES * share;
+}
+
+/* Of a group's pilots. */
+typedef struct pilot_sums {
+    double error, light; /* squared */
+    double share;        /* of error in light, summed over elements */
+} pilot_sums;
+
+static void pilot_sums_add(pilot_sums *sums, const lmb_gather_effort *effort, const lmb_gathered *pilot, double sign)
+{
+    const double light = squared_light(effort, pilot);
+    sums->error += sign * pilot->squared_error;
+    sums->light += sign * light;
+    sums->share += sign * error_share(pilot->squared_error, light);
+}
+
+/* Samples of each replicate of an element, by the others' pilots: the light that few of them have found makes their
+ * whole error, and dark ones among bright ones have theirs. */
+static uint32_t share_by_others(const lmb_gather_effort *effort, pilot_sums others, const lmb_gathered *own,
+                                uint32_t count)
+{
+    if (count < 2) {
+        return effort_share(effort, INFINITY);
+    }
+    pilot_sums_add(&others, effort, own, -1.0);
+    const double mean_share = others.share / (count - 1);
+    return effort_share(effort, fmax(mean_share, error_share(others.error, others.light)));
+}
+
+void lmb_gather_sh3_group(const lmb_transport *transport, const lmb_gather_effort *effort, lmb_gather_element *elements,
+                          uint32_t count)
+{
+    element_sums sums[LMB_GATHER_GROUP_MOST];
+    bool without_punctual[LMB_GATHER_GROUP_MOST];
+    pilot_sums all = {0.0, 0.0, 0.0};
+    assert(count <= LMB_GATHER_GROUP_MOST);
+    for (uint32_t i = 0; i < count; ++i) {
+        lmb_gather_element *element = &elements[i];
+        without_punctual[i] =
+            element_begin(transport, element->points, element->point_count, effort_pilot(effort), &sums[i]);
+        replicates_combine(&sums[i], &element->gathered);
+        pilot_sums_add(&all, effort, &element->gathered, 1.0);
+    }
+    for (uint32_t i = 0; i < count && effort_adapts(effort); ++i) {
+        const uint32_t share = share_by_others(effort, all, &elements[i].gathered, count);
+        if (share > sums[i].taken) {
+            element_continue(transport, &elements[i], without_punctual[i], share, &sums[i]);
+            replicates_combine(&sums[i], &elements[i].gathered);
+        }
+    }
+}
+
+size_t lmb_gather_group_count(size_t total)
+{
+    return total < LMB_GATHER_GROUP ? total > 0 : total / LMB_GATHER_GROUP;
+}
+
+size_t lmb_gather_group_first(size_t total, size_t group)
+{
+    return group < lmb_gather_group_count(total) ? group * LMB_GATHER_GROUP : total;
 }
 
 void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                     lmb_gathered *gathered)
 {
-    const lmb_gather_effort effort = {.samples = samples};
-    lmb_gather_sh3_area(transport, point, 1, &effort, gathered);
+    lmb_gather_sh3_area(transport, point, 1, samples, gathered);
 }
 
 /* Parts of each replicate, for threads to share. */
@@ -237,7 +374,10 @@ lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gat
             moments_sum(&parallel->sum[task], &work.sum[task / PARTS]);
             work.rays[task / PARTS] += parallel->rays[task];
         }
-        replicates_combine(&work, gathered);
+        element_sums sums;
+        memset(&sums, 0, sizeof sums);
+        sums_add(&sums, &work);
+        replicates_combine(&sums, gathered);
     }
     free(parallel);
     return result;

@@ -118,12 +118,11 @@ static lmb_gathered seeds_mean(lmb_transport transport, const element *where, ui
                                const lmb_gathered *truth, double *squared)
 {
     lmb_gathered mean = {.samples = 0};
-    const lmb_gather_effort effort = {.samples = samples};
     *squared = 0.0;
     for (int seed = 0; seed < seeds; ++seed) {
         lmb_gathered one;
         transport.seed = 100 + (uint64_t)seed;
-        lmb_gather_sh3_area(&transport, where->point, where->count, &effort, &one);
+        lmb_gather_sh3_area(&transport, where->point, where->count, samples, &one);
         *squared += squared_distance(&one, truth) / seeds;
         for (int c = 0; c < 3; ++c) {
             for (int k = 0; k < LMB_SH3_COUNT; ++k) {
@@ -149,9 +148,8 @@ static void aiming_is_unbiased(void)
     lmb_surface_light unaimed;
     const lmb_transport plain = by_chance(&level, &unaimed);
     for (int i = 0; i < ELEMENTS && level.light->bright; ++i) {
-        const lmb_gather_effort much = {.samples = 1 << 18};
         lmb_gathered truth;
-        lmb_gather_sh3_area(&plain, elements[i].point, elements[i].count, &much, &truth);
+        lmb_gather_sh3_area(&plain, elements[i].point, elements[i].count, 1 << 18, &truth);
         for (size_t k = 0; k < sizeof samples / sizeof samples[0]; ++k) {
             double squared;
             const lmb_gathered mean =
@@ -178,10 +176,9 @@ static void noise_check(float side)
     const lmb_transport plain = by_chance(&level, &unaimed);
     double with = 0.0, without = 0.0;
     for (int i = 0; i < ELEMENTS; ++i) {
-        const lmb_gather_effort much = {.samples = 1 << 18};
         lmb_gathered truth;
         double squared;
-        lmb_gather_sh3_area(&level.traced.transport, elements[i].point, elements[i].count, &much, &truth);
+        lmb_gather_sh3_area(&level.traced.transport, elements[i].point, elements[i].count, 1 << 18, &truth);
         seeds_mean(level.traced.transport, &elements[i], SAMPLES, SEEDS, &truth, &squared);
         with += squared / truth.squared_length;
         seeds_mean(plain, &elements[i], SAMPLES, SEEDS, &truth, &squared);

@@ -411,7 +411,36 @@ static void cycles_probes(void)
     cJSON_Delete(json);
 }
 
-/* Sampling goes on where the error is above the tolerance, and ends where it is met or the most is taken. */
+/* Of a group of probes around (0, 1, 0), gathered with that effort. */
+typedef struct group_result {
+    double relative_error;
+    uint32_t least, most; /* samples */
+    lmb_gather_element elements[8];
+} group_result;
+
+static group_result group_gather(const lmb_transport *transport, const lmb_gather_effort *effort)
+{
+    enum { COUNT = sizeof((group_result *)0)->elements / sizeof((group_result *)0)->elements[0] };
+    static lmb_gather_point points[COUNT];
+    group_result result = {.least = UINT32_MAX};
+    for (int i = 0; i < COUNT; ++i) {
+        points[i] = (lmb_gather_point){.position = {0.05f * (float)i - 0.2f, 1.0f, 0.0f}};
+        result.elements[i] = (lmb_gather_element){.points = &points[i], .point_count = 1};
+    }
+    lmb_gather_sh3_group(transport, effort, result.elements, COUNT);
+    double squared_error = 0.0, squared_length = 0.0;
+    for (int i = 0; i < COUNT; ++i) {
+        const lmb_gathered *gathered = &result.elements[i].gathered;
+        squared_error += gathered->squared_error;
+        squared_length += gathered->squared_length;
+        result.least = gathered->samples < result.least ? gathered->samples : result.least;
+        result.most = gathered->samples > result.most ? gathered->samples : result.most;
+    }
+    result.relative_error = lmb_relative_error(squared_error, squared_length);
+    return result;
+}
+
+/* As many samples are taken as the pilots want for the tolerance, or the most that there may be. */
 static void effort_follows_the_error(void)
 {
     lmb_error error = {{0}};
@@ -421,31 +450,30 @@ static void effort_follows_the_error(void)
         return;
     }
     static const double tolerances[] = {0.5, 0.1, 0.05, 0.02};
-    const lmb_gather_point point = {.position = {0, 1, 0}};
     uint32_t before = 0;
     for (size_t i = 0; i < sizeof tolerances / sizeof tolerances[0]; ++i) {
         const lmb_gather_effort effort = {.samples = 64, .max_samples = 1 << 16, .tolerance = tolerances[i]};
-        lmb_gathered gathered, fixed;
-        lmb_gather_sh3_area(&level.transport, &point, 1, &effort, &gathered);
-        const double off = lmb_relative_error(gathered.squared_error, gathered.squared_length);
-        CHECK(off <= tolerances[i] && gathered.samples >= before, "tolerance %g: %g by %u samples", tolerances[i], off,
-              gathered.samples);
-        before = gathered.samples;
+        const group_result found = group_gather(&level.transport, &effort);
+        CHECK(found.relative_error <= tolerances[i] && found.least >= before, "tolerance %g: %g by %u samples",
+              tolerances[i], found.relative_error, found.least);
+        before = found.least;
         /* The same samples at once: the same light. */
-        lmb_gather_sh3(&level.transport, &point, gathered.samples, &fixed);
-        CHECK(fixed.samples == gathered.samples && fixed.rays == gathered.rays, "%u samples", gathered.samples);
-        CHECK_NEAR(fixed.moments.channel[0].c[0], gathered.moments.channel[0].c[0],
+        const lmb_gathered *gathered = &found.elements[3].gathered;
+        lmb_gathered fixed;
+        lmb_gather_sh3(&level.transport, found.elements[3].points, gathered->samples, &fixed);
+        CHECK(fixed.samples == gathered->samples && fixed.rays == gathered->rays, "%u samples", gathered->samples);
+        CHECK_NEAR(fixed.moments.channel[0].c[0], gathered->moments.channel[0].c[0],
                    1e-5 * (double)fixed.moments.channel[0].c[0], "tolerance %g", tolerances[i]);
     }
     CHECK(before > 256, "%u samples at the last", before);
     const lmb_gather_effort bounded = {.samples = 8, .max_samples = 100, .tolerance = 1e-6};
-    lmb_gathered most;
-    lmb_gather_sh3_area(&level.transport, &point, 1, &bounded, &most);
     const uint32_t blocks = LMB_GATHER_REPLICATES * LMB_GATHER_BLOCK;
-    CHECK(most.samples == (100 + blocks - 1) / blocks * blocks, "100 samples in whole blocks: %u", most.samples);
+    const group_result most = group_gather(&level.transport, &bounded);
+    CHECK(most.least == (100 + blocks - 1) / blocks * blocks && most.most == most.least,
+          "100 samples in whole blocks: %u to %u", most.least, most.most);
     const lmb_gather_effort dark = {.samples = 64, .max_samples = 1 << 16, .tolerance = 0.01, .floor = 1e6};
-    lmb_gather_sh3_area(&level.transport, &point, 1, &dark, &most);
-    CHECK(most.samples == 64, "far below the floor: %u", most.samples);
+    const group_result few = group_gather(&level.transport, &dark);
+    CHECK(few.most == 64, "far below the floor: %u", few.most);
     level_fixture_close(&level);
 }
 

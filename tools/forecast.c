@@ -7,8 +7,8 @@
 #include "check_points.h"
 #include "command.h"
 
-/* A trial takes no more elements than this, nor more than one of so many, nor more samples over all of them. */
-enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1 << 17 };
+/* A trial takes no more elements than this, nor more than one of so many, nor more samples at each. */
+enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1024 };
 
 #define TRIAL_WEIGHT 0.05
 
@@ -32,8 +32,20 @@ typedef struct trial_work {
     opaque_surface surface;
     lmb_gather_effort effort;
     uint32_t count;
-    uint32_t samples[TRIAL_MOST]; /* that each element took */
+    uint32_t wanted[TRIAL_MOST]; /* samples that each element would take */
 } trial_work;
+
+static uint32_t trial_samples(const trial_work *work)
+{
+    return work->effort.samples < TRIAL_SAMPLES ? work->effort.samples : TRIAL_SAMPLES;
+}
+
+static void element_try(trial_work *work, const lmb_gather_point *point, size_t element)
+{
+    lmb_gathered gathered;
+    lmb_gather_sh3_area(&work->transport, point, 1, trial_samples(work), &gathered);
+    work->wanted[element] = lmb_gather_effort_samples(&work->effort, &gathered);
+}
 
 static void probe_task(void *context, size_t task, int worker)
 {
@@ -47,9 +59,7 @@ static void probe_task(void *context, size_t task, int worker)
     uint64_t rays = 0;
     const lmb_gather_point point = {.position = lmb_placement_relocate(
                                         work->transport.tracer, lmb_grid_position(grid, probe), grid->spacing, &rays)};
-    lmb_gathered gathered;
-    lmb_gather_sh3_area(&work->transport, &point, 1, &work->effort, &gathered);
-    work->samples[task] = gathered.samples;
+    element_try(work, &point, task);
 }
 
 static void texel_task(void *context, size_t task, int worker)
@@ -62,9 +72,7 @@ static void texel_task(void *context, size_t task, int worker)
     bool pushed_out;
     const lmb_gather_point point =
         lmb_surface_gather_point(tracer, &place, 1.0f / work->bake->lightmap->settings.texels_per_m, &pushed_out);
-    lmb_gathered gathered;
-    lmb_gather_sh3_area(&work->transport, &point, 1, &work->effort, &gathered);
-    work->samples[task] = gathered.samples;
+    element_try(work, &point, task);
 }
 
 /* Seconds for all of `total` elements, from some of them, and for one sample. */
@@ -72,18 +80,16 @@ static double trial_run(trial_work *work, lmb_task_function task, double total, 
 {
     double count = total / TRIAL_ONE_OF;
     count = count < TRIAL_MOST ? count : TRIAL_MOST;
-    const double affordable = (double)TRIAL_SAMPLES / work->bake->settings->samples;
-    count = count < affordable ? count : affordable;
     work->count = count > 1.0 ? (uint32_t)count : 1;
     const double start = seconds_now();
     lmb_pool_run(work->bake->level->pool, work->count, task, work, "trial", NULL);
     const double seconds = seconds_now() - start;
-    double samples = 0.0;
+    double wanted = 0.0;
     for (uint32_t i = 0; i < work->count; ++i) {
-        samples += work->samples[i];
+        wanted += work->wanted[i];
     }
-    *seconds_per_sample = samples > 0.0 ? seconds / samples : 0.0;
-    return seconds * total / work->count;
+    *seconds_per_sample = seconds / ((double)work->count * trial_samples(work));
+    return *seconds_per_sample * wanted / work->count * total;
 }
 
 /* Rough seconds of solving the surface light, by what a sample of a probe costs. */
