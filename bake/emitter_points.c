@@ -51,7 +51,7 @@ static void shapes_pick(const lmb_emitter_shape *shapes, const lmb_emitter_point
 {
     for (uint32_t i = 0; i < points->count; ++i) {
         float number[SHAPE_FLOATS];
-        memcpy(number, &shapes[points->triangle[i]], sizeof number);
+        memcpy(number, &shapes[points->emitter[i]], sizeof number);
         for (uint32_t k = 0; k < SHAPE_FLOATS; ++k) {
             picked->number[k][i] = number[k];
         }
@@ -59,12 +59,20 @@ static void shapes_pick(const lmb_emitter_shape *shapes, const lmb_emitter_point
 }
 
 LMB_LANES
+void lmb_emitter_points_even(lmb_emitter_points *restrict points, const float *restrict x, const float *restrict y)
+{
+    for (uint32_t i = 0; i < points->count; ++i) {
+        const float root = sqrtf(x[i]);
+        points->u[i] = root * (1.0f - y[i]);
+        points->v[i] = root * y[i];
+    }
+}
+
+LMB_LANES
 static void points_find(const picked_shapes *restrict from, lmb_emitter_points *restrict points)
 {
     for (uint32_t i = 0; i < points->count; ++i) {
-        /* Even over the triangle's area. */
-        const float root = sqrtf(points->x[i]);
-        const float u = root * (1.0f - points->y[i]), v = root * points->y[i];
+        const float u = points->u[i], v = points->v[i];
         float x = from->corner[0][i] + from->edge_u[0][i] * u + from->edge_v[0][i] * v;
         float y = from->corner[1][i] + from->edge_u[1][i] * u + from->edge_v[1][i] * v;
         float z = from->corner[2][i] + from->edge_u[2][i] * u + from->edge_v[2][i] * v;

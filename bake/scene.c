@@ -297,6 +297,26 @@ static bool environment_has_light(const lmb_environment *environment)
     return false;
 }
 
+/* Whether a material gives light anywhere: exporters write a factor of 1 beside textures that are all black. */
+static bool material_has_light(const lmb_scene *scene, const lmb_material *material)
+{
+    if (material->unlit || !(rgb_max(material->emissive) > 0.0f)) {
+        return false;
+    }
+    const int32_t number = material->emissive_texture.image;
+    if (number < 0 || (uint32_t)number >= scene->image_count) {
+        return true;
+    }
+    const lmb_texture_image *image = &scene->images[number];
+    const size_t count = 4 * (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < count; ++i) {
+        if (i % 4 < 3 && image->rgba[i] > 0 && material->emissive.c[i % 4] > 0.0f) {
+            return true;
+        }
+    }
+    return false;
+}
+
 bool lmb_scene_has_light(const lmb_scene *scene)
 {
     assert(scene);
@@ -305,13 +325,14 @@ bool lmb_scene_has_light(const lmb_scene *scene)
             return true;
         }
     }
+    uint32_t dark = UINT32_MAX; /* the last material that was found to be */
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const lmb_mesh *const mesh = &scene->meshes[scene->instances[i].mesh];
         for (uint32_t t = 0; t < mesh->triangle_count && !scene->instances[i].dynamic; ++t) {
-            const lmb_material *const material = &scene->materials[mesh->material[t]];
-            if (!material->unlit && rgb_max(material->emissive) > 0.0f) {
+            if (mesh->material[t] != dark && material_has_light(scene, &scene->materials[mesh->material[t]])) {
                 return true;
             }
+            dark = mesh->material[t];
         }
     }
     return environment_has_light(&scene->environment);

@@ -33,6 +33,7 @@ typedef struct growth_case {
     double triangles; /* of the ground */
     double points;    /* point lights */
     double emissive;  /* emissive triangles */
+    double glowing;   /* texels of their texture; 0: none */
     double instances; /* of a cube of 12 triangles, beside the room */
     double probes;    /* about */
     double texels;    /* of the room, about */
@@ -56,6 +57,8 @@ static const growth_table tables[] = {
      offsetof(growth_case, points),    {1, 10, 100, 1e3, 1e4}},
     {"emissive triangles", {.triangles = 2e3, .probes = 4e3, .texels = 65536},
      offsetof(growth_case, emissive),  {2, 10, 100, 1e3, 1e4}},
+    {"emissive texels",    {.triangles = 2e3, .emissive = 2, .probes = 4e3, .texels = 65536},
+     offsetof(growth_case, glowing),   {1 << 12, 1 << 16, 1 << 20, 1 << 22, 1 << 24}},
     {"instances",          {.triangles = 2e3, .points = 1, .probes = 4e3, .texels = 65536},
      offsetof(growth_case, instances), {1e2, 1e3, 1e4, 1e5}},
     {"probes",             {.triangles = 2e3, .points = 1, .texels = 65536},
@@ -129,8 +132,26 @@ static void point_lights_add(lmb_level_builder *builder, double count)
     }
 }
 
+/* A square texture, black but for one texel in 61. */
+static int dots_add(lmb_level_builder *builder, double texels)
+{
+    const size_t side = (size_t)(sqrt(texels) + 0.5);
+    uint8_t *rgba = malloc(4 * side * side);
+    if (side == 0 || !rgba) {
+        free(rgba);
+        return LMB_LEVEL_NONE;
+    }
+    for (size_t i = 0; i < side * side; ++i) {
+        memset(rgba + 4 * i, i * 2654435761u % 61 == 0 ? 255 : 0, 3);
+        rgba[4 * i + 3] = 255;
+    }
+    const int image = lmb_level_builder_add_image(builder, "dots", (int)side, (int)side, rgba);
+    free(rgba);
+    return image;
+}
+
 /* Squares of two triangles each under the ceiling, 16 square metres in all. */
-static void lamps_add(lmb_level_builder *builder, double triangles)
+static void lamps_add(lmb_level_builder *builder, double triangles, double texels)
 {
     const int count = (int)(triangles / 2.0);
     if (count == 0) {
@@ -140,6 +161,8 @@ static void lamps_add(lmb_level_builder *builder, double triangles)
     material.name = "lamp";
     material.base_color = (lmb_rgb){{0.0f, 0.0f, 0.0f}};
     material.emission = (lmb_rgb){{20.0f, 20.0f, 20.0f}};
+    material.emissive_texture = texels > 0.0 ? dots_add(builder, texels) : LMB_LEVEL_NONE;
+    material.texture_size_m = (float)(4.0 / sqrt(count));
     const int lamp = lmb_level_builder_add_material(builder, &material);
     const int mesh = lmb_level_builder_add_mesh(builder, "lamps");
     const int across = (int)ceil(sqrt(count));
@@ -184,7 +207,7 @@ static lmb_result level_write(const growth_case *grown, const char *path, lmb_er
     for (int i = 0; i < TILES * TILES; ++i) {
         tile_add(builder, grey, i % TILES, i / TILES, grown->triangles);
     }
-    lamps_add(builder, grown->emissive);
+    lamps_add(builder, grown->emissive, grown->glowing);
     point_lights_add(builder, grown->points);
     cubes_add(builder, grey, grown->instances);
     const lmb_result result = lmb_level_builder_write(builder, path, error);

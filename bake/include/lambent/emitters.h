@@ -11,7 +11,8 @@ extern "C" {
 
 typedef struct lmb_emitters lmb_emitters;
 
-/* `tracer` must outlive the emitters. @return LMB_ERROR_MEMORY */
+/* `tracer` must outlive the emitters. Takes 8 bytes for each texel of the textures by which surfaces emit, and looks at
+ * all of these. @return LMB_ERROR_MEMORY */
 lmb_result lmb_emitters_create(const lmb_tracer *tracer, lmb_emitters **emitters);
 
 /* Ways of finding light that can be left out, to measure what each is worth. Results stay unbiased; rays in all
@@ -46,8 +47,9 @@ typedef struct lmb_triangle_query {
 
 /* A point on an emissive triangle for each of `count` <= LMB_RAY_BATCH samples, seen from position[i]: the triangle
  * chosen by `choice[i]` in [0, 1) and by what it may give to `query`, which is one of these places or one near them,
- * the point uniform in its area, by (x[i], y[i]) in [0, 1)^2. Time grows with the logarithm of the triangles' number,
- * of which there is one at least. Where a choice gives no light the density is 0. */
+ * the point by (x[i], y[i]) in [0, 1)^2: uniform in its area, or where its texture gives light, in proportion to that
+ * (emission_part.h). Time grows with the logarithm of the number of triangles, of which there is one at least, and of
+ * texels. Where a choice gives no light the density is 0. */
 void lmb_emitters_sample_triangles(const lmb_emitters *emitters, const lmb_triangle_query *query,
                                    const lmb_vec3 *position, const float *choice, const float *x, const float *y,
                                    uint32_t count, lmb_light_sample *sample);
