@@ -25,7 +25,7 @@ typedef struct lmb_volume_info {
     int32_t size[3];       /* lattice points per axis of the bounds */
     uint64_t probe_count;  /* distinct probes stored */
     uint32_t brick_count;
-    lmb_vec3 bounds_min;   /* metres, world space, rounded to floats; (double)min * (double)spacing is exact */
+    lmb_vec3 bounds_min;   /* metres, world space: (double)min * (double)spacing, rounded to floats */
     lmb_vec3 bounds_max;
     float scale;           /* the power of two that stored radiance was divided by */
     uint64_t file_bytes;
