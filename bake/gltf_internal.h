@@ -158,7 +158,7 @@ void lmb_mesh_free(lmb_mesh *mesh);
 void lmb_scene_clear_nodes(lmb_scene *scene);
 
 /* scene_origin.c: where the origin of the scene should be in the world, for instances that still count from 0. It stays
- * 0 unless the level is farther out than 256 times its own size, and the move helps more of its surface than it harms.
+ * 0 unless the level is farther out than 64 times its own size, and the move helps more of its surface than it harms.
  * Else its coordinates are multiples of a power of two of metres, about the level's size: a level that is moved by such
  * a multiple has the same positions in its scene. */
 lmb_vec3d lmb_scene_choose_origin(const lmb_scene *scene);

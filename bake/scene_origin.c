@@ -12,12 +12,13 @@
 enum { MOST_SAMPLES = 1024 };
 
 /* A level's middle is far when it is farther from zero than this many times the level's size. Points are lifted off
- * their surfaces by 2^-20 of their coordinates (lmb_trace_epsilon): here, by less than a 4000th of the level. */
-#define FAR_SIZES 256.0
+ * their surfaces by 2^-20 of their coordinates (lmb_trace_epsilon): up to here, by a 16 000th of the level. Most levels
+ * lie within four of their sizes. */
+#define FAR_SIZES 64.0
 
 /* A triangle does not suffer up to this many times its own size from zero, and cannot suffer more than from that many.
  */
-#define GOOD_SIZES 64.0
+#define GOOD_SIZES 16.0
 #define RUINED_SIZES 4096.0
 
 typedef struct placed_triangle {

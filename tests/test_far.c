@@ -145,10 +145,10 @@ static void only_far_levels_move(void)
         group groups[2];
         double x; /* of the origin, within a tenth; 0: exactly */
     } table[] = {
-        {"8 m at 1 km", {{1, 8, 1e3, false}}, 0},
-        {"8 m at 4 km", {{1, 8, 4e3, false}}, 4e3},
+        {"8 m at 500 m", {{1, 8, 500, false}}, 0},
+        {"8 m at 1 km", {{1, 8, 1e3, false}}, 1e3},
         {"10 km at 10 km", {{20, 1e4, 1e4, false}}, 0},
-        {"10 mm at 2 m", {{20, 0.01, 2, false}}, 0},
+        {"10 mm at 0.5 m", {{20, 0.01, 0.5, false}}, 0},
         {"10 mm at 100 m", {{20, 0.01, 100, false}}, 100},
         {"a level, something lost far away", {{20, 8, 0, false}, {1, 1, 1e6, false}}, 0},
         {"a far level, something left at zero", {{20, 8, 1e6, false}, {1, 1, 0, false}}, 1e6},
@@ -215,6 +215,42 @@ static void marks_move_along(void)
     const lmb_vec3 there = lmb_scene_from_world(scene, (lmb_vec3d){10000000.1, 1.0, 2.0});
     CHECK_NEAR(there.x, 0.1, 1e-6, "from the world");
     lmb_scene_destroy(scene);
+}
+
+/* A mesh whose positions are far from its own origin is moved to near it, exactly, and its instances the other way. */
+static void meshes_move_to_their_own_origin(void)
+{
+    static const struct {
+        float away;
+        bool moved;
+    } table[] = {{0.0f, false}, {1000.0f, false}, {1e5f, true}, {-1e6f, true}, {1e7f, true}};
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
+        const float away = table[i].away;
+        char path[512];
+        lmb_scene *scene = NULL;
+        if (!floor_data("floor.bin", away) ||
+            !floor_write("recentred", "{'mesh':2,'rotation':[0,0.6,0,0.8],'scale':[2,2,2]}", path)) {
+            return;
+        }
+        CHECK(lmb_gltf_load(path, NULL, &scene, &error) == LMB_OK, "%s", error.message);
+        const lmb_mesh *const mesh = scene ? &scene->meshes[0] : NULL;
+        for (uint32_t v = 0; mesh && v < 3; ++v) {
+            const float x = v == 0 ? -4.0f : 4.0f, z = v < 2 ? 4.0f : -4.0f;
+            const lmb_vec3 p = mesh->position[v];
+            CHECK(p.x + mesh->shift.x == x + away && p.y == 0.0f && p.z + mesh->shift.z == z + away,
+                  "%g: vertex %u at %g %g", (double)away, v, (double)p.x, (double)p.z);
+            CHECK(!table[i].moved || (fabsf(p.x) <= 8.0f && fabsf(p.z) <= 8.0f), "%g: vertex %u", (double)away, v);
+            /* Turned by 2 atan(0.6 / 0.8) about +Y, and twice as large. */
+            const lmb_vec3d world = lmb_scene_to_world(scene, to_world(scene, 0, v));
+            const double from_x = (double)(x + away), from_z = (double)(z + away);
+            CHECK_NEAR(world.x, 2.0 * (0.28 * from_x + 0.96 * from_z),
+                       1e-5 + 1e-7 * fabs((double)away) * !table[i].moved, "%g: vertex %u", (double)away, v);
+            CHECK_NEAR(world.z, 2.0 * (0.28 * from_z - 0.96 * from_x),
+                       1e-5 + 1e-7 * fabs((double)away) * !table[i].moved, "%g: vertex %u", (double)away, v);
+        }
+        CHECK(!mesh || (mesh->shift.x != 0.0f) == table[i].moved, "%g: moved", (double)away);
+        lmb_scene_destroy(scene);
+    }
 }
 
 /* Lattices of one spacing line up, whatever the levels' own origins, and files say where they are. */
@@ -428,6 +464,7 @@ static const test_case cases[] = {
     {"every_way_there", every_way_there},
     {"only_far_levels_move", only_far_levels_move},
     {"marks_move_along", marks_move_along},
+    {"meshes_move_to_their_own_origin", meshes_move_to_their_own_origin},
     {"lattices_line_up", lattices_line_up},
     {"seeds_are_places_in_the_world", seeds_are_places_in_the_world},
     {"coarse_floats_are_named", coarse_floats_are_named},
