@@ -164,16 +164,6 @@ void move(lmb_affine &t, const lmb_vec3d &place, double sign)
     t.m[2][3] += sign * place.z;
 }
 
-/* How long it makes the longest of the unit axes. */
-double largest_scale(const lmb_affine &t)
-{
-    double largest = 0.0;
-    for (int j = 0; j < 3; ++j) {
-        largest = std::max(largest, t.m[0][j] * t.m[0][j] + t.m[1][j] * t.m[1][j] + t.m[2][j] * t.m[2][j]);
-    }
-    return std::sqrt(largest);
-}
-
 /* Rotation of a quaternion x, y, z, w that need not be unit; none when it is zero. */
 lmb_affine compose(const double t[3], const double q[4], const double s[3])
 {
@@ -777,8 +767,7 @@ void loader::add_instance(uint32_t node, uint32_t place, uint32_t mesh, const lm
         const double shift[3] = {double(placed.shift.x), double(placed.shift.y), double(placed.shift.z)};
         instance.to_world = product(to_world, compose(shift, no_turn, no_scale));
     }
-    instance.position_step =
-        std::max(place_step, float(double(lmb_float_step(double(placed.file_reach))) * largest_scale(to_world)));
+    instance.position_step = std::max(place_step, lmb_position_step(placed.file_reach, &to_world));
     instance.mirrored = determinant < 0.0;
     instance.dynamic = dynamic;
     if (scene_->instance_count == MAX_INSTANCES) {
@@ -825,9 +814,9 @@ void loader::add_mesh_node(uint32_t index, bool dynamic)
                 }
             }
         }
-        const double reach = std::max(std::fabs(t[0]), std::max(std::fabs(t[1]), std::fabs(t[2])));
+        const float reach = float(std::max({std::fabs(t[0]), std::fabs(t[1]), std::fabs(t[2])}));
         add_instance(index, place, mesh, product(nodes_[index].to_world, compose(t, q, s)), dynamic,
-                     float(double(lmb_float_step(reach)) * largest_scale(nodes_[index].to_world)));
+                     lmb_position_step(reach, &nodes_[index].to_world));
     }
 }
 
@@ -912,27 +901,10 @@ void loader::move_to_origin()
 
 void loader::find_bounds()
 {
-    const float huge = 3.402823466e38f;
-    lmb_vec3 low = {huge, huge, huge}, high = {-huge, -huge, -huge};
-    const lmb_vec3d &from = scene_->origin;
-    const float world_step = float(std::max({std::fabs(from.x), std::fabs(from.y), std::fabs(from.z)}) * 0x1p-52);
-    for (uint32_t i = 0; i < scene_->instance_count; ++i) {
-        lmb_instance &instance = scene_->instances[i];
-        const lmb_mesh &mesh = scene_->meshes[instance.mesh];
-        float reach = 0.0f;
-        for (uint32_t c = 0; !instance.dynamic && c < 3 * mesh.triangle_count; ++c) {
-            const lmb_vec3 p = affine_point(&instance.to_world, mesh.position[mesh.triangle[c / 3][c % 3]]);
-            low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-            high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-            reach = std::max({reach, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
-            if (!(std::fabs(p.x) < 1e18f && std::fabs(p.y) < 1e18f && std::fabs(p.z) < 1e18f)) {
-                fail(LMB_ERROR_FORMAT, "nodes[%d]: a vertex is too far away", instance.node);
-            }
-        }
-        instance.position_step = std::max(instance.position_step, std::max(lmb_float_step(reach), world_step));
+    const uint32_t lost = lmb_scene_find_bounds(scene_);
+    if (lost != NONE) {
+        fail(LMB_ERROR_FORMAT, "nodes[%d]: a vertex is too far away", scene_->instances[lost].node);
     }
-    scene_->bounds_min = low;
-    scene_->bounds_max = high;
 }
 
 /* What waits for the end: the order of the path, and the hash of all that was read. */

@@ -164,8 +164,11 @@ void lmb_scene_clear_nodes(lmb_scene *scene);
 lmb_vec3d lmb_scene_choose_origin(const lmb_scene *scene);
 /* Moves the triangles of a mesh that lies far from its own origin to near it, exactly, and notes by what in `shift`. */
 void lmb_mesh_recentre(lmb_mesh *mesh);
-/* The distance between floats at `reach` from zero. */
-float lmb_float_step(double reach);
+/* How far apart a transform brings floats that are neighbours at `reach` from zero. */
+float lmb_position_step(float reach, const lmb_affine *to_world);
+/* Bounds of all static triangles, and every static instance's position_step, which holds the file's until then.
+ * @return an instance that has a vertex too far away to be traced, or UINT32_MAX */
+uint32_t lmb_scene_find_bounds(lmb_scene *scene);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,5 @@
 /* Where spaces have their origins: a scene's at the world's, and a mesh's where the file has it, but for what lies so
- * far out that floats are too coarse for it there. */
+ * far out that floats are too coarse for it there; and how far everything reaches from them. */
 #include "gltf_internal.h"
 
 #include <float.h>
@@ -182,10 +182,49 @@ lmb_vec3d lmb_scene_choose_origin(const lmb_scene *scene)
                : nowhere;
 }
 
-float lmb_float_step(double reach)
+/* The distance between floats at `reach` from zero. */
+static float float_step(float reach)
 {
-    const float at = (float)fmin(fabs(reach), (double)FLT_MAX / 2.0);
+    const float at = float_smaller(reach, FLT_MAX / 2.0f);
     return nextafterf(at, FLT_MAX) - at;
+}
+
+float lmb_position_step(float reach, const lmb_affine *to_world)
+{
+    double longest = 0.0; /* what the transform makes of the unit axes */
+    for (int k = 0; k < 3; ++k) {
+        const double x = to_world->m[0][k], y = to_world->m[1][k], z = to_world->m[2][k];
+        longest = fmax(longest, x * x + y * y + z * z);
+    }
+    return (float)((double)float_step(reach) * sqrt(longest));
+}
+
+/* Squares of what is placed here must stay floats. */
+#define TOO_FAR 1e18f
+
+uint32_t lmb_scene_find_bounds(lmb_scene *scene)
+{
+    lmb_vec3 low = vec3(FLT_MAX, FLT_MAX, FLT_MAX), high = vec3(-FLT_MAX, -FLT_MAX, -FLT_MAX);
+    const lmb_vec3d from = scene->origin;
+    const float double_step = (float)(fmax(fabs(from.x), fmax(fabs(from.y), fabs(from.z))) * DBL_EPSILON);
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        lmb_instance *const instance = &scene->instances[i];
+        const lmb_mesh *const mesh = &scene->meshes[instance->mesh];
+        float reach = 0.0f;
+        for (uint32_t c = 0; !instance->dynamic && c < 3 * mesh->triangle_count; ++c) {
+            const lmb_vec3 p = affine_point(&instance->to_world, mesh->position[mesh->triangle[c / 3][c % 3]]);
+            if (!(fabsf(p.x) < TOO_FAR && fabsf(p.y) < TOO_FAR && fabsf(p.z) < TOO_FAR)) {
+                return i;
+            }
+            low = vec3_smaller(p, low);
+            high = vec3_larger(p, high);
+            reach = float_larger(float_larger(reach, fabsf(p.x)), float_larger(fabsf(p.y), fabsf(p.z)));
+        }
+        instance->position_step = float_larger(instance->position_step, float_larger(float_step(reach), double_step));
+    }
+    scene->bounds_min = low;
+    scene->bounds_max = high;
+    return UINT32_MAX;
 }
 
 /* A mesh is far from its own origin from this many times its size on. */
