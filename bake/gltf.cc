@@ -117,9 +117,15 @@ class loader {
     void add_mesh_node(uint32_t index, bool dynamic);
     uint32_t mesh_for(uint32_t node);
     uint32_t build_mesh(uint32_t number, int32_t node, const lmb_gltf_pose &pose);
-    void add_instance(uint32_t node, uint32_t place, uint32_t mesh, const lmb_affine &to_world, bool dynamic);
+    void add_instance(uint32_t node, uint32_t place, uint32_t mesh, const lmb_affine &to_world, bool dynamic,
+                      float place_step = 0.0f);
     std::vector<float> decode(uint32_t accessor) const;
     std::string node_name(uint32_t index) const;
+    void move_to_origin();
+    bool is_moved() const
+    {
+        return scene_->origin.x != 0.0 || scene_->origin.y != 0.0 || scene_->origin.z != 0.0;
+    }
     void find_bounds();
     void finish();
 
@@ -133,6 +139,7 @@ class loader {
     std::vector<world_node> nodes_;
     std::vector<uint32_t> shared_meshes_; /* scene mesh of each glTF mesh at rest, or NONE */
     std::vector<std::pair<double, lmb_vec3>> path_;
+    lmb_gltf_options quiet_options_{};
 };
 
 const lmb_affine identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
@@ -147,6 +154,14 @@ lmb_affine product(const lmb_affine &a, const lmb_affine &b)
         }
     }
     return c;
+}
+
+/* Adds `sign` times a place to the translation. */
+void move(lmb_affine &t, const lmb_vec3d &place, double sign)
+{
+    t.m[0][3] += sign * place.x;
+    t.m[1][3] += sign * place.y;
+    t.m[2][3] += sign * place.z;
 }
 
 /* Rotation of a quaternion x, y, z, w that need not be unit; none when it is zero. */
@@ -167,6 +182,8 @@ lmb_affine compose(const double t[3], const double q[4], const double s[3])
     }
     return m;
 }
+
+const double no_turn[4] = {0, 0, 0, 1}, no_scale[3] = {1, 1, 1};
 
 template <class T> lmb_affine from_columns(const T *m)
 {
@@ -674,6 +691,7 @@ uint32_t loader::build_mesh(uint32_t number, int32_t node, const lmb_gltf_pose &
     mesh.name = copy_string(source.name.empty() ? "mesh " + std::to_string(number) : source.name);
     check(lmb_gltf_mesh_build(file_, number, primitives.data(), primitives.size(), &pose, &mesh,
                               &scene_->dropped_triangle_count, error_));
+    lmb_mesh_recentre(&mesh);
     return scene_->mesh_count - 1;
 }
 
@@ -683,7 +701,7 @@ uint32_t loader::mesh_for(uint32_t index)
     const tinygltf::Node &node = model_.nodes[index];
     const uint32_t number = uint32_t(node.mesh);
     const std::vector<double> &weights = node.weights.empty() ? model_.meshes[number].weights : node.weights;
-    lmb_gltf_pose pose{weights.data(), weights.size(), nullptr, 0};
+    lmb_gltf_pose pose{weights.data(), weights.size(), nullptr, 0, is_moved()};
     if (node.skin < 0 && node.weights.empty()) {
         if (shared_meshes_[number] == NONE) {
             shared_meshes_[number] = build_mesh(number, -1, pose);
@@ -699,7 +717,9 @@ uint32_t loader::mesh_for(uint32_t index)
             const lmb_affine &joint = nodes_[size_t(skin.joints[j])].to_world;
             joints.push_back(inverse.empty() ? joint : product(joint, from_columns(&inverse[16 * j])));
         }
-        joints.push_back(identity); /* so that data() is never null */
+        lmb_affine rest = identity;
+        move(rest, scene_->origin, -1.0);
+        joints.push_back(rest);
         pose.joints = joints.data();
         pose.joint_count = joints.size() - 1;
     }
@@ -728,7 +748,8 @@ bool invert_transpose(const lmb_affine &t, lmb_affine *result, double *determina
     return true;
 }
 
-void loader::add_instance(uint32_t node, uint32_t place, uint32_t mesh, const lmb_affine &to_world, bool dynamic)
+void loader::add_instance(uint32_t node, uint32_t place, uint32_t mesh, const lmb_affine &to_world, bool dynamic,
+                          float place_step)
 {
     lmb_instance instance{};
     double determinant;
@@ -740,7 +761,13 @@ void loader::add_instance(uint32_t node, uint32_t place, uint32_t mesh, const lm
     instance.node = int32_t(node);
     instance.place = int32_t(place);
     instance.mesh = mesh;
+    const lmb_mesh &placed = scene_->meshes[mesh];
     instance.to_world = to_world;
+    if (placed.shift.x != 0.0f || placed.shift.y != 0.0f || placed.shift.z != 0.0f) {
+        const double shift[3] = {double(placed.shift.x), double(placed.shift.y), double(placed.shift.z)};
+        instance.to_world = product(to_world, compose(shift, no_turn, no_scale));
+    }
+    instance.position_step = std::max(place_step, lmb_position_step(placed.file_reach, &to_world));
     instance.mirrored = determinant < 0.0;
     instance.dynamic = dynamic;
     if (scene_->instance_count == MAX_INSTANCES) {
@@ -787,7 +814,9 @@ void loader::add_mesh_node(uint32_t index, bool dynamic)
                 }
             }
         }
-        add_instance(index, place, mesh, product(nodes_[index].to_world, compose(t, q, s)), dynamic);
+        const float reach = float(std::max({std::fabs(t[0]), std::fabs(t[1]), std::fabs(t[2])}));
+        add_instance(index, place, mesh, product(nodes_[index].to_world, compose(t, q, s)), dynamic,
+                     lmb_position_step(reach, &nodes_[index].to_world));
     }
 }
 
@@ -847,24 +876,35 @@ void loader::visit_scene()
     }
 }
 
+/* A level far from the world's origin is placed once more, from an origin of its own. Node transforms are in double, so
+ * nothing is lost but what the file itself has not. */
+void loader::move_to_origin()
+{
+    scene_->origin = lmb_scene_choose_origin(scene_);
+    if (!is_moved()) {
+        return;
+    }
+    for (world_node &node : nodes_) {
+        move(node.to_world, scene_->origin, -1.0);
+    }
+    lmb_scene_clear_nodes(scene_);
+    shared_meshes_.assign(model_.meshes.size(), NONE);
+    path_.clear();
+    /* What the nodes have to be warned of was said. */
+    if (options_) {
+        quiet_options_ = *options_;
+        quiet_options_.warnings = {};
+        options_ = &quiet_options_;
+    }
+    visit_scene();
+}
+
 void loader::find_bounds()
 {
-    const float huge = 3.402823466e38f;
-    lmb_vec3 low = {huge, huge, huge}, high = {-huge, -huge, -huge};
-    for (uint32_t i = 0; i < scene_->instance_count; ++i) {
-        const lmb_instance &instance = scene_->instances[i];
-        const lmb_mesh &mesh = scene_->meshes[instance.mesh];
-        for (uint32_t c = 0; !instance.dynamic && c < 3 * mesh.triangle_count; ++c) {
-            const lmb_vec3 p = affine_point(&instance.to_world, mesh.position[mesh.triangle[c / 3][c % 3]]);
-            low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-            high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-            if (!(std::fabs(p.x) < 1e18f && std::fabs(p.y) < 1e18f && std::fabs(p.z) < 1e18f)) {
-                fail(LMB_ERROR_FORMAT, "nodes[%d]: a vertex is too far away", instance.node);
-            }
-        }
+    const uint32_t lost = lmb_scene_find_bounds(scene_);
+    if (lost != NONE) {
+        fail(LMB_ERROR_FORMAT, "nodes[%d]: a vertex is too far away", scene_->instances[lost].node);
     }
-    scene_->bounds_min = low;
-    scene_->bounds_max = high;
 }
 
 /* What waits for the end: the order of the path, and the hash of all that was read. */
@@ -890,6 +930,7 @@ void loader::load()
     place_nodes();
     shared_meshes_.assign(model_.meshes.size(), NONE);
     visit_scene();
+    move_to_origin();
     find_bounds();
     finish();
 }

@@ -136,8 +136,10 @@ typedef struct lmb_gltf_primitive {
 typedef struct lmb_gltf_pose {
     const double *weights; /* [target], NULL: none */
     size_t weight_count;
-    const lmb_affine *joints; /* [joint] from mesh space to world, NULL: not skinned */
+    const lmb_affine *joints; /* [joint] from mesh space to the scene, then that of vertices without a joint;
+                                 NULL: not skinned */
     size_t joint_count;
+    bool is_moved; /* the scene counts from another origin than the world */
 } lmb_gltf_pose;
 
 /* The corners (vertex numbers) of all triangles of a primitive, in order; none for points and lines. Every number is
@@ -152,6 +154,21 @@ lmb_result lmb_gltf_mesh_build(const lmb_gltf_file *file, uint32_t number, const
 
 /* scene.c */
 void lmb_mesh_free(lmb_mesh *mesh);
+/* Takes away all that came from nodes: meshes, instances, lights, points. */
+void lmb_scene_clear_nodes(lmb_scene *scene);
+
+/* scene_origin.c: where the origin of the scene should be in the world, for instances that still count from 0. It stays
+ * 0 unless the level is farther out than 64 times its own size, and the move helps more of its surface than it harms.
+ * Else its coordinates are multiples of a power of two of metres, about the level's size: a level that is moved by such
+ * a multiple has the same positions in its scene. */
+lmb_vec3d lmb_scene_choose_origin(const lmb_scene *scene);
+/* Moves the triangles of a mesh that lies far from its own origin to near it, exactly, and notes by what in `shift`. */
+void lmb_mesh_recentre(lmb_mesh *mesh);
+/* How far apart a transform brings floats that are neighbours at `reach` from zero. */
+float lmb_position_step(float reach, const lmb_affine *to_world);
+/* Bounds of all static triangles, and every static instance's position_step, which holds the file's until then.
+ * @return an instance that has a vertex too far away to be traced, or UINT32_MAX */
+uint32_t lmb_scene_find_bounds(lmb_scene *scene);
 
 #ifdef __cplusplus
 }

@@ -76,6 +76,7 @@ typedef struct part {
     uint32_t triangle_count;
     float *position, *normal, *tangent, *color, *uv[2];
     uint32_t color_components;
+    float reach; /* the largest coordinate of a corner in the file */
 } part;
 
 static void part_free(part *p)
@@ -198,8 +199,11 @@ static lmb_result skin_part(const lmb_gltf_file *file, const lmb_gltf_primitive 
                                    file->path, place, v);
             goto cleanup;
         }
-        if (!any) {
+        if (!any && !pose->is_moved) {
             continue;
+        }
+        if (!any) {
+            sum = pose->joints[pose->joint_count];
         }
         float *const position = p->position + 3 * v;
         const lmb_vec3 moved = affine_point(&sum, vec3(position[0], position[1], position[2]));
@@ -220,6 +224,19 @@ cleanup:
         free(weights[set]);
     }
     return result;
+}
+
+static float corners_reach(const part *p)
+{
+    float reach = 0.0f;
+    for (uint32_t c = 0; c < 3 * p->triangle_count; ++c) {
+        const float *const position = p->position + 3 * (size_t)p->corners[c / 3][c % 3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const float size = fabsf(position[axis]);
+            reach = isfinite(size) ? float_larger(reach, size) : reach;
+        }
+    }
+    return reach;
 }
 
 static lmb_result part_read(const lmb_gltf_file *file, const lmb_gltf_primitive *primitive, const lmb_gltf_pose *pose,
@@ -244,6 +261,7 @@ static lmb_result part_read(const lmb_gltf_file *file, const lmb_gltf_primitive 
     if (!read) {
         return out_of_memory(file, place, error);
     }
+    p->reach = corners_reach(p);
     p->color_components = primitive->color >= 0 ? file->accessors[primitive->color].components : 0;
     return pose->joints ? skin_part(file, primitive, pose, place, p, error) : LMB_OK;
 }
@@ -435,6 +453,7 @@ static lmb_result add_primitive(const lmb_gltf_file *file, const lmb_gltf_primit
         goto cleanup;
     }
     append_part(&p, primitive, numbers, mesh);
+    mesh->file_reach = float_larger(mesh->file_reach, p.reach);
     *dropped += dropped_here;
 cleanup:
     free(numbers);

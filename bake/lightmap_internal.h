@@ -55,4 +55,7 @@ lmb_result lmb_lightmap_dilate(lmb_lightmap *lightmap);
 /* Sets the states that a bake leaves, without its light. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_mark(lmb_lightmap *lightmap);
 
+/* lightmap_resolution.c: warns where floats do not tell positions apart that are a texel from each other. */
+void lmb_lightmap_warn_of_steps(const lmb_lightmap *lightmap);
+
 #endif

@@ -370,6 +370,7 @@ static lmb_result layout_run(layout_work *work, lmb_texel_grid *grids)
     }
     regions_place(lightmap, grids);
     texel_sizes_find(work);
+    lmb_lightmap_warn_of_steps(lightmap);
     return covered_count(lightmap) == LMB_OK ? LMB_OK : out_of_memory(work->error);
 }
 

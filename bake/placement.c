@@ -57,10 +57,11 @@ static bool lattice_fit(lmb_lattice *lattice, const lmb_scene *scene, float spac
 {
     const float low[3] = {scene->bounds_min.x, scene->bounds_min.y, scene->bounds_min.z};
     const float high[3] = {scene->bounds_max.x, scene->bounds_max.y, scene->bounds_max.z};
+    const double origin[3] = {scene->origin.x, scene->origin.y, scene->origin.z};
     int64_t count = 1;
     for (int axis = 0; axis < 3; ++axis) {
-        const double first = floor((double)low[axis] / (double)spacing);
-        const double last = fmax(ceil((double)high[axis] / (double)spacing), first + 1.0);
+        const double first = floor(((double)low[axis] + origin[axis]) / (double)spacing);
+        const double last = fmax(ceil(((double)high[axis] + origin[axis]) / (double)spacing), first + 1.0);
         if (!(fabs(first) < 1e9) || !(fabs(last) < 1e9)) {
             return false;
         }
@@ -72,6 +73,7 @@ static bool lattice_fit(lmb_lattice *lattice, const lmb_scene *scene, float spac
         }
     }
     lattice->spacing = spacing;
+    lattice->origin = scene->origin;
     lattice->count = (size_t)count;
     return true;
 }
@@ -117,7 +119,8 @@ static lmb_result lattice_make(lmb_lattice *lattice, const lmb_tracer *tracer, f
                                lmb_placement_stats *stats, lmb_error *error)
 {
     if (!lattice_fit(lattice, lmb_tracer_scene(tracer), spacing)) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: spacing of %g m is too fine for the level's size",
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED,
+                             "%s: spacing of %g m is too fine for the level's size, or so far from the world's origin",
                              lmb_tracer_scene(tracer)->path, (double)spacing);
     }
     lattice->validity = calloc(lattice->count, sizeof *lattice->validity);
@@ -204,6 +207,7 @@ static lmb_result grid_from_lattice(const lmb_lattice *lattice, const uint8_t *w
         stats->probes_valid += baked;
         stats->probes_dilated += !baked;
     }
+    created->origin = lattice->origin;
     *grid = created;
     return LMB_OK;
 }
@@ -213,8 +217,8 @@ static lmb_vec3 *seeds_gather(const lmb_scene *scene, const lmb_placement_settin
 {
     *count = settings->seed_count + scene->seed_point_count;
     lmb_vec3 *seeds = malloc((*count + 1u) * sizeof *seeds);
-    if (seeds && settings->seed_count > 0) {
-        memcpy(seeds, settings->seeds, settings->seed_count * sizeof *seeds);
+    for (uint32_t i = 0; seeds && i < settings->seed_count; ++i) {
+        seeds[i] = lmb_scene_from_world(scene, settings->seeds[i]);
     }
     if (seeds && scene->seed_point_count > 0) {
         memcpy(seeds + settings->seed_count, scene->seed_points, scene->seed_point_count * sizeof *seeds);

@@ -36,9 +36,10 @@ static bool triangle_touches_cube(const lmb_vec3 corner[3])
 /* First and last cell along an axis that the range [low, high] touches, clipped to the grid. */
 static bool cell_range(const lmb_grid *grid, int axis, float low, float high, int32_t *first, int32_t *last)
 {
+    const double origin = axis == 0 ? grid->origin.x : axis == 1 ? grid->origin.y : grid->origin.z;
     const double scale = 1.0 / (double)grid->spacing;
-    const double from = floor((double)low * scale) - (double)grid->min[axis];
-    const double to = floor((double)high * scale) - (double)grid->min[axis];
+    const double from = floor(((double)low + origin) * scale) - (double)grid->min[axis];
+    const double to = floor(((double)high + origin) * scale) - (double)grid->min[axis];
     const double cells = (double)grid->size[axis] - 1.0;
     if (!(to >= 0.0) || !(from < cells)) {
         return false;
@@ -67,13 +68,14 @@ static void triangle_mark(const lmb_grid *grid, const lmb_vec3 corner[3], uint8_
             return;
         }
     }
+    const double spacing = (double)grid->spacing;
     const float half = 0.5f * grid->spacing;
     for (int32_t z = first[2]; z <= last[2]; ++z) {
         for (int32_t y = first[1]; y <= last[1]; ++y) {
             for (int32_t x = first[0]; x <= last[0]; ++x) {
-                const lmb_vec3 centre = vec3((float)(grid->min[0] + x) * grid->spacing + half,
-                                             (float)(grid->min[1] + y) * grid->spacing + half,
-                                             (float)(grid->min[2] + z) * grid->spacing + half);
+                const lmb_vec3 centre = vec3((float)((grid->min[0] + x) * spacing - grid->origin.x) + half,
+                                             (float)((grid->min[1] + y) * spacing - grid->origin.y) + half,
+                                             (float)((grid->min[2] + z) * spacing - grid->origin.z) + half);
                 lmb_vec3 local[3];
                 for (int k = 0; k < 3; ++k) {
                     local[k] = vec3_scale(vec3_sub(corner[k], centre), 1.0f / half);

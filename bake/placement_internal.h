@@ -6,6 +6,7 @@
 
 typedef struct lmb_lattice {
     float spacing;
+    lmb_vec3d origin; /* the scene's; the lattice itself counts from the world's */
     int32_t min[3];
     int32_t size[3];
     size_t count;
@@ -18,11 +19,13 @@ static inline size_t lattice_index(const lmb_lattice *lattice, int32_t x, int32_
     return (size_t)x + (size_t)lattice->size[0] * ((size_t)y + (size_t)lattice->size[1] * (size_t)z);
 }
 
+/* In the scene. */
 static inline lmb_vec3 lattice_position(const lmb_lattice *lattice, int32_t x, int32_t y, int32_t z)
 {
-    const lmb_vec3 position = {(float)((double)(lattice->min[0] + x) * (double)lattice->spacing),
-                               (float)((double)(lattice->min[1] + y) * (double)lattice->spacing),
-                               (float)((double)(lattice->min[2] + z) * (double)lattice->spacing)};
+    const double spacing = (double)lattice->spacing;
+    const lmb_vec3 position = {(float)((double)(lattice->min[0] + x) * spacing - lattice->origin.x),
+                               (float)((double)(lattice->min[1] + y) * spacing - lattice->origin.y),
+                               (float)((double)(lattice->min[2] + z) * spacing - lattice->origin.z)};
     return position;
 }
 

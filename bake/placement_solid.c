@@ -127,10 +127,11 @@ lmb_result lmb_lattice_classify(lmb_lattice *lattice, const lmb_tracer *tracer, 
 /* The free lattice point nearest to a seed among the corners of its cell, or SIZE_MAX. */
 static size_t seed_point(const lmb_lattice *lattice, lmb_vec3 seed)
 {
-    const float position[3] = {seed.x, seed.y, seed.z};
+    const double world[3] = {(double)seed.x + lattice->origin.x, (double)seed.y + lattice->origin.y,
+                             (double)seed.z + lattice->origin.z};
     int32_t cell[3];
     for (int axis = 0; axis < 3; ++axis) {
-        const double at = floor((double)position[axis] / (double)lattice->spacing) - (double)lattice->min[axis];
+        const double at = floor(world[axis] / (double)lattice->spacing) - (double)lattice->min[axis];
         if (!(at >= 0.0 && at + 1.0 < (double)lattice->size[axis])) {
             return SIZE_MAX;
         }

@@ -25,17 +25,38 @@ void lmb_mesh_free(lmb_mesh *mesh)
     free(mesh->source_triangle);
 }
 
-void lmb_scene_destroy(lmb_scene *scene)
+void lmb_scene_clear_nodes(lmb_scene *scene)
 {
-    if (!scene) {
-        return;
-    }
     for (uint32_t i = 0; i < scene->mesh_count; ++i) {
         lmb_mesh_free(&scene->meshes[i]);
     }
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         free(scene->instances[i].name);
     }
+    for (uint32_t i = 0; i < scene->light_count; ++i) {
+        free(scene->lights[i].name);
+    }
+    free(scene->meshes);
+    free(scene->instances);
+    free(scene->lights);
+    free(scene->seed_points);
+    free(scene->path_points);
+    scene->meshes = NULL;
+    scene->instances = NULL;
+    scene->lights = NULL;
+    scene->seed_points = NULL;
+    scene->path_points = NULL;
+    scene->mesh_count = scene->instance_count = scene->light_count = 0;
+    scene->seed_point_count = scene->path_point_count = 0;
+    scene->dropped_triangle_count = 0;
+}
+
+void lmb_scene_destroy(lmb_scene *scene)
+{
+    if (!scene) {
+        return;
+    }
+    lmb_scene_clear_nodes(scene);
     for (uint32_t i = 0; i < scene->material_count; ++i) {
         free(scene->materials[i].name);
     }
@@ -43,19 +64,34 @@ void lmb_scene_destroy(lmb_scene *scene)
         free(scene->images[i].name);
         free(scene->images[i].rgba);
     }
-    for (uint32_t i = 0; i < scene->light_count; ++i) {
-        free(scene->lights[i].name);
-    }
-    free(scene->meshes);
-    free(scene->instances);
     free(scene->materials);
     free(scene->images);
-    free(scene->lights);
     free(scene->environment.image.rgb);
-    free(scene->seed_points);
-    free(scene->path_points);
     free(scene->path);
     free(scene);
+}
+
+lmb_vec3 lmb_scene_from_world(const lmb_scene *scene, lmb_vec3d place)
+{
+    return vec3((float)(place.x - scene->origin.x), (float)(place.y - scene->origin.y),
+                (float)(place.z - scene->origin.z));
+}
+
+lmb_vec3d lmb_scene_to_world(const lmb_scene *scene, lmb_vec3 position)
+{
+    return (lmb_vec3d){(double)position.x + scene->origin.x, (double)position.y + scene->origin.y,
+                       (double)position.z + scene->origin.z};
+}
+
+float lmb_scene_position_step(const lmb_scene *scene)
+{
+    float coarsest = 0.0f;
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        if (!scene->instances[i].dynamic) {
+            coarsest = float_larger(coarsest, scene->instances[i].position_step);
+        }
+    }
+    return coarsest;
 }
 
 static bool is_finite3(lmb_vec3 v)
@@ -236,6 +272,9 @@ static lmb_result validate_light(const lmb_scene *scene, uint32_t number, lmb_er
 
 static lmb_result validate_points(const lmb_scene *scene, lmb_error *error)
 {
+    if (!isfinite(scene->origin.x) || !isfinite(scene->origin.y) || !isfinite(scene->origin.z)) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: origin: not finite", scene->path);
+    }
     for (uint32_t i = 0; i < scene->seed_point_count; ++i) {
         if (!is_finite3(scene->seed_points[i])) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: seed point %u: not finite", scene->path, i);

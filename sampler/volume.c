@@ -345,10 +345,10 @@ lmb_volume_info lmb_volume_get_info(const lmb_volume *volume)
 /* --------------------------------------------------------------------------------------------- sampling */
 
 /* The cell along one axis and the place in it, 0 to 1. @return false when the position was outside and clamped */
-static inline bool locate(const lmb_volume *volume, int axis, float position, int32_t *cell, float *t)
+static inline bool locate(const lmb_volume *volume, int axis, double position, int32_t *cell, float *t)
 {
     const double last = volume->last[axis];
-    const double at = (double)position * volume->inverse_spacing - volume->min[axis];
+    const double at = position * volume->inverse_spacing - volume->min[axis];
     const double clamped = at > 0.0 ? (at < last ? at : last) : 0.0;
     const int32_t whole = (int32_t)clamped;
     *cell = whole < volume->last_cell[axis] ? whole : volume->last_cell[axis];
@@ -423,19 +423,19 @@ static void blend_corners(const lmb_volume_brick *brick, uint32_t first, const f
     memcpy(radiance, sum, sizeof *radiance);
 }
 
-bool lmb_volume_sample(const lmb_volume *volume, lmb_vec3 position, lmb_sh3_rgb *radiance)
+/* The one body of both kinds of position. */
+static bool sample_at(const lmb_volume *volume, double px, double py, double pz, lmb_sh3_rgb *radiance)
 {
-    assert(volume && radiance);
     int32_t cell[3];
     float t[3];
-    bool inside = locate(volume, 0, position.x, &cell[0], &t[0]);
-    inside &= locate(volume, 1, position.y, &cell[1], &t[1]);
-    inside &= locate(volume, 2, position.z, &cell[2], &t[2]);
+    bool inside = locate(volume, 0, px, &cell[0], &t[0]);
+    inside &= locate(volume, 1, py, &cell[1], &t[1]);
+    inside &= locate(volume, 2, pz, &cell[2], &t[2]);
     const size_t entry =
         (size_t)(cell[0] >> 2) +
         volume->bricks_along[0] * ((size_t)(cell[1] >> 2) + volume->bricks_along[1] * (size_t)(cell[2] >> 2));
     const uint32_t brick_number = volume->directory[entry];
-    const bool is_nan = isnan(position.x) || isnan(position.y) || isnan(position.z);
+    const bool is_nan = isnan(px) || isnan(py) || isnan(pz);
     if (brick_number == LMB_VOLUME_NO_BRICK || is_nan) {
         *radiance = (lmb_sh3_rgb){{{{0.0f}}}};
         return false;
@@ -454,4 +454,16 @@ bool lmb_volume_sample(const lmb_volume *volume, lmb_vec3 position, lmb_sh3_rgb 
     }
     blend_corners(brick, first, weight, volume->scale, radiance);
     return inside;
+}
+
+bool lmb_volume_sample(const lmb_volume *volume, lmb_vec3 position, lmb_sh3_rgb *radiance)
+{
+    assert(volume && radiance);
+    return sample_at(volume, (double)position.x, (double)position.y, (double)position.z, radiance);
+}
+
+bool lmb_volume_sample_at(const lmb_volume *volume, lmb_vec3d position, lmb_sh3_rgb *radiance)
+{
+    assert(volume && radiance);
+    return sample_at(volume, position.x, position.y, position.z, radiance);
 }

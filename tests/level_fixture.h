@@ -64,11 +64,17 @@ static inline bool level_fixture_open(level_fixture *level, const char *path, lm
     return written == LMB_OK && level_fixture_load(level, path, NULL, threads);
 }
 
+/* A place of the world, as levels' own space has it. */
+static inline lmb_vec3 scene_position(const level_fixture *level, lmb_vec3 world)
+{
+    return lmb_scene_from_world(level->scene, (lmb_vec3d){(double)world.x, (double)world.y, (double)world.z});
+}
+
 /* Normalised irradiance on `normal` at a point in the air, by `samples` samples. */
 static inline lmb_rgb traced_irradiance(const level_fixture *level, lmb_vec3 position, lmb_vec3 normal,
                                         uint32_t samples)
 {
-    const lmb_gather_point point = {.position = position, .hemisphere = true, .normal = normal};
+    const lmb_gather_point point = {.position = scene_position(level, position), .hemisphere = true, .normal = normal};
     lmb_rgb irradiance;
     uint64_t rays = 0;
     lmb_gather_irradiance(&level->transport, &point, 0, samples, &normal, 1, &irradiance, &rays);

@@ -76,6 +76,10 @@ static void test_probes(void)
     const lmb_vec3 position = lmb_grid_position(grid, 0);
     CHECK(position.x == -1.0f && position.y == 2.5f && position.z == -0.5f, "(%g, %g, %g)", (double)position.x,
           (double)position.y, (double)position.z);
+    grid->origin = (lmb_vec3d){-1e8 - 0.25, 2.0, 1e8};
+    const lmb_vec3 moved = lmb_grid_position(grid, 0);
+    CHECK(moved.x == 1e8f && moved.y == 0.5f && moved.z == -1e8f, "(%g, %g, %g)", (double)moved.x, (double)moved.y,
+          (double)moved.z);
     CHECK(grid->validity[2] == 0.0f && grid->radiance[2].channel[2].c[8] == 0.0f, "probes start dark");
     lmb_grid_destroy(grid);
 }

@@ -40,7 +40,7 @@ static void empty_scene(void)
 
 static bool gathered_is_dark(const level_fixture *level, lmb_vec3 position)
 {
-    const lmb_gather_point point = {.position = position};
+    const lmb_gather_point point = {.position = scene_position(level, position)};
     lmb_gathered gathered;
     lmb_gather_sh3(&level->transport, &point, 512, &gathered);
     return gathered.squared_length == 0.0;

@@ -150,7 +150,7 @@ static void seeds_choose_the_space(void)
                                 &error, 2)) {
             return;
         }
-        const lmb_vec3 seeds[] = {{-1.0f, 1.0f, 1.0f}, {50.0f, 0.0f, 0.0f}};
+        const lmb_vec3d seeds[] = {{-1.0, 1.0, 1.0}, {50.0, 0.0, 0.0}};
         lmb_placement_settings settings = lmb_placement_settings_default();
         settings.spacing = 0.4f;
         lmb_placement_stats stats;

@@ -193,7 +193,7 @@ static void furnace_looks_the_same_everywhere(void)
         return;
     }
     lmb_render_object sphere;
-    const lmb_result opened = render_object_open(NULL, 0.5f, (lmb_vec3){0, 0, -1}, &sphere, &error);
+    const lmb_result opened = render_object_open(NULL, 0.5f, (lmb_vec3d){0, 0, -1}, &sphere, &error);
     CHECK(opened == LMB_OK, "%s", error.message);
     const lmb_shader shader = {.transport = &level.transport,
                                .volume = light.volume,

@@ -259,6 +259,51 @@ static void test_far_and_broken_positions(void)
 }
 
 /* What is beyond even the largest scale keeps its direction: the whole probe is scaled. */
+/* 10 000 km away a position in double finds what one at the origin finds; there a float is exact to 1 m. */
+static void test_positions_in_double(void)
+{
+    const int32_t near[3] = {-3, 2, 0}, away[3] = {100000000, -99999999, 2}, size[3] = {6, 5, 4};
+    const float spacing = 0.1f;
+    lmb_grid *const near_grid = fixture_grid(spacing, near, size, 1.0, 1.0, 5.0, 4);
+    lmb_grid *const far_grid = fixture_grid(spacing, away, size, 1.0, 1.0, 5.0, 4);
+    packed a = pack_and_open(near_grid), b = pack_and_open(far_grid);
+    uint64_t state = 5;
+    for (int i = 0; i < 500; ++i) {
+        double at[3], there[3];
+        bool at_the_edge = false; /* out there both kinds of position are inside up to a 64th of a cell beyond it */
+        for (int axis = 0; axis < 3; ++axis) {
+            const double cells = fixture_random(&state) * size[axis] - 0.5;
+            at_the_edge |= fabs(cells) < 0x1p-5 || fabs(cells - (size[axis] - 1)) < 0x1p-5;
+            at[axis] = (near[axis] + cells) * (double)spacing;
+            there[axis] = (away[axis] + cells) * (double)spacing;
+        }
+        lmb_sh3_rgb light, light_there, light_float;
+        /* Volatile: gcc 12 takes a pair of doubles to float and back without rounding them (-O2, vectors). */
+        const volatile lmb_vec3 rounded = {(float)at[0], (float)at[1], (float)at[2]};
+        const bool inside = lmb_volume_sample_at(a.volume, (lmb_vec3d){at[0], at[1], at[2]}, &light);
+        const bool inside_there =
+            lmb_volume_sample_at(b.volume, (lmb_vec3d){there[0], there[1], there[2]}, &light_there);
+        CHECK(at_the_edge || inside == inside_there, "(%g, %g, %g)", at[0], at[1], at[2]);
+        for (int k = 0; k < 27; ++k) {
+            CHECK_NEAR(light_there.channel[k / 9].c[k % 9], light.channel[k / 9].c[k % 9], 1e-5, "(%g, %g, %g)", at[0],
+                       at[1], at[2]);
+        }
+        lmb_volume_sample(a.volume, rounded, &light_float);
+        lmb_volume_sample_at(a.volume, (lmb_vec3d){(double)rounded.x, (double)rounded.y, (double)rounded.z}, &light);
+        CHECK(memcmp(&light, &light_float, sizeof light) == 0, "a float's value in double");
+    }
+    static const double odd[] = {NAN, INFINITY, -INFINITY, 1e300, -1e300};
+    for (size_t i = 0; i < sizeof odd / sizeof odd[0]; ++i) {
+        lmb_sh3_rgb light;
+        CHECK(!lmb_volume_sample_at(a.volume, (lmb_vec3d){0.0, odd[i], 0.2}, &light), "%g is not inside", odd[i]);
+        CHECK(is_finite_light(&light) && (!isnan(odd[i]) || is_dark(&light)), "%g", odd[i]);
+    }
+    close_packed(&a);
+    close_packed(&b);
+    lmb_grid_destroy(near_grid);
+    lmb_grid_destroy(far_grid);
+}
+
 static void test_overflow(void)
 {
     const int32_t min[3] = {0, 0, 0}, size[3] = {2, 2, 2};
@@ -557,6 +602,7 @@ static void test_files(void)
 static const test_case cases[] = {
     {"samples are the grid's trilinear light", test_sample},
     {"far and broken positions", test_far_and_broken_positions},
+    {"positions in double", test_positions_in_double},
     {"light beyond fp16", test_overflow},
     {"grids that cannot be packed", test_pack_refuses},
     {"every truncation is refused", test_truncation},

@@ -90,30 +90,37 @@ int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t 
     return value;
 }
 
-bool vector_parse(const char *text, lmb_vec3 *vector)
+/* "X,Y,Z", finite as floats too. */
+static bool place_parse(const char *text, lmb_vec3d *place)
 {
-    float parsed[3];
+    double parsed[3];
     for (int i = 0; i < 3; ++i) {
         char *end;
-        parsed[i] = strtof(text, &end);
-        if (end == text || !isfinite(parsed[i]) || *end != (i < 2 ? ',' : '\0')) {
+        parsed[i] = strtod(text, &end);
+        if (end == text || !isfinite((float)parsed[i]) || *end != (i < 2 ? ',' : '\0')) {
             return false;
         }
         text = end + 1;
     }
-    *vector = (lmb_vec3){parsed[0], parsed[1], parsed[2]};
+    *place = (lmb_vec3d){parsed[0], parsed[1], parsed[2]};
     return true;
+}
+
+lmb_vec3d arguments_place(lmb_arguments *arguments, const char *option)
+{
+    const char *text = arguments_text(arguments, option);
+    lmb_vec3d place = {0.0, 0.0, 0.0};
+    if (!arguments->failed && !place_parse(text, &place)) {
+        fprintf(stderr, "lambent %s: %s takes three numbers X,Y,Z, not '%s'\n", arguments->command, option, text);
+        arguments->failed = true;
+    }
+    return place;
 }
 
 lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option)
 {
-    const char *text = arguments_text(arguments, option);
-    lmb_vec3 vector = {0.0f, 0.0f, 0.0f};
-    if (!arguments->failed && !vector_parse(text, &vector)) {
-        fprintf(stderr, "lambent %s: %s takes three numbers X,Y,Z, not '%s'\n", arguments->command, option, text);
-        arguments->failed = true;
-    }
-    return vector;
+    const lmb_vec3d place = arguments_place(arguments, option);
+    return (lmb_vec3){(float)place.x, (float)place.y, (float)place.z};
 }
 
 int exit_of_result(lmb_result result)

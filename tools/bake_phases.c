@@ -1,6 +1,44 @@
 #include "bake_phases.h"
 
+#include <math.h>
+
 #include "command.h"
+
+/* Probes farther apart than so many steps between floats are told apart well enough. */
+#define STEPS_OF_SPACING 8.0
+
+/* The grid's largest coordinate in the world. */
+static double grid_reach(const lmb_grid *grid)
+{
+    double reach = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double first = (double)grid->min[axis], last = first + (grid->size[axis] - 1);
+        reach = fmax(reach, fmax(fabs(first), fabs(last)) * (double)grid->spacing);
+    }
+    return reach;
+}
+
+static void warn_of_coarse_floats(const lmb_bake *bake)
+{
+    const lmb_warnings *warnings = &bake->level->options.gltf.warnings;
+    const lmb_scene *scene = bake->level->scene;
+    const double spacing = (double)bake->grid->spacing;
+    const double step = (double)lmb_scene_position_step(scene);
+    if (step * STEPS_OF_SPACING > spacing && !bake->settings->lightmaps) {
+        lmb_warn(warnings,
+                 "%s: floats tell positions of its surfaces apart by %.3g m only, and its probes are %.3g m "
+                 "apart: so far from the origin its light is not to be trusted",
+                 scene->path, step, spacing);
+    }
+    const double reach = grid_reach(bake->grid);
+    const double run_time_step = (double)(nextafterf((float)reach, INFINITY) - (float)reach);
+    if (run_time_step * STEPS_OF_SPACING > spacing) {
+        lmb_warn(warnings,
+                 "%s: lies up to %.6g m from the world's origin, where floats are %.3g m apart, and its probes "
+                 "%.3g m: sample its volume at positions in double (lmb_volume_sample_at)",
+                 scene->path, reach, run_time_step, spacing);
+    }
+}
 
 lmb_result bake_place(lmb_bake *bake, lmb_error *error)
 {
@@ -19,6 +57,7 @@ lmb_result bake_place(lmb_bake *bake, lmb_error *error)
     if (bake->record.placement.seeds_in_solid) {
         lmb_warn(warnings, "a seed point lies inside something, or outside the level: ignored");
     }
+    warn_of_coarse_floats(bake);
     return LMB_OK;
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "command.h"
+#include "query.h"
 
 enum { MIN_SAMPLES = 64 };
 
@@ -48,7 +49,7 @@ static void seed_point_add(lmb_bake_settings *settings, lmb_arguments *arguments
         arguments_error(arguments, "too many", option);
         return;
     }
-    settings->seeds[settings->placement.seed_count++] = arguments_vector(arguments, option);
+    settings->seeds[settings->placement.seed_count++] = arguments_place(arguments, option);
     settings->placement.seeds = settings->seeds;
 }
 
@@ -117,8 +118,9 @@ cJSON *bake_settings_json(const lmb_bake_settings *settings, const lmb_level *le
     cJSON_AddNumberToObject(json, "max_probes", settings->placement.max_probes);
     cJSON *seeds = cJSON_AddArrayToObject(json, "seed_points");
     for (uint32_t i = 0; i < settings->placement.seed_count; ++i) {
-        const lmb_vec3 seed = settings->seeds[i];
-        cJSON_AddItemToArray(seeds, cJSON_CreateFloatArray((const float[3]){seed.x, seed.y, seed.z}, 3));
+        /* As it was used: rounded to where floats are. */
+        const lmb_vec3 used = lmb_scene_from_world(level->scene, settings->seeds[i]);
+        cJSON_AddItemToArray(seeds, json_place(lmb_scene_to_world(level->scene, used)));
     }
     cJSON_AddBoolToObject(json, "lightmaps", lightmap != NULL);
     if (lightmap) {

@@ -15,7 +15,7 @@ typedef struct lmb_bake_settings {
     lmb_level_arguments level;
     const char *directory;
     lmb_placement_settings placement;
-    lmb_vec3 seeds[BAKE_MAX_SEEDS];
+    lmb_vec3d seeds[BAKE_MAX_SEEDS];
     uint32_t samples; /* at each probe and texel; at least, if max_samples is more */
     uint32_t max_samples;
     double tolerance; /* relative standard error that ends an element's sampling */

@@ -199,10 +199,11 @@ static void surface_task(void *context, size_t task, int worker)
     (void)worker;
     check_work *work = context;
     const check_subject *subject = work->subject;
+    const lmb_scene *scene = lmb_tracer_scene(subject->transport->tracer);
     const surface_sample sample = sample_make(work, task);
     const lmb_vec3 normal = sample.point.normal;
     lmb_sh3_rgb radiance;
-    lmb_volume_sample(subject->volume, sample.point.position, &radiance);
+    lmb_volume_sample_at(subject->volume, lmb_scene_to_world(scene, sample.point.position), &radiance);
 
     irradiance_set x;
     evaluate_probe(&radiance, normal, 0.0f, sample.normals, &x);
@@ -238,7 +239,8 @@ static void free_task(void *context, size_t task, int worker)
     irradiance_set reference[2], x;
     gather_reference(work, &point, directions, reference);
     lmb_sh3_rgb radiance;
-    lmb_volume_sample(work->subject->volume, point.position, &radiance);
+    lmb_volume_sample_at(work->subject->volume,
+                         lmb_scene_to_world(lmb_tracer_scene(work->transport.tracer), point.position), &radiance);
     evaluate_unoccluded(&radiance, directions, &x);
     work->errors[CHECK_VOLUME_VS_REFERENCE][task] = point_error_of(x.at, reference[0].at, reference[1].at, NORMALS);
 }

@@ -168,17 +168,24 @@ void sphere_directions(uint64_t stream, int count, lmb_vec3 *directions)
 bool free_point(const lmb_tracer *tracer, const lmb_volume *volume, bool avoid_solids, uint64_t stream, lmb_vec3 *point)
 {
     enum { TRIES = 4096 };
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
     const lmb_volume_info info = lmb_volume_get_info(volume);
-    const lmb_vec3 size = vector_sub(info.bounds_max, info.bounds_min);
+    const double spacing = (double)info.spacing;
+    const lmb_vec3 low =
+        lmb_scene_from_world(scene, (lmb_vec3d){info.min[0] * spacing, info.min[1] * spacing, info.min[2] * spacing});
+    const lmb_vec3 high = lmb_scene_from_world(scene, (lmb_vec3d){(info.min[0] + (info.size[0] - 1)) * spacing,
+                                                                  (info.min[1] + (info.size[1] - 1)) * spacing,
+                                                                  (info.min[2] + (info.size[2] - 1)) * spacing});
+    const lmb_vec3 size = vector_sub(high, low);
     for (uint32_t attempt = 0; attempt < TRIES; ++attempt) {
         float across[2], height[2];
         lmb_sequence_2d(stream, attempt, PAIR_FREE, across);
         lmb_sequence_2d(stream, attempt, PAIR_FREE_HEIGHT, height);
-        const lmb_vec3 at = {info.bounds_min.x + across[0] * size.x, info.bounds_min.y + height[0] * size.y,
-                             info.bounds_min.z + across[1] * size.z};
+        const lmb_vec3 at = {low.x + across[0] * size.x, low.y + height[0] * size.y, low.z + across[1] * size.z};
         lmb_sh3_rgb radiance;
         uint64_t rays = 0;
-        if (lmb_volume_sample(volume, at, &radiance) && (!avoid_solids || lmb_placement_is_free(tracer, at, &rays))) {
+        if (lmb_volume_sample_at(volume, lmb_scene_to_world(scene, at), &radiance) &&
+            (!avoid_solids || lmb_placement_is_free(tracer, at, &rays))) {
             *point = at;
             return true;
         }

@@ -44,10 +44,8 @@ void arguments_error(lmb_arguments *arguments, const char *what, const char *arg
 const char *arguments_text(lmb_arguments *arguments, const char *option);
 double arguments_number(lmb_arguments *arguments, const char *option, double minimum, double maximum);
 int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t minimum, int64_t maximum);
-lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option); /* X,Y,Z */
-
-/* Parses "X,Y,Z". */
-bool vector_parse(const char *text, lmb_vec3 *vector);
+lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option); /* X,Y,Z: a direction */
+lmb_vec3d arguments_place(lmb_arguments *arguments, const char *option); /* X,Y,Z: a place in the world */
 
 /* Progress as a bar with time left on a terminal (or JSON lines when `json`), and Ctrl-C: after SIGINT or SIGTERM the
  * running work stops with LMB_ERROR_INTERRUPTED. */

@@ -29,6 +29,7 @@ enum { TRUTH_REPLICATES = 16 };
 typedef struct lmb_truth_work {
     const lmb_transport *transport;
     const lmb_query *query;
+    lmb_vec3 position;
     uint32_t samples;
     lmb_rgb irradiance[TRUTH_REPLICATES];
     uint64_t rays[TRUTH_REPLICATES];
@@ -39,7 +40,7 @@ static void truth_task(void *context, size_t task, int worker)
     (void)worker;
     lmb_truth_work *work = context;
     const lmb_gather_point point = {
-        .position = work->query->position, .hemisphere = true, .normal = work->query->vertex_normal};
+        .position = work->position, .hemisphere = true, .normal = work->query->vertex_normal};
     lmb_gather_irradiance(work->transport, &point, (uint32_t)task, work->samples, &work->query->normal, 1,
                           &work->irradiance[task], &work->rays[task]);
 }
@@ -48,13 +49,14 @@ static lmb_result probe_trace(const lmb_level *level, const lmb_query *query, ui
                               const lmb_progress *progress, lmb_probe_answer *answer)
 {
     const double start = seconds_now();
-    const lmb_gather_point point = {.position = query->position};
+    const lmb_gather_point point = {.position = lmb_scene_from_world(level->scene, query->place)};
     lmb_result result =
         lmb_gather_sh3_parallel(&level->transport, &point, samples, level->pool, progress, &answer->gathered);
     if (result == LMB_OK && query->has_normal) {
         answer->irradiance = query_irradiance(query, MODEL_HHD, &answer->gathered.moments);
         const uint32_t share = (samples + TRUTH_REPLICATES - 1) / TRUTH_REPLICATES;
-        lmb_truth_work work = {.transport = &level->transport, .query = query, .samples = share};
+        lmb_truth_work work = {
+            .transport = &level->transport, .query = query, .position = point.position, .samples = share};
         result = lmb_pool_run(level->pool, TRUTH_REPLICATES, truth_task, &work, "truth", progress);
         answer->traced = (lmb_rgb){{0.0f, 0.0f, 0.0f}};
         for (int r = 0; r < TRUTH_REPLICATES; ++r) {
@@ -76,7 +78,7 @@ static double answer_relative_error(const lmb_probe_answer *answer)
 static void answer_print_json(const lmb_query *query, const lmb_probe_answer *answer)
 {
     cJSON *object = cJSON_CreateObject();
-    cJSON_AddItemToObject(object, "position", json_vector(query->position));
+    cJSON_AddItemToObject(object, "position", json_place(query->place));
     cJSON_AddItemToObject(object, "sh3", json_sh3(&answer->gathered.moments));
     cJSON_AddNumberToObject(object, "std_error", answer_relative_error(answer));
     if (query->has_normal) {
@@ -92,7 +94,7 @@ static void answer_print_json(const lmb_query *query, const lmb_probe_answer *an
 static void answer_print(const lmb_query *query, const lmb_probe_answer *answer)
 {
     static const char *const names[LMB_SH3_COUNT] = {"0,0", "1,-1", "1,0", "1,1", "2,-2", "2,-1", "2,0", "2,1", "2,2"};
-    printf("probe at %g, %g, %g\n", (double)query->position.x, (double)query->position.y, (double)query->position.z);
+    printf("probe at %.9g, %.9g, %.9g\n", query->place.x, query->place.y, query->place.z);
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {
         printf("  l%-5s %12.6g %12.6g %12.6g\n", names[i], (double)answer->gathered.moments.channel[0].c[i],
                (double)answer->gathered.moments.channel[1].c[i], (double)answer->gathered.moments.channel[2].c[i]);

@@ -42,7 +42,7 @@ enum { MAX_OBJECTS = 64, MAX_PIXELS_ACROSS = 16384 };
 typedef struct object_option {
     const char *path; /* NULL: the sphere */
     bool has_position;
-    lmb_vec3 position;
+    lmb_vec3d position;
 } object_option;
 
 typedef struct render_options {
@@ -50,7 +50,7 @@ typedef struct render_options {
     const char *directory;
     const char *output;
     bool has_camera, has_look, has_exposure;
-    lmb_vec3 camera, look;
+    lmb_vec3d camera, look;
     float fov_deg;
     float exposure_ev;
     int32_t width, height;
@@ -104,7 +104,7 @@ static void object_read(lmb_arguments *arguments, const char *option, render_opt
     const bool is_place = strcmp(option, "--object-at") == 0;
     object_option *last = options->object_count > 0 ? &options->objects[options->object_count - 1] : NULL;
     if (is_place && last && !last->has_position) {
-        last->position = arguments_vector(arguments, option);
+        last->position = arguments_place(arguments, option);
         last->has_position = true;
         return;
     }
@@ -115,7 +115,7 @@ static void object_read(lmb_arguments *arguments, const char *option, render_opt
     object_option *added = &options->objects[options->object_count++];
     *added = (object_option){.has_position = is_place};
     if (is_place) {
-        added->position = arguments_vector(arguments, option);
+        added->position = arguments_place(arguments, option);
     } else {
         added->path = arguments_text(arguments, option);
     }
@@ -131,10 +131,10 @@ static bool has_ending(const char *path, const char *ending)
 static bool view_option(lmb_arguments *arguments, const char *option, render_options *options)
 {
     if (strcmp(option, "--camera") == 0) {
-        options->camera = arguments_vector(arguments, option);
+        options->camera = arguments_place(arguments, option);
         options->has_camera = true;
     } else if (strcmp(option, "--look") == 0) {
-        options->look = arguments_vector(arguments, option);
+        options->look = arguments_place(arguments, option);
         options->has_look = true;
     } else if (strcmp(option, "--fov") == 0) {
         options->fov_deg = (float)arguments_number(arguments, option, 1.0, 170.0);
@@ -198,8 +198,8 @@ static lmb_camera camera_of_options(const render_options *options, const lmb_tra
     const lmb_scene *scene = lmb_tracer_scene(tracer);
     const lmb_vec3 low = scene->bounds_min, high = scene->bounds_max;
     const lmb_vec3 middle = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y), 0.5f * (low.z + high.z)};
-    return camera_look_at(options->has_camera ? options->camera : chosen.position,
-                          options->has_look ? options->look : middle, options->fov_deg);
+    return camera_look_at(options->has_camera ? lmb_scene_from_world(scene, options->camera) : chosen.position,
+                          options->has_look ? lmb_scene_from_world(scene, options->look) : middle, options->fov_deg);
 }
 
 /* Half way to what the camera looks at. */
@@ -225,11 +225,15 @@ static float level_diagonal(const lmb_scene *scene)
 static lmb_result objects_open(const render_options *options, const lmb_camera *camera, const lmb_tracer *tracer,
                                lmb_render_object *objects, int *opened_count, lmb_error *error)
 {
-    const float diagonal = level_diagonal(lmb_tracer_scene(tracer));
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const float diagonal = level_diagonal(scene);
     for (*opened_count = 0; *opened_count < options->object_count; ++*opened_count) {
         const object_option *option = &options->objects[*opened_count];
-        const lmb_vec3 position =
-            option->has_position ? option->position : place_before_camera(camera, tracer, diagonal);
+        const lmb_vec3 before = place_before_camera(camera, tracer, diagonal);
+        const lmb_vec3d at = option->position, from = scene->origin;
+        const lmb_vec3d position = option->has_position
+                                       ? (lmb_vec3d){at.x - from.x, at.y - from.y, at.z - from.z}
+                                       : (lmb_vec3d){(double)before.x, (double)before.y, (double)before.z};
         const lmb_result result =
             render_object_open(option->path, SPHERE_SHARE * diagonal, position, &objects[*opened_count], error);
         if (result != LMB_OK) {
@@ -289,11 +293,15 @@ static lmb_result png_write(const render_options *options, const float *rgb, siz
     return result;
 }
 
-static void camera_print(const lmb_camera *camera)
+static void camera_print(const lmb_camera *camera, const lmb_scene *scene)
 {
-    const lmb_vec3 at = camera->position;
-    printf("--camera %g,%g,%g --look %g,%g,%g\n", (double)at.x, (double)at.y, (double)at.z,
-           (double)(at.x + camera->forward.x), (double)(at.y + camera->forward.y), (double)(at.z + camera->forward.z));
+    const lmb_vec3 at = camera->position, forward = camera->forward;
+    const lmb_vec3d from = lmb_scene_to_world(scene, at);
+    const lmb_vec3d to = lmb_scene_to_world(scene, (lmb_vec3){at.x + forward.x, at.y + forward.y, at.z + forward.z});
+    /* Far from the world's origin it takes more digits to say where. */
+    const int digits = scene->origin.x != 0.0 || scene->origin.y != 0.0 || scene->origin.z != 0.0 ? 15 : 6;
+    printf("--camera %.*g,%.*g,%.*g --look %.*g,%.*g,%.*g\n", digits, from.x, digits, from.y, digits, from.z, digits,
+           to.x, digits, to.y, digits, to.z);
 }
 
 /* Renders and writes. */
@@ -331,7 +339,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
     const lmb_tracer *tracer = baked->level.tracer;
     const lmb_camera camera = camera_of_options(options, tracer);
     if (!options->quiet) {
-        camera_print(&camera);
+        camera_print(&camera, baked->level.scene);
         if (!baked->lightmap && options->mode != RENDER_PROBES && options->mode != RENDER_REFERENCE) {
             printf("this bake has no lightmaps: surfaces are lit by probes\n");
         }

@@ -19,11 +19,11 @@ static const char usage[] =
 static void answer_print(const lmb_query *query, lmb_light_model model, const lmb_volume *volume, bool json)
 {
     lmb_sh3_rgb radiance;
-    const bool inside = lmb_volume_sample(volume, query->position, &radiance);
+    const bool inside = lmb_volume_sample_at(volume, query->place, &radiance);
     const lmb_rgb irradiance = query->has_normal ? query_irradiance(query, model, &radiance) : (lmb_rgb){{0}};
     if (json) {
         cJSON *object = cJSON_CreateObject();
-        cJSON_AddItemToObject(object, "position", json_vector(query->position));
+        cJSON_AddItemToObject(object, "position", json_place(query->place));
         if (query->has_normal) {
             cJSON_AddItemToObject(object, "normal", json_vector(query->normal));
             cJSON_AddItemToObject(object, "irradiance", json_rgb(irradiance));
@@ -33,8 +33,7 @@ static void answer_print(const lmb_query *query, lmb_light_model model, const lm
         json_print_line(object);
         return;
     }
-    printf("%g %g %g%s", (double)query->position.x, (double)query->position.y, (double)query->position.z,
-           inside ? "" : " (outside)");
+    printf("%.9g %.9g %.9g%s", query->place.x, query->place.y, query->place.z, inside ? "" : " (outside)");
     if (query->has_normal) {
         printf("  irradiance %.6g %.6g %.6g", (double)irradiance.c[0], (double)irradiance.c[1],
                (double)irradiance.c[2]);

@@ -11,7 +11,7 @@
 bool query_argument(lmb_query_arguments *query, lmb_arguments *arguments, const char *option)
 {
     if (strcmp(option, "--at") == 0) {
-        query->one.position = arguments_vector(arguments, option);
+        query->one.place = arguments_place(arguments, option);
         query->has_position = true;
     } else if (strcmp(option, "--normal") == 0) {
         query->one.normal = arguments_vector(arguments, option);
@@ -52,6 +52,11 @@ bool query_finish(lmb_query_arguments *query, lmb_arguments *arguments)
     return true;
 }
 
+static lmb_vec3 vector_of(const double value[3])
+{
+    return (lmb_vec3){(float)value[0], (float)value[1], (float)value[2]};
+}
+
 int query_read_line(lmb_query *query, int *line_number)
 {
     char line[512];
@@ -62,23 +67,23 @@ int query_read_line(lmb_query *query, int *line_number)
         }
         ++*line_number;
     } while (line[strspn(line, " \t\r\n")] == '\0' || line[0] == '#');
-    float value[10];
+    double value[10];
     int count = 0;
     const char *at = line;
     for (char *end; count < 10; at = end, ++count) {
-        value[count] = strtof(at, &end);
+        value[count] = strtod(at, &end);
         if (end == at) {
             break;
         }
     }
     const bool whole = at[strspn(at, " \t\r\n")] == '\0';
-    *query = (lmb_query){.position = {value[0], value[1], value[2]}, .cone_cos = cone_cos};
+    *query = (lmb_query){.place = {value[0], value[1], value[2]}, .cone_cos = cone_cos};
     query->has_normal = count >= 6;
     bool good = whole && (count == 3 || count == 6 || count == 7 || count == 10);
     if (good && query->has_normal) {
-        query->normal = (lmb_vec3){value[3], value[4], value[5]};
-        query->vertex_normal = count == 10 ? (lmb_vec3){value[7], value[8], value[9]} : query->normal;
-        query->cone_cos = count >= 7 ? value[6] : cone_cos;
+        query->normal = vector_of(&value[3]);
+        query->vertex_normal = count == 10 ? vector_of(&value[7]) : query->normal;
+        query->cone_cos = count >= 7 ? (float)value[6] : cone_cos;
         good = unit_make(&query->normal) && unit_make(&query->vertex_normal);
     }
     if (!good) {
@@ -105,6 +110,11 @@ lmb_rgb query_irradiance(const lmb_query *query, lmb_light_model model, const lm
 cJSON *json_vector(lmb_vec3 vector)
 {
     return cJSON_CreateFloatArray((const float[3]){vector.x, vector.y, vector.z}, 3);
+}
+
+cJSON *json_place(lmb_vec3d place)
+{
+    return cJSON_CreateDoubleArray((const double[3]){place.x, place.y, place.z}, 3);
 }
 
 cJSON *json_rgb(lmb_rgb colour)

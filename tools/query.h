@@ -11,7 +11,7 @@
 typedef enum lmb_light_model { MODEL_HHD, MODEL_HLSH, MODEL_SH3 } lmb_light_model;
 
 typedef struct lmb_query {
-    lmb_vec3 position;
+    lmb_vec3d place; /* in the world */
     bool has_normal;
     lmb_vec3 normal;        /* n */
     lmb_vec3 vertex_normal; /* n_v */
@@ -44,6 +44,7 @@ lmb_rgb query_irradiance(const lmb_query *query, lmb_light_model model, const lm
 
 /* Arrays for --json output. */
 cJSON *json_vector(lmb_vec3 vector);
+cJSON *json_place(lmb_vec3d place);
 cJSON *json_rgb(lmb_rgb colour);
 cJSON *json_sh3(const lmb_sh3_rgb *radiance); /* 9 lists of RGB */
 /* Prints one line and frees the object. */

@@ -92,10 +92,10 @@ static void everything_is_static(lmb_scene *scene)
     }
 }
 
-lmb_result render_object_open(const char *path, float radius, lmb_vec3 position, lmb_render_object *object,
+lmb_result render_object_open(const char *path, float radius, lmb_vec3d position, lmb_render_object *object,
                               lmb_error *error)
 {
-    lmb_render_object opened = {.position = position};
+    lmb_render_object opened = {.tracer = NULL};
     lmb_result result = LMB_OK;
     if (path) {
         result = lmb_gltf_load(path, NULL, &opened.scene, error);
@@ -104,6 +104,9 @@ lmb_result render_object_open(const char *path, float radius, lmb_vec3 position,
         result = opened.scene ? LMB_OK : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
     if (result == LMB_OK) {
+        const lmb_vec3d own = opened.scene->origin;
+        opened.position =
+            (lmb_vec3){(float)(position.x + own.x), (float)(position.y + own.y), (float)(position.z + own.z)};
         everything_is_static(opened.scene);
         result = lmb_tracer_create(opened.scene, NULL, 1, &opened.tracer, error);
     }

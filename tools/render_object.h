@@ -9,12 +9,12 @@
 typedef struct lmb_render_object {
     lmb_scene *scene;
     lmb_tracer *tracer;
-    lmb_vec3 position; /* of the scene's origin, in the level */
+    lmb_vec3 position; /* of its scene's own space, in that of the level's */
 } lmb_render_object;
 
-/* Opens a glTF file, or with `path` NULL makes a white sphere (albedo 0.8) of `radius` metres around its origin.
- * @return as lmb_gltf_load and lmb_tracer_create */
-lmb_result render_object_open(const char *path, float radius, lmb_vec3 position, lmb_render_object *object,
+/* Opens a glTF file, or with `path` NULL makes a white sphere (albedo 0.8) of `radius` metres around its origin. What
+ * the file calls its origin goes to `position` of the level's scene. @return as lmb_gltf_load and lmb_tracer_create */
+lmb_result render_object_open(const char *path, float radius, lmb_vec3d position, lmb_render_object *object,
                               lmb_error *error);
 void render_object_close(lmb_render_object *object);
 

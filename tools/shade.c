@@ -101,7 +101,8 @@ static arriving_light light_of_probes(const lmb_shader *shader, const seen_surfa
 {
     const lmb_gather_point point = seen_point(shader, seen);
     lmb_sh3_rgb radiance;
-    lmb_volume_sample(shader->volume, point.position, &radiance);
+    const lmb_scene *scene = lmb_tracer_scene(shader->transport->tracer);
+    lmb_volume_sample_at(shader->volume, lmb_scene_to_world(scene, point.position), &radiance);
     if (!seen->object) {
         const lmb_irradz irradz = lmb_irradz_encode(&radiance, point.normal, 0.0f);
         return light_of_irradz(&irradz, seen);

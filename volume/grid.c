@@ -128,8 +128,9 @@ lmb_vec3 lmb_grid_position(const lmb_grid *grid, int32_t probe)
 {
     assert(grid && probe >= 0 && probe < grid->probe_count);
     const int32_t *const lattice = grid->lattice[probe];
-    return (lmb_vec3){(float)lattice[0] * grid->spacing, (float)lattice[1] * grid->spacing,
-                      (float)lattice[2] * grid->spacing};
+    const double spacing = (double)grid->spacing;
+    return (lmb_vec3){(float)(lattice[0] * spacing - grid->origin.x), (float)(lattice[1] * spacing - grid->origin.y),
+                      (float)(lattice[2] * spacing - grid->origin.z)};
 }
 
 float lmb_grid_scale(const lmb_grid *grid)

@@ -11,10 +11,11 @@ extern "C" {
 #endif
 
 typedef struct lmb_placement_settings {
-    float spacing;         /* metres; 0: lmb_placement_default_spacing */
-    int32_t max_probes;    /* at least 27; the spacing grows until there are no more than this */
-    const lmb_vec3 *seeds; /* free space connected to these is baked; beside the scene's own seed points */
-    uint32_t seed_count;   /* no seeds at all: every free point within the bounds */
+    float spacing;      /* metres; 0: lmb_placement_default_spacing */
+    int32_t max_probes; /* at least 27; the spacing grows until there are no more than this */
+    /* In the world: free space connected to these is baked; beside the scene's own seed points. */
+    const lmb_vec3d *seeds;
+    uint32_t seed_count; /* no seeds at all: every free point within the bounds */
 } lmb_placement_settings;
 
 /* spacing 0, max_probes 262 144, no seeds. */

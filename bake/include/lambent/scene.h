@@ -1,7 +1,11 @@
 /* A level, as the baker needs it: triangles, what they reflect and emit, lights, environment.
  *
  * Loaded from glTF 2.0 (lambent/gltf.h). Everything is plain data: arrays that the scene owns, indices into them,
- * never pointers between them. Meshes are in their own space and shared by instances. */
+ * never pointers between them. Meshes are in their own space and shared by instances.
+ *
+ * World positions of a scene count from its `origin`, in the world's axes: floats are finest near zero, so a level that
+ * lies far out is moved to there. Whoever takes or gives a place of the world goes through lmb_scene_from_world and
+ * lmb_scene_to_world. */
 #ifndef LAMBENT_SCENE_H
 #define LAMBENT_SCENE_H
 
@@ -79,6 +83,8 @@ typedef struct lmb_mesh {
     int32_t source_node;        /* the node whose skin or morph weights pose this copy of the glTF mesh, or -1 */
     uint32_t *source_primitive; /* [triangle] primitive of the glTF mesh that it came from */
     uint32_t *source_triangle;  /* [triangle] its number in that primitive, counting those that were dropped */
+    lmb_vec3 shift;             /* what was taken off the file's positions: 0 but for meshes far from their origin */
+    float file_reach;           /* the largest coordinate that the file itself has for a triangle's corner */
 } lmb_mesh;
 
 /* A mesh placed in the world: one for each glTF node that has one, or for each of its EXT_mesh_gpu_instancing places.
@@ -92,6 +98,8 @@ typedef struct lmb_instance {
     lmb_affine normal_to_world; /* inverse transpose of the linear part; translation 0 */
     bool mirrored;              /* negative determinant: winding is the other way round */
     bool dynamic;               /* extras {"lambent": {"static": false}}: neither baked nor an occluder */
+    float position_step;        /* metres between its positions that floats tell apart, the file's or the scene's: the
+                                   coarser at the farthest corner. 0 for what is never traced */
 } lmb_instance;
 
 typedef enum lmb_light_type { LMB_LIGHT_POINT, LMB_LIGHT_SPOT, LMB_LIGHT_DIRECTIONAL } lmb_light_type;
@@ -122,6 +130,7 @@ typedef struct lmb_environment {
 
 typedef struct lmb_scene {
     char *path;
+    lmb_vec3d origin; /* in the world; all positions below count from it */
     lmb_mesh *meshes;
     uint32_t mesh_count;
     lmb_instance *instances;
@@ -146,6 +155,13 @@ typedef struct lmb_scene {
 
 /* Frees everything; NULL is allowed. */
 void lmb_scene_destroy(lmb_scene *scene);
+
+/* The scene's position of a place in the world, and the reverse. */
+lmb_vec3 lmb_scene_from_world(const lmb_scene *scene, lmb_vec3d place);
+lmb_vec3d lmb_scene_to_world(const lmb_scene *scene, lmb_vec3 position);
+
+/* The coarsest position_step of all static instances, metres. */
+float lmb_scene_position_step(const lmb_scene *scene);
 
 /* Checks every index, every vertex and every unit vector. @return LMB_ERROR_FORMAT with the place in `error` */
 lmb_result lmb_scene_validate(const lmb_scene *scene, lmb_error *error);

@@ -13,6 +13,11 @@ typedef struct lmb_vec3 {
     float x, y, z;
 } lmb_vec3;
 
+/* A point of the world in metres, for places so far out that floats are too coarse. */
+typedef struct lmb_vec3d {
+    double x, y, z;
+} lmb_vec3d;
+
 /* Linear red, green, blue. An array, so that per-channel work is a loop. */
 typedef struct lmb_rgb {
     float c[3];

@@ -25,7 +25,7 @@ typedef struct lmb_volume_info {
     int32_t size[3];       /* lattice points per axis of the bounds */
     uint64_t probe_count;  /* distinct probes stored */
     uint32_t brick_count;
-    lmb_vec3 bounds_min;   /* metres, world space */
+    lmb_vec3 bounds_min;   /* metres, world space: (double)min * (double)spacing, rounded to floats */
     lmb_vec3 bounds_max;
     float scale;           /* the power of two that stored radiance was divided by */
     uint64_t file_bytes;
@@ -49,6 +49,10 @@ lmb_volume_info lmb_volume_get_info(const lmb_volume *volume);
  *         in the clamped bounds, or 0 where the cell holds no probes. Never NaN or infinity. `volume` and `radiance`
  *         must not be NULL (asserted only). */
 bool lmb_volume_sample(const lmb_volume *volume, lmb_vec3 position, lmb_sh3_rgb *radiance);
+
+/* The same at a position in double. A float at 1000 km from the world's origin is exact to 6 cm, at 10 000 km to 1 m:
+ * levels out there are sampled by this. Where the position is a float's value, both give the same bits. */
+bool lmb_volume_sample_at(const lmb_volume *volume, lmb_vec3d position, lmb_sh3_rgb *radiance);
 
 #ifdef __cplusplus
 }

@@ -23,6 +23,7 @@ typedef struct lmb_grid {
     int32_t probe_count;
     int32_t (*lattice)[3]; /* [probe]: lattice coordinates, absolute */
     lmb_sh3_rgb *radiance; /* [probe] */
+    lmb_vec3d origin;      /* world place that lmb_grid_position counts from, 0 when created; no file holds it */
     float *validity;       /* [probe] share of rays that see no back face: 1 in the open, 0 in a solid. A probe below
                               LMB_GRID_MIN_VALIDITY was not baked: its radiance is dilated from its neighbours */
 } lmb_grid;
@@ -43,7 +44,7 @@ void lmb_grid_destroy(lmb_grid *grid);
 /* Number of the probe at an absolute lattice point, or -1 when there is none or it is outside. */
 int32_t lmb_grid_probe_at(const lmb_grid *grid, int32_t x, int32_t y, int32_t z);
 
-/* World position of a probe, metres. */
+/* World position of a probe less grid->origin, metres: found in double, rounded last. */
 lmb_vec3 lmb_grid_position(const lmb_grid *grid, int32_t probe);
 
 /* Walks the whole grid and checks every invariant above; finite radiance too. @return LMB_ERROR_FORMAT with the place
