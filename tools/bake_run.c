@@ -229,7 +229,7 @@ static lmb_result step_write(lmb_bake *bake, lmb_output_folder *folder, lmb_erro
     if (result == LMB_OK) {
         result = output_folder_commit(folder, error);
     }
-    if (result == LMB_ERROR_WRITE) {
+    if (result != LMB_OK) {
         output_folder_explain(folder, error);
     }
     return result;

@@ -15,6 +15,13 @@ static bool shut;                                          /* by the main thread
 static void (*cleanup_function)(void *context);
 static void *cleanup_context;
 
+static void cleanup_run(void)
+{
+    if (cleanup_function) {
+        cleanup_function(cleanup_context);
+    }
+}
+
 static void *signals_await(void *unused)
 {
     (void)unused;
@@ -22,9 +29,7 @@ static void *signals_await(void *unused)
     while (sigwait(&signals, &number) != 0) {
     }
     pthread_mutex_lock(&ending);
-    if (cleanup_function) {
-        cleanup_function(cleanup_context);
-    }
+    cleanup_run();
     console_interrupted();
     _exit(EXIT_INTERRUPTED);
 }
@@ -87,4 +92,13 @@ void interrupt_shut(void)
 {
     interrupt_hold();
     shut = true;
+}
+
+void interrupt_fail(const char *message)
+{
+    interrupt_shut();
+    cleanup_run();
+    lmb_error error;
+    lmb_error_set(&error, LMB_ERROR_MEMORY, "%s", message);
+    _exit(command_fail(LMB_ERROR_MEMORY, &error));
 }

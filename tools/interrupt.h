@@ -6,6 +6,10 @@
 #ifndef LMB_TOOLS_INTERRUPT_H
 #define LMB_TOOLS_INTERRUPT_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* To be called before any thread is started: all of them leave the signals to the one that waits. */
 void interrupt_watch(void);
 
@@ -20,5 +24,16 @@ void interrupt_set_cleanup(void (*cleanup)(void *context), void *context);
 /* From here on an interruption comes too late. Where one is under way this does not return. To be called before files
  * replace their old versions, and before the last line of output: it is said once how a command ended. */
 void interrupt_shut(void);
+
+/* Ends the process as a failure of any thread, after the same clean-up. Does not return. */
+void interrupt_fail(const char *message);
+
+/* Ends it so, with one line, when a C++ library lets an exception go where nobody can catch it: TBB does when memory
+ * runs out while Embree builds. */
+void interrupt_catch_terminate(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

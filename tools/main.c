@@ -104,5 +104,6 @@ int main(int count, char **values)
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
     interrupt_watch();
+    interrupt_catch_terminate();
     return console_end(run(count - 1, values + 1));
 }

@@ -574,7 +574,7 @@ void output_folder_explain(const lmb_output_folder *folder, lmb_error *error)
         const char *const rest = stage + sizeof NEW_NAME;
         memmove(stage, rest, strlen(rest) + 1);
     }
-    lmb_error_set(error, LMB_ERROR_WRITE, "%.300s; %s", line,
+    lmb_error_set(error, LMB_OK, "%.300s; %s", line,
                   folder->made_from > 0 ? "nothing was written" : "the folder is as it was");
 }
 
