@@ -46,6 +46,14 @@ void lmb_scene_destroy(lmb_scene *scene)
     for (uint32_t i = 0; i < scene->light_count; ++i) {
         free(scene->lights[i].name);
     }
+    for (uint32_t i = 0; scene->seed_names && i < scene->seed_point_count; ++i) {
+        free(scene->seed_names[i]);
+    }
+    for (uint32_t i = 0; i < scene->camera_count; ++i) {
+        free(scene->cameras[i].name);
+    }
+    free(scene->seed_names);
+    free(scene->cameras);
     free(scene->meshes);
     free(scene->instances);
     free(scene->materials);

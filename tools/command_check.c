@@ -173,7 +173,7 @@ int command_check(int count, char **values)
     }
     lmb_error error = {""};
     lmb_baked baked;
-    lmb_result result = baked_open(options.level, options.directory, options.threads, &baked, &error);
+    lmb_result result = baked_open(options.level, options.directory, options.threads, NULL, &baked, &error);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
