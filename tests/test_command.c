@@ -1,41 +1,20 @@
 /* The `lambent` command from outside: exit statuses, JSON keys, files, and the same bytes for any thread count. */
 #define _POSIX_C_SOURCE 200809L
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <cjson/cJSON.h>
 
 #include <lambent/file.h>
 
-#include "harness.h"
+#include "command_fixture.h"
 #include "scenes/levels.h"
 
 #define OUTPUT LMB_TEST_OUTPUT_DIR "/command"
 #define LEVEL OUTPUT "/cornell box é.glb" /* a space and a letter beyond ASCII, on purpose */
 #define QUOTED "'" LEVEL "'"
 #define BAKE_OPTIONS " --spacing 0.25 --samples 16 --lightmaps --texels-per-m 6 --quiet "
-
-/* Runs a shell command and keeps the first part of what it prints on standard output and error together. */
-static int run(char *printed, size_t size, const char *command)
-{
-    char line[2048];
-    snprintf(line, sizeof line, "%s 2>&1", command);
-    FILE *pipe = popen(line, "r");
-    if (!pipe) {
-        return -1;
-    }
-    const size_t got = fread(printed, 1, size - 1, pipe);
-    printed[got] = '\0';
-    char rest[4096];
-    while (fread(rest, 1, sizeof rest, pipe) > 0) {
-    }
-    const int status = pclose(pipe);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 static bool level_make(void)
 {

@@ -183,6 +183,9 @@ int command_bench(int count, char **values)
     if (!bench_arguments(&arguments, &settings, &repeats, &json)) {
         return arguments_status(&arguments);
     }
+    if (settings.max_samples == settings.samples) {
+        samples_say_rounded(settings.samples, LMB_GATHER_REPLICATES, settings.level.options.quiet || json);
+    }
     lmb_error error = {{0}};
     lmb_level level;
     lmb_result result = level_open(&settings.level.options, &level, &error);

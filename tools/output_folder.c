@@ -454,6 +454,9 @@ static lmb_result file_keep(const lmb_output_folder *folder, const char *name, b
     if (result != LMB_OK || lstat(path, &status) != 0) {
         return result;
     }
+    if (S_ISDIR(status.st_mode)) { /* no bake makes one */
+        return stays ? write_fail(path, EISDIR, error) : LMB_OK;
+    }
     *kept = (stays && link(path, old) == 0) || rename(path, old) == 0;
     return *kept ? LMB_OK : write_fail(path, errno, error);
 }
