@@ -37,6 +37,7 @@ static void bad_folders_cost_nothing(void)
         {"true", "/dev/null", "", "/dev/null: not a folder"},
         {"mkdir -p F/probes.lmb", "F", "", "F/probes.lmb: not a file"},
         {"mkdir -p F/bake.json", "F", "", "F/bake.json: not a file"},
+        {"mkdir -p F/lightmap/lightmap.json", "F", LIGHTMAPS, "F/lightmap/lightmap.json: not a file"},
         {"mkdir -p F && touch F/lightmap", "F", LIGHTMAPS, "F/lightmap: not a folder"},
         {"true", "\"$(printf '%05000d' 0)\"", "", "path is too long"},
         {"true", "''", "", "not a folder"},
@@ -104,6 +105,25 @@ static void full_disk_leaves_the_old(void)
     }
     failed_write_leaves_the_old(OUTPUT "/disk/bake", "");
     CHECK_RUN(0, NULL, "umount " OUTPUT "/disk");
+}
+
+/* A target that turns bad while the bake is at work: what has moved in by then is taken out again. */
+static void failed_moves_are_undone(void)
+{
+#define FOLDER OUTPUT "/undone"
+    static char old[16384], now[16384];
+    if (!level_make() || !CHECK_RUN(0, NULL, "rm -rf " FOLDER " && " BAKE "-o " FOLDER)) {
+        return;
+    }
+    folder_state(FOLDER, old, sizeof old);
+    CHECK_RUN(1, "lightmap/lightmap_0.exr: cannot be written: Is a directory; the folder is as it was",
+              BAKE LIGHTMAPS "--spacing 0.05 --samples 16 -o " FOLDER " & "
+                             "while [ ! -e " FOLDER "/.lambent-lock ]; do sleep 0.01; done; sleep 0.1; "
+                             "mkdir -p " FOLDER "/lightmap/lightmap_0.exr; wait $!");
+    CHECK_RUN(0, NULL, "rmdir " FOLDER "/lightmap/lightmap_0.exr " FOLDER "/lightmap");
+    folder_state(FOLDER, now, sizeof now);
+    CHECK(strcmp(old, now) == 0, "before\n%s\nand after\n%s", old, now);
+#undef FOLDER
 }
 
 /* Files of the earlier bake that the new one does not make go, by its record; others never. */
@@ -183,6 +203,7 @@ static const test_case cases[] = {
     {"immutable_files_cost_nothing", immutable_files_cost_nothing},
     {"file_size_limit_leaves_the_old", file_size_limit_leaves_the_old},
     {"full_disk_leaves_the_old", full_disk_leaves_the_old},
+    {"failed_moves_are_undone", failed_moves_are_undone},
     {"only_what_a_record_names_goes", only_what_a_record_names_goes},
     {"two_bakes_do_not_mix", two_bakes_do_not_mix},
 };

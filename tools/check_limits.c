@@ -88,7 +88,7 @@ static void limit_read(check_limits *limits, lmb_arguments *arguments, const cha
     } else if (strlen(copy) >= sizeof limit->name || !figure_find(copy, NULL).known) {
         arguments_error(arguments, "--fail-above: check --json has no figure", copy);
     } else {
-        snprintf(limit->name, sizeof limit->name, "%s", copy);
+        memcpy(limit->name, copy, strlen(copy) + 1);
         ++limits->count;
     }
 }

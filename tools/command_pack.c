@@ -7,7 +7,7 @@
 #include <lambent/vdb.h>
 
 #include "command.h"
-#include "output_folder.h"
+#include "output_file.h"
 
 static const char usage[] =
     "usage: lambent pack FILE.vdb -o FILE.lmb [options]\n"

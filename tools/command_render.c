@@ -6,7 +6,7 @@
 
 #include "baked.h"
 #include "command.h"
-#include "output_folder.h"
+#include "output_file.h"
 #include "render.h"
 #include "tonemap.h"
 #include "vector_math.h"

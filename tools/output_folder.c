@@ -186,8 +186,8 @@ static void lock_release(lmb_output_folder *folder)
     }
 }
 
-/* What would stop a file from being replaced. */
-static lmb_result target_check(const lmb_output_folder *folder, const char *name, lmb_error *error)
+/* What would stop a file from being replaced, or, when it is not `wanted`, from being removed. */
+static lmb_result target_check(const lmb_output_folder *folder, const char *name, bool wanted, lmb_error *error)
 {
     char path[MAX_PATH];
     struct stat status;
@@ -195,7 +195,7 @@ static lmb_result target_check(const lmb_output_folder *folder, const char *name
     if (result != LMB_OK || lstat(path, &status) != 0) {
         return result;
     }
-    if (!S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) {
+    if (wanted && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) {
         return lmb_error_set(error, LMB_ERROR_WRITE, "%s: not a file that a bake may replace; move it away", path);
     }
     if (access(path, W_OK) != 0 && errno == EPERM) { /* made immutable; permissions alone do not stop a rename */
@@ -236,10 +236,21 @@ static bool changes_have_lightmaps(const lmb_output_folder *folder)
 
 static lmb_result targets_check(const lmb_output_folder *folder, lmb_error *error)
 {
-    static const char *const names[] = {RECORD_NAME, "probes.lmb", "probes.vdb"};
+    static const char *const names[] = {
+        RECORD_NAME,
+        "probes.lmb",
+        "probes.vdb",
+        LIGHTMAP_NAME "/lightmap.json",
+        LIGHTMAP_NAME "/level_uv2.glb",
+        LIGHTMAP_NAME "/lightmap_0.exr",
+    };
     lmb_result result = LMB_OK;
-    for (size_t i = 0; i < sizeof names / sizeof names[0] && result == LMB_OK; ++i) {
-        result = target_check(folder, names[i], error);
+    const size_t count = folder->lightmaps ? sizeof names / sizeof names[0] : 3;
+    for (size_t i = 0; i < count && result == LMB_OK; ++i) {
+        result = target_check(folder, names[i], true, error);
+    }
+    for (size_t i = 0; i < folder->change_count && result == LMB_OK; ++i) {
+        result = target_check(folder, folder->changes[i].name, false, error);
     }
     return result == LMB_OK && (folder->lightmaps || changes_have_lightmaps(folder))
                ? lightmap_folder_check(folder, error)
@@ -596,33 +607,4 @@ void output_folder_close(lmb_output_folder *folder)
     interrupt_release();
     free(folder->changes);
     free(folder);
-}
-
-static void file_abandon(void *context)
-{
-    unlink(context);
-}
-
-lmb_result output_file_check(const char *path, lmb_error *error)
-{
-    static char *temporary; /* for as long as an interruption may need it */
-    free(temporary);
-    temporary = lmb_file_temporary_path(path);
-    if (!temporary) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
-    }
-    struct stat status;
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) {
-        return lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot be written: not a file", path);
-    }
-    const int descriptor = open(temporary, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor < 0) {
-        return write_fail(path, errno, error);
-    }
-    close(descriptor);
-    unlink(temporary);
-    interrupt_hold();
-    interrupt_set_cleanup(file_abandon, temporary);
-    interrupt_release();
-    return LMB_OK;
 }

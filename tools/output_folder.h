@@ -1,4 +1,4 @@
-/* Where a command writes: a bake's folder, which holds the old bake or the new one, and single files.
+/* A bake's folder, which holds the old bake or the new one.
  *
  *     DIR/.lambent-lock       while a bake is at work; the kernel gives it up with the process
  *     DIR/.lambent-new/...    what it has written so far
@@ -37,9 +37,5 @@ void output_folder_explain(const lmb_output_folder *folder, lmb_error *error);
 
 /* Gives up the lock; without a commit nothing is left of what was made here. NULL is allowed. */
 void output_folder_close(lmb_output_folder *folder);
-
-/* Whether a file can be written, found before there is anything to write. An interruption while it is written leaves
- * none of it. @return LMB_ERROR_WRITE, _MEMORY */
-lmb_result output_file_check(const char *path, lmb_error *error);
 
 #endif
