@@ -5,6 +5,8 @@
 
 #include <cjson/cJSON.h>
 
+#include <lambent/vdb.h>
+
 #include "command_fixture.h"
 #include "scenes/levels.h"
 
@@ -218,6 +220,48 @@ static void volumes_come_back(void)
     CHECK(access(OUTPUT "/q.lmb", F_OK) != 0, "what could not be packed left a file");
 }
 
+/* Green irradiance that `sample` gives in the middle of the box. */
+static double green_sampled(const char *path)
+{
+    char command[512], printed[8192];
+    snprintf(command, sizeof command, IN_OUTPUT LMB_COMMAND " sample %s --at 0,1,0 --normal 0,1,0 --json", path);
+    CHECK(run(printed, sizeof printed, command) == 0, "%s: %s", path, printed);
+    cJSON *json = cJSON_Parse(printed);
+    const double green = cJSON_GetNumberValue(cJSON_GetArrayItem(cJSON_GetObjectItem(json, "irradiance"), 1));
+    cJSON_Delete(json);
+    return green;
+}
+
+static void edited_volumes_give_edited_light(void)
+{
+    lmb_error error = {{0}};
+    lmb_grid *grid;
+    if (!baked()) {
+        return;
+    }
+    if (lmb_vdb_read(OUTPUT "/b/probes.vdb", &grid, NULL, NULL, &error) != LMB_OK) {
+        CHECK(false, "%s", error.message);
+        return;
+    }
+    for (int32_t i = 0; i < grid->probe_count; ++i) {
+        for (int k = 0; k < LMB_SH3_COUNT; ++k) {
+            grid->radiance[i].channel[1].c[k] *= 2.0f;
+        }
+    }
+    const lmb_vdb_metadata metadata = {"{}", "0"};
+    CHECK(lmb_vdb_write(OUTPUT "/edited.vdb", grid, &metadata, &error) == LMB_OK, "%s", error.message);
+    CHECK_RUN(0, NULL, IN_OUTPUT LMB_COMMAND " pack edited.vdb -o edited.lmb");
+    const double green = green_sampled("b/probes.lmb");
+    CHECK(green > 0.0, "%g", green);
+    CHECK_NEAR(green_sampled("edited.lmb"), 2.0 * green, 2e-3 * green, "twice the green");
+    for (int32_t i = 0; i < grid->probe_count; ++i) {
+        grid->validity[i] = 0.0f;
+    }
+    CHECK(lmb_vdb_write(OUTPUT "/edited.vdb", grid, &metadata, &error) == LMB_OK, "%s", error.message);
+    CHECK_RUN(3, "edited.vdb: no probe has light", IN_OUTPUT LMB_COMMAND " pack edited.vdb -o edited.lmb");
+    lmb_grid_destroy(grid);
+}
+
 /* A floor of 4 m, seeds and cameras as glTF text. Base64 of 4 corners and 6 indices. */
 static bool marked_level_write(void)
 {
@@ -320,6 +364,7 @@ static const test_case cases[] = {
     {"records_end_with_one", records_end_with_one},
     {"limits_fail_a_check", limits_fail_a_check},
     {"volumes_come_back", volumes_come_back},
+    {"edited_volumes_give_edited_light", edited_volumes_give_edited_light},
     {"seeds_are_named", seeds_are_named},
     {"pictures_from_camera_nodes", pictures_from_camera_nodes},
     {"missing_memory_is_one_line", missing_memory_is_one_line},

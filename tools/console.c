@@ -17,7 +17,7 @@
 #include "interrupt.h"
 
 /* Of the process. */
-static bool json_records;
+static atomic_bool json_records;
 static atomic_bool bar_open; /* the line that the cursor is in is the bar's */
 
 /* The first reason why standard output did not take something; -1: not known. */
