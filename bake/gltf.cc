@@ -112,7 +112,8 @@ class loader {
     void visit_scene();
     void visit_node(uint32_t index, bool dynamic);
     bool is_excluded(const std::string &name) const;
-    void read_marks(const Value &marks, const lmb_affine &to_world);
+    void read_marks(const Value &marks, uint32_t node);
+    void add_camera(uint32_t node);
     void add_light(uint32_t light, const lmb_affine &to_world, uint32_t node, bool indirect_only);
     void add_mesh_node(uint32_t index, bool dynamic);
     uint32_t mesh_for(uint32_t node);
@@ -605,15 +606,34 @@ lmb_vec3 origin_of(const lmb_affine &t)
     return {float(t.m[0][3]), float(t.m[1][3]), float(t.m[2][3])};
 }
 
-void loader::read_marks(const Value &marks, const lmb_affine &to_world)
+void loader::read_marks(const Value &marks, uint32_t node)
 {
+    const lmb_affine &to_world = nodes_[node].to_world;
     const Value &seed = member(marks, "seed"), &path = member(marks, "path");
     if (seed.IsBool() && seed.Get<bool>()) {
+        uint32_t count = scene_->seed_point_count;
+        append(scene_->seed_names, count) = copy_string(node_name(node));
         append(scene_->seed_points, scene_->seed_point_count) = origin_of(to_world);
     }
     if (path.IsNumber()) {
         path_.emplace_back(path.GetNumberAsDouble(), origin_of(to_world));
     }
+}
+
+/* Of an orthographic camera, or one that does not exist, the angle of view is not told. */
+void loader::add_camera(uint32_t index)
+{
+    const cJSON *const list = cJSON_GetObjectItemCaseSensitive(file_->root, "cameras");
+    const cJSON *const camera =
+        model_.nodes[index].camera >= 0 ? cJSON_GetArrayItem(list, model_.nodes[index].camera) : nullptr;
+    const cJSON *const angle =
+        cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(camera, "perspective"), "yfov");
+    lmb_scene_camera &added = append(scene_->cameras, scene_->camera_count);
+    added.name = copy_string(node_name(index));
+    added.to_world = nodes_[index].to_world;
+    added.vertical_fov_rad = cJSON_IsNumber(angle) && angle->valuedouble > 0.0 && angle->valuedouble < 3.14
+                                 ? float(angle->valuedouble)
+                                 : 0.0f;
 }
 
 void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node, bool indirect_only)
@@ -823,7 +843,10 @@ void loader::add_mesh_node(uint32_t index, bool dynamic)
 void loader::visit_node(uint32_t index, bool dynamic)
 {
     const tinygltf::Node &node = model_.nodes[index];
-    read_marks(member(node.extras, "lambent"), nodes_[index].to_world);
+    read_marks(member(node.extras, "lambent"), index);
+    if (node.camera >= 0 || (options_ && options_->view_node && node_name(index) == options_->view_node)) {
+        add_camera(index);
+    }
     const int light = index_of(member(find_extension(node.extensions, "KHR_lights_punctual"), "light"));
     const Value &part = member(member(node.extras, "lambent"), "light");
     const std::string baked = part.IsString() ? part.Get<std::string>() : "baked";

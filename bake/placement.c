@@ -1,6 +1,7 @@
 #include "placement_internal.h"
 
 #include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -113,10 +114,59 @@ static bool lattice_any_free(const lmb_lattice *lattice)
     return memchr(lattice->free, 1, lattice->count) != NULL;
 }
 
+/* All seeds: the caller's, then the scene's own. */
+typedef struct seed_list {
+    uint32_t count;
+    uint32_t callers;
+    lmb_vec3 *at;
+    lmb_seed_state *state;
+} seed_list;
+
+enum { SEED_TEXT = 160 };
+
+/* Which seed, and why it is none. */
+static void seed_describe(const lmb_scene *scene, const seed_list *seeds, uint32_t i, char text[SEED_TEXT])
+{
+    const bool has_name = i >= seeds->callers && scene->seed_names;
+    const char *name = has_name ? scene->seed_names[i - seeds->callers] : "";
+    const lmb_vec3d at = lmb_scene_to_world(scene, seeds->at[i]);
+    snprintf(text, SEED_TEXT, "seed %s%.60s%sat %g,%g,%g lies %s", has_name ? "node '" : "point ", name,
+             has_name ? "' " : "", at.x, at.y, at.z,
+             seeds->state[i] == LMB_SEED_OUTSIDE ? "outside the level's bounds"
+                                                 : "in a solid, or in a gap narrower than the spacing");
+}
+
+/* Names the first few. */
+static lmb_result seeds_fail(const lmb_scene *scene, const seed_list *seeds, lmb_error *error)
+{
+    enum { NAMED = 2 };
+    char text[NAMED][SEED_TEXT] = {""}, more[48] = "";
+    const uint32_t named = seeds->count < NAMED ? seeds->count : NAMED;
+    for (uint32_t i = 0; i < named; ++i) {
+        seed_describe(scene, seeds, i, text[i]);
+    }
+    if (seeds->count > NAMED) {
+        snprintf(more, sizeof more, "; so do %u more", seeds->count - NAMED);
+    }
+    return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: no seed lies in free space: %s%s%s%s", scene->path, text[0],
+                         named > 1 ? "; " : "", text[1], more);
+}
+
+static void seeds_warn(const lmb_scene *scene, const seed_list *seeds, const lmb_warnings *warnings)
+{
+    for (uint32_t i = 0; i < seeds->count; ++i) {
+        if (seeds->state[i] != LMB_SEED_FREE) {
+            char text[SEED_TEXT];
+            seed_describe(scene, seeds, i, text);
+            lmb_warn(warnings, "%s: %s: ignored", scene->path, text);
+        }
+    }
+}
+
 /* Classifies the lattice at one spacing. */
-static lmb_result lattice_make(lmb_lattice *lattice, const lmb_tracer *tracer, float spacing, const lmb_vec3 *seeds,
-                               uint32_t seed_count, lmb_pool *pool, const lmb_progress *progress,
-                               lmb_placement_stats *stats, lmb_error *error)
+static lmb_result lattice_make(lmb_lattice *lattice, const lmb_tracer *tracer, float spacing, const seed_list *seeds,
+                               lmb_pool *pool, const lmb_progress *progress, lmb_placement_stats *stats,
+                               lmb_error *error)
 {
     if (!lattice_fit(lattice, lmb_tracer_scene(tracer), spacing)) {
         return lmb_error_set(error, LMB_ERROR_UNSUPPORTED,
@@ -139,14 +189,17 @@ static lmb_result lattice_make(lmb_lattice *lattice, const lmb_tracer *tracer, f
             lattice->validity[i] = 1.0f;
         }
     }
-    if (seed_count > 0) {
-        result = lmb_lattice_flood(lattice, tracer, seeds, seed_count, &stats->seeds_in_solid, &stats->rays);
+    if (seeds->count > 0) {
+        result = lmb_lattice_flood(lattice, tracer, seeds->at, seeds->count, seeds->state, &stats->rays);
         if (result != LMB_OK) {
             return lmb_error_set(error, result, "out of memory");
         }
         if (!lattice_any_free(lattice)) {
-            return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: no seed point lies in free space of the level",
-                                 lmb_tracer_scene(tracer)->path);
+            return seeds_fail(lmb_tracer_scene(tracer), seeds, error);
+        }
+        stats->seeds_in_solid = false;
+        for (uint32_t i = 0; i < seeds->count; ++i) {
+            stats->seeds_in_solid |= seeds->state[i] != LMB_SEED_FREE;
         }
     }
     return LMB_OK;
@@ -212,18 +265,30 @@ static lmb_result grid_from_lattice(const lmb_lattice *lattice, const uint8_t *w
     return LMB_OK;
 }
 
-/* Room for all seeds: the caller's and the scene's own. */
-static lmb_vec3 *seeds_gather(const lmb_scene *scene, const lmb_placement_settings *settings, uint32_t *count)
+static void seeds_free(seed_list *seeds)
 {
-    *count = settings->seed_count + scene->seed_point_count;
-    lmb_vec3 *seeds = malloc((*count + 1u) * sizeof *seeds);
-    for (uint32_t i = 0; seeds && i < settings->seed_count; ++i) {
-        seeds[i] = lmb_scene_from_world(scene, settings->seeds[i]);
+    free(seeds->at);
+    free(seeds->state);
+}
+
+/* False when out of memory. */
+static bool seeds_gather(const lmb_scene *scene, const lmb_placement_settings *settings, seed_list *seeds)
+{
+    seeds->callers = settings->seed_count;
+    seeds->count = settings->seed_count + scene->seed_point_count;
+    seeds->at = malloc((seeds->count + 1u) * sizeof *seeds->at);
+    seeds->state = calloc(seeds->count + 1u, sizeof *seeds->state);
+    if (!seeds->at || !seeds->state) {
+        seeds_free(seeds);
+        return false;
     }
-    if (seeds && scene->seed_point_count > 0) {
-        memcpy(seeds + settings->seed_count, scene->seed_points, scene->seed_point_count * sizeof *seeds);
+    for (uint32_t i = 0; i < settings->seed_count; ++i) {
+        seeds->at[i] = lmb_scene_from_world(scene, settings->seeds[i]);
     }
-    return seeds;
+    if (scene->seed_point_count > 0) {
+        memcpy(seeds->at + settings->seed_count, scene->seed_points, scene->seed_point_count * sizeof *seeds->at);
+    }
+    return true;
 }
 
 lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
@@ -237,12 +302,14 @@ lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_sett
     *stats = (lmb_placement_stats){0};
     lmb_lattice lattice = {0};
     uint8_t *wanted = NULL;
-    uint32_t seed_count;
-    lmb_vec3 *seeds = seeds_gather(scene, settings, &seed_count);
-    lmb_result result = seeds ? LMB_OK : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    seed_list seeds;
+    if (!seeds_gather(scene, settings, &seeds)) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    lmb_result result = LMB_OK;
     float spacing = settings->spacing > 0.0f ? settings->spacing : lmb_placement_default_spacing(scene);
     for (int step = 0; result == LMB_OK; ++step) {
-        result = lattice_make(&lattice, tracer, spacing, seeds, seed_count, pool, progress, stats, error);
+        result = lattice_make(&lattice, tracer, spacing, &seeds, pool, progress, stats, error);
         wanted = result == LMB_OK ? malloc(lattice.count) : NULL;
         if (result == LMB_OK && !wanted) {
             result = lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
@@ -269,10 +336,12 @@ lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_sett
         }
         if (result != LMB_OK) {
             lmb_error_set(error, result, "out of memory");
+        } else {
+            seeds_warn(scene, &seeds, &settings->warnings);
         }
     }
     lattice_free(&lattice);
     free(wanted);
-    free(seeds);
+    seeds_free(&seeds);
     return result;
 }

@@ -33,9 +33,12 @@ static inline lmb_vec3 lattice_position(const lmb_lattice *lattice, int32_t x, i
 lmb_result lmb_lattice_classify(lmb_lattice *lattice, const lmb_tracer *tracer, lmb_pool *pool,
                                 const lmb_progress *progress, uint64_t *rays);
 
-/* Clears `free` where no seed point is connected through free space. */
+/* Where a seed point lies. */
+typedef enum lmb_seed_state { LMB_SEED_FREE, LMB_SEED_SOLID, LMB_SEED_OUTSIDE } lmb_seed_state;
+
+/* Clears `free` where no seed point is connected through free space. `states` has room for each seed. */
 lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, const lmb_vec3 *seeds, uint32_t seed_count,
-                             bool *seeds_in_solid, uint64_t *rays);
+                             lmb_seed_state *states, uint64_t *rays);
 
 /* Number of the grid's cells with all eight probes, and how many of them a static triangle passes through. */
 lmb_result lmb_grid_count_cells(const lmb_grid *grid, const lmb_tracer *tracer, int64_t *cells, int64_t *crossed);

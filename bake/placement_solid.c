@@ -124,11 +124,12 @@ lmb_result lmb_lattice_classify(lmb_lattice *lattice, const lmb_tracer *tracer, 
     return result;
 }
 
-/* The free lattice point nearest to a seed among the corners of its cell, or SIZE_MAX. */
-static size_t seed_point(const lmb_lattice *lattice, lmb_vec3 seed)
+/* The free lattice point nearest to a seed among the corners of its cell, or SIZE_MAX, and why. */
+static size_t seed_point(const lmb_lattice *lattice, lmb_vec3 seed, lmb_seed_state *state)
 {
     const double world[3] = {(double)seed.x + lattice->origin.x, (double)seed.y + lattice->origin.y,
                              (double)seed.z + lattice->origin.z};
+    *state = LMB_SEED_OUTSIDE;
     int32_t cell[3];
     for (int axis = 0; axis < 3; ++axis) {
         const double at = floor(world[axis] / (double)lattice->spacing) - (double)lattice->min[axis];
@@ -148,6 +149,7 @@ static size_t seed_point(const lmb_lattice *lattice, lmb_vec3 seed)
             nearest_distance = distance;
         }
     }
+    *state = nearest == SIZE_MAX ? LMB_SEED_SOLID : LMB_SEED_FREE;
     return nearest;
 }
 
@@ -162,7 +164,7 @@ static bool points_connected(const lmb_lattice *lattice, const lmb_tracer *trace
 }
 
 lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, const lmb_vec3 *seeds, uint32_t seed_count,
-                             bool *seeds_in_solid, uint64_t *rays)
+                             lmb_seed_state *states, uint64_t *rays)
 {
     uint8_t *reached = calloc(lattice->count, 1);
     size_t *queue = malloc(lattice->count * sizeof *queue);
@@ -173,8 +175,7 @@ lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, con
     }
     size_t filled = 0;
     for (uint32_t i = 0; i < seed_count; ++i) {
-        const size_t point = seed_point(lattice, seeds[i]);
-        *seeds_in_solid |= point == SIZE_MAX;
+        const size_t point = seed_point(lattice, seeds[i], &states[i]);
         if (point != SIZE_MAX && !reached[point]) {
             reached[point] = 1;
             queue[filled++] = point;

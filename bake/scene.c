@@ -36,18 +36,28 @@ void lmb_scene_clear_nodes(lmb_scene *scene)
     for (uint32_t i = 0; i < scene->light_count; ++i) {
         free(scene->lights[i].name);
     }
+    for (uint32_t i = 0; scene->seed_names && i < scene->seed_point_count; ++i) {
+        free(scene->seed_names[i]);
+    }
+    for (uint32_t i = 0; i < scene->camera_count; ++i) {
+        free(scene->cameras[i].name);
+    }
     free(scene->meshes);
     free(scene->instances);
     free(scene->lights);
     free(scene->seed_points);
+    free(scene->seed_names);
     free(scene->path_points);
+    free(scene->cameras);
     scene->meshes = NULL;
     scene->instances = NULL;
     scene->lights = NULL;
     scene->seed_points = NULL;
+    scene->seed_names = NULL;
     scene->path_points = NULL;
+    scene->cameras = NULL;
     scene->mesh_count = scene->instance_count = scene->light_count = 0;
-    scene->seed_point_count = scene->path_point_count = 0;
+    scene->seed_point_count = scene->path_point_count = scene->camera_count = 0;
     scene->dropped_triangle_count = 0;
 }
 

@@ -180,8 +180,12 @@ lmb_result lmb_tracer_create(const lmb_scene *scene, const char *isa, int thread
         created->is_mirrored[i] = scene->instances[i].mirrored;
     }
     created->device = rtcNewDevice(config);
-    if (!created->device || rtcGetDeviceError(created->device) != RTC_ERROR_NONE) {
+    const enum RTCError fault = rtcGetDeviceError(created->device); /* of a device that could not be made too */
+    if (!created->device || fault != RTC_ERROR_NONE) {
         lmb_tracer_destroy(created);
+        if (fault == RTC_ERROR_OUT_OF_MEMORY || fault == RTC_ERROR_UNKNOWN) {
+            return lmb_error_set(error, LMB_ERROR_MEMORY, "Embree cannot start: out of memory, or of threads");
+        }
         return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "Embree cannot start here%s%s", isa ? " with isa " : "",
                              isa ? isa : "");
     }

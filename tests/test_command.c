@@ -1,41 +1,20 @@
 /* The `lambent` command from outside: exit statuses, JSON keys, files, and the same bytes for any thread count. */
 #define _POSIX_C_SOURCE 200809L
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <cjson/cJSON.h>
 
 #include <lambent/file.h>
 
-#include "harness.h"
+#include "command_fixture.h"
 #include "scenes/levels.h"
 
 #define OUTPUT LMB_TEST_OUTPUT_DIR "/command"
 #define LEVEL OUTPUT "/cornell box é.glb" /* a space and a letter beyond ASCII, on purpose */
 #define QUOTED "'" LEVEL "'"
 #define BAKE_OPTIONS " --spacing 0.25 --samples 16 --lightmaps --texels-per-m 6 --quiet "
-
-/* Runs a shell command and keeps the first part of what it prints on standard output and error together. */
-static int run(char *printed, size_t size, const char *command)
-{
-    char line[2048];
-    snprintf(line, sizeof line, "%s 2>&1", command);
-    FILE *pipe = popen(line, "r");
-    if (!pipe) {
-        return -1;
-    }
-    const size_t got = fread(printed, 1, size - 1, pipe);
-    printed[got] = '\0';
-    char rest[4096];
-    while (fread(rest, 1, sizeof rest, pipe) > 0) {
-    }
-    const int status = pclose(pipe);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 static bool level_make(void)
 {
@@ -132,8 +111,8 @@ static cJSON *file_json(const char *path)
 static char *record_text(const char *directory)
 {
     static const char *const keys[] = {
-        "probes",    "levels", "cells_crossed",       "rays",  "seconds",  "threads", "mrays_per_s", "peak_rss_mb",
-        "estimator", "seed",   "estimated_rel_error", "bytes", "settings", NULL};
+        "probes",    "levels", "cells_crossed",       "rays",  "seconds", "threads",  "mrays_per_s", "peak_rss_mb",
+        "estimator", "seed",   "estimated_rel_error", "bytes", "files",   "settings", NULL};
     static const char *const phases[] = {"load",      "bvh",   "surface", "place", "probes",
                                          "lightmaps", "write", "total",   NULL};
     static const char *const free_keys[] = {"seconds", "mrays_per_s", "peak_rss_mb", "threads"};
@@ -260,10 +239,13 @@ static void bench_counts_the_bakes_rays(void)
     cJSON_Delete(json);
 }
 
-/* JSON progress: phases in order, none going back, time left once there is a forecast. */
+/* JSON progress: phases in order, none going back, time left once there is a forecast; then the result. */
 static void progress_runs_forward(void)
 {
     static const char *const keys[] = {"phase", "done", "seconds", "seconds_left", "total_seconds", "total_done", NULL};
+    static const char *const result_keys[] = {"directory",   "probes",  "texels", "samples",     "rays",
+                                              "mrays_per_s", "seconds", "bytes",  "peak_rss_mb", "estimated_rel_error",
+                                              NULL};
     char printed[65536];
     if (!level_make()) {
         return;
@@ -273,9 +255,16 @@ static void progress_runs_forward(void)
           "%s", printed);
     char phase[64] = "";
     double done = 0.0, total_seconds = 0.0, total_done = 0.0, left = -1.0;
-    int phases = 0;
+    int phases = 0, results = 0;
     for (char *line = strtok(printed, "\n"); line; line = strtok(NULL, "\n")) {
         cJSON *json = cJSON_Parse(line);
+        CHECK(results == 0, "after the result: %s", line);
+        if (cJSON_HasObjectItem(json, "result")) {
+            has_keys(cJSON_GetObjectItem(json, "result"), result_keys, line);
+            ++results;
+            cJSON_Delete(json);
+            continue;
+        }
         CHECK(has_keys(json, keys, line), "%s", line);
         const char *name = cJSON_GetStringValue(cJSON_GetObjectItem(json, "phase"));
         if (name && strcmp(name, phase) != 0) {
@@ -292,6 +281,7 @@ static void progress_runs_forward(void)
         left = cJSON_GetNumberValue(cJSON_GetObjectItem(json, "seconds_left"));
         cJSON_Delete(json);
     }
+    CHECK(results == 1, "%d results", results);
     CHECK(phases == 6 && strcmp(phase, "lightmaps") == 0, "%d phases, the last %s", phases, phase);
     CHECK(done == 1.0 && left >= 0.0 && total_done > 0.0 && total_done <= 1.0, "%g done, %g left, %g in all", done,
           left, total_done);

@@ -18,27 +18,53 @@ void arguments_error(lmb_arguments *arguments, const char *what, const char *arg
     arguments->failed = true;
 }
 
+/* A path that begins with a dash, so that nobody takes it for an option. It lives as long as the process. */
+static const char *path_of_dashed(lmb_arguments *arguments, char *path)
+{
+    static char *paths[8];
+    static size_t count;
+    const size_t size = strlen(path) + 3;
+    char *const made = path[0] == '-' && count < sizeof paths / sizeof paths[0] ? malloc(size) : NULL;
+    if (!made) {
+        if (path[0] == '-') {
+            arguments_error(arguments, "one argument too many:", path);
+        }
+        return path;
+    }
+    snprintf(made, size, "./%s", path);
+    return paths[count++] = made;
+}
+
 const char *arguments_next(lmb_arguments *arguments)
 {
+    if (arguments->value && !arguments->failed) {
+        arguments_error(arguments, "no value goes with", arguments->option);
+    }
+    if (!arguments->failed && !arguments->only_positional && arguments->at < arguments->count &&
+        strcmp(arguments->values[arguments->at], "--") == 0) {
+        arguments->only_positional = true;
+        ++arguments->at;
+    }
     if (arguments->failed || arguments->at >= arguments->count) {
         return NULL;
     }
-    char *value = arguments->values[arguments->at++];
-    if (strcmp(value, "--help") == 0 || strcmp(value, "-h") == 0) {
+    char *argument = arguments->values[arguments->at++];
+    if (arguments->only_positional) {
+        return path_of_dashed(arguments, argument);
+    }
+    if (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0) {
         fputs(arguments->usage, stdout);
         arguments->help = true;
         arguments->at = arguments->count;
         return NULL;
     }
-    if (value[0] == '-' && value[1] != '\0') {
-        /* "--name=value" is read as two arguments: the name now, the value by the next arguments_text. */
-        char *equals = strchr(value, '=');
-        if (equals && value[1] == '-') {
-            *equals = '\0';
-            arguments->values[--arguments->at] = equals + 1;
-        }
+    char *equals = argument[0] == '-' && argument[1] != '\0' ? strchr(argument, '=') : NULL;
+    if (equals && (argument[1] == '-' || equals == argument + 2)) {
+        *equals = '\0';
+        arguments->option = argument;
+        arguments->value = equals + 1;
     }
-    return value;
+    return argument;
 }
 
 int arguments_status(const lmb_arguments *arguments)
@@ -48,6 +74,11 @@ int arguments_status(const lmb_arguments *arguments)
 
 const char *arguments_text(lmb_arguments *arguments, const char *option)
 {
+    const char *value = arguments->value;
+    arguments->value = NULL;
+    if (value) {
+        return value;
+    }
     if (arguments->at >= arguments->count) {
         arguments_error(arguments, "a value must follow", option);
         return "";
@@ -137,10 +168,4 @@ int exit_of_result(lmb_result result)
     default:
         return EXIT_BAD_INPUT;
     }
-}
-
-int command_fail(lmb_result result, const lmb_error *error)
-{
-    fprintf(stderr, "lambent: %s\n", error->message[0] ? error->message : lmb_result_text(result));
-    return exit_of_result(result);
 }

@@ -43,8 +43,10 @@ static void warn_of_coarse_floats(const lmb_bake *bake)
 lmb_result bake_place(lmb_bake *bake, lmb_error *error)
 {
     const double start = seconds_now();
-    lmb_result result = lmb_placement_make(bake->level->tracer, &bake->settings->placement, bake->level->pool,
-                                           bake->progress, &bake->grid, &bake->record.placement, error);
+    lmb_placement_settings settings = bake->settings->placement;
+    settings.warnings = bake->level->options.gltf.warnings;
+    const lmb_result result = lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, bake->progress,
+                                                 &bake->grid, &bake->record.placement, error);
     bake->record.seconds_place = seconds_now() - start;
     if (result != LMB_OK) {
         return result;
@@ -53,9 +55,6 @@ lmb_result bake_place(lmb_bake *bake, lmb_error *error)
     if (bake->record.placement.everything_solid) {
         lmb_warn(warnings, "%s: all faces look away from all free space; baking everywhere in its bounds",
                  bake->level->scene->path);
-    }
-    if (bake->record.placement.seeds_in_solid) {
-        lmb_warn(warnings, "a seed point lies inside something, or outside the level: ignored");
     }
     warn_of_coarse_floats(bake);
     return LMB_OK;

@@ -1,13 +1,11 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bake_run.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <lambent/file.h>
 #include <lambent/pack.h>
@@ -26,33 +24,13 @@ static lmb_result path_make(const char *directory, const char *name, char path[P
     return LMB_OK;
 }
 
-/* mkdir -p */
-static lmb_result directory_make(const char *directory, lmb_error *error)
-{
-    char path[PATH_SIZE];
-    const lmb_result result = path_make(directory, "", path, error);
-    if (result != LMB_OK) {
-        return result;
-    }
-    for (char *at = path + 1; *at; ++at) {
-        if (*at == '/') {
-            *at = '\0';
-            if (mkdir(path, 0777) != 0 && errno != EEXIST) {
-                return lmb_error_set(error, LMB_ERROR_WRITE, "%s: %s", path, strerror(errno));
-            }
-            *at = '/';
-        }
-    }
-    return LMB_OK;
-}
-
-static lmb_result write_lmb(lmb_bake *bake, lmb_error *error)
+static lmb_result write_lmb(lmb_bake *bake, const char *stage, lmb_error *error)
 {
     char path[PATH_SIZE];
     unsigned char *data = NULL;
     size_t size;
     lmb_pack_stats stats;
-    lmb_result result = path_make(bake->settings->directory, "probes.lmb", path, error);
+    lmb_result result = path_make(stage, "probes.lmb", path, error);
     if (result == LMB_OK) {
         result = lmb_pack(bake->grid, &data, &size, &stats);
         if (result != LMB_OK) {
@@ -68,13 +46,13 @@ static lmb_result write_lmb(lmb_bake *bake, lmb_error *error)
     return result;
 }
 
-static lmb_result write_vdb(lmb_bake *bake, const cJSON *settings, lmb_error *error)
+static lmb_result write_vdb(lmb_bake *bake, const char *stage, const cJSON *settings, lmb_error *error)
 {
     char path[PATH_SIZE];
     char hash[17];
     hash_text(bake->level->scene->content_hash, hash);
     char *text = cJSON_PrintUnformatted(settings);
-    lmb_result result = text ? path_make(bake->settings->directory, "probes.vdb", path, error) : LMB_ERROR_MEMORY;
+    lmb_result result = text ? path_make(stage, "probes.vdb", path, error) : LMB_ERROR_MEMORY;
     if (result == LMB_OK) {
         const lmb_vdb_metadata metadata = {text, hash};
         result = lmb_vdb_write(path, bake->grid, &metadata, error);
@@ -87,16 +65,13 @@ static lmb_result write_vdb(lmb_bake *bake, const cJSON *settings, lmb_error *er
     return result;
 }
 
-static lmb_result write_lightmaps(lmb_bake *bake, lmb_error *error)
+static lmb_result write_lightmaps(lmb_bake *bake, const char *stage, lmb_error *error)
 {
     if (!bake->lightmap) {
         return LMB_OK;
     }
     char path[PATH_SIZE];
-    lmb_result result = path_make(bake->settings->directory, "lightmap", path, error);
-    if (result == LMB_OK) {
-        result = directory_make(path, error);
-    }
+    lmb_result result = path_make(stage, "lightmap", path, error);
     if (result == LMB_OK) {
         result = lmb_lightmap_write(bake->lightmap, path, &bake->settings->level.options.gltf,
                                     &bake->record.bytes_lightmaps, error);
@@ -163,7 +138,15 @@ static void json_add_surface(cJSON *json, const lmb_level *level)
     }
 }
 
-static cJSON *record_json(const lmb_bake *bake, cJSON *settings)
+static double peak_rss_mb(void)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return (double)usage.ru_maxrss / 1024.0;
+}
+
+/* What bake.json says of the bake, but for its files and settings. */
+static cJSON *record_json(const lmb_bake *bake)
 {
     const lmb_bake_record *record = &bake->record;
     cJSON *json = cJSON_CreateObject();
@@ -185,9 +168,7 @@ static cJSON *record_json(const lmb_bake *bake, cJSON *settings)
         cJSON_AddNumberToObject(phase_rays, bake_phase_name(phase), (double)bake_phase_rays(bake, phase));
     }
     json_add_seconds(json, bake);
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    cJSON_AddNumberToObject(json, "peak_rss_mb", (double)usage.ru_maxrss / 1024.0);
+    cJSON_AddNumberToObject(json, "peak_rss_mb", peak_rss_mb());
     cJSON_AddNumberToObject(json, "threads", lmb_pool_threads(bake->level->pool));
     json_add_surface(json, bake->level);
     cJSON_AddNumberToObject(json, "seed", (double)bake->settings->level.options.seed);
@@ -197,47 +178,64 @@ static cJSON *record_json(const lmb_bake *bake, cJSON *settings)
     cJSON_AddNumberToObject(bytes, "lightmaps", (double)record->bytes_lightmaps);
     cJSON_AddNumberToObject(json, "fp16_overflows", (double)record->fp16_overflow_count);
     cJSON_AddNumberToObject(json, "estimated_rel_error", record_relative_error(record));
-    cJSON_AddItemToObject(json, "settings", settings);
     return json;
 }
 
-/* Each file replaces its old version whole; bake.json goes first and comes back last, so that a folder with one is a
- * whole bake. */
-static lmb_result step_write(lmb_bake *bake, lmb_error *error)
+static lmb_result write_record(lmb_bake *bake, const char *stage, cJSON *files, cJSON *settings, lmb_error *error)
 {
-    const double start = seconds_now();
     char path[PATH_SIZE];
-    lmb_result result = directory_make(bake->settings->directory, error);
-    if (result == LMB_OK) {
-        result = path_make(bake->settings->directory, "bake.json", path, error);
-    }
-    if (result != LMB_OK) {
-        return result;
-    }
-    unlink(path);
-    cJSON *settings = bake_settings_json(bake->settings, bake->level, bake->grid->spacing,
-                                         bake->lightmap ? &bake->lightmap->settings : NULL);
-    result = write_vdb(bake, settings, error);
-    if (result == LMB_OK) {
-        result = write_lmb(bake, error);
-    }
-    if (result == LMB_OK) {
-        result = write_lightmaps(bake, error);
-    }
-    bake->record.seconds_write = seconds_now() - start;
-    cJSON *json = record_json(bake, settings);
+    cJSON *json = record_json(bake);
+    cJSON_AddItemToObject(json, "files", files);
+    cJSON_AddItemToObject(json, "settings", settings);
     char *text = cJSON_Print(json);
+    lmb_result result = text && files ? path_make(stage, "bake.json", path, error)
+                                      : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     if (result == LMB_OK) {
-        result = text ? lmb_file_write(path, text, strlen(text), error)
-                      : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+        result = lmb_file_write(path, text, strlen(text), error);
     }
     cJSON_free(text);
     cJSON_Delete(json);
     return result;
 }
 
-/* Prints what the bake would make, and how long what is left of it would take. */
-static void dry_run_print(const lmb_bake *bake, const lmb_forecast *forecast)
+static lmb_result write_all(lmb_bake *bake, const lmb_output_folder *folder, const char *stage, lmb_error *error)
+{
+    const double start = seconds_now();
+    cJSON *settings = bake_settings_json(bake->settings, bake->level, bake->grid->spacing,
+                                         bake->lightmap ? &bake->lightmap->settings : NULL);
+    lmb_result result = write_vdb(bake, stage, settings, error);
+    if (result == LMB_OK) {
+        result = write_lmb(bake, stage, error);
+    }
+    if (result == LMB_OK) {
+        result = write_lightmaps(bake, stage, error);
+    }
+    if (result != LMB_OK) {
+        cJSON_Delete(settings);
+        return result;
+    }
+    bake->record.seconds_write = seconds_now() - start;
+    return write_record(bake, stage, output_folder_files(folder), settings, error);
+}
+
+/* All is written beside what is there, and takes its place when it is whole. */
+static lmb_result step_write(lmb_bake *bake, lmb_output_folder *folder, lmb_error *error)
+{
+    const char *stage;
+    lmb_result result = output_folder_stage(folder, &stage, error);
+    if (result == LMB_OK) {
+        result = write_all(bake, folder, stage, error);
+    }
+    if (result == LMB_OK) {
+        result = output_folder_commit(folder, error);
+    }
+    if (result != LMB_OK) {
+        output_folder_explain(folder, error);
+    }
+    return result;
+}
+
+static void dry_run_text(const lmb_bake *bake, const lmb_forecast *forecast)
 {
     printf("probes  %d at %g m (%d traced, %d dilated)\n", bake->grid->probe_count, (double)bake->grid->spacing,
            bake->record.placement.probes_valid, bake->record.placement.probes_dilated);
@@ -253,7 +251,32 @@ static void dry_run_print(const lmb_bake *bake, const lmb_forecast *forecast)
            lmb_pool_threads(bake->level->pool));
 }
 
-static void summary_print(const lmb_bake *bake)
+static cJSON *dry_run_json(const lmb_bake *bake, const lmb_forecast *forecast)
+{
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddBoolToObject(json, "dry_run", true);
+    cJSON_AddNumberToObject(json, "probes", bake->grid->probe_count);
+    cJSON_AddNumberToObject(json, "probes_valid", bake->record.placement.probes_valid);
+    cJSON_AddNumberToObject(json, "spacing", (double)bake->grid->spacing);
+    cJSON_AddNumberToObject(json, "texels", bake->lightmap ? (double)bake->lightmap->covered_texel_count : 0.0);
+    cJSON_AddNumberToObject(json, "images", bake->lightmap ? bake->lightmap->image_count : 0.0);
+    cJSON_AddNumberToObject(json, "surface_cells", bake->level->surface ? bake->level->surface_stats.cells : 0.0);
+    cJSON_AddNumberToObject(json, "expected_seconds", forecast_left(forecast, "probes", 0.0, 0.0));
+    cJSON_AddNumberToObject(json, "threads", lmb_pool_threads(bake->level->pool));
+    return json;
+}
+
+/* Says what the bake would make, and how long what is left of it would take. */
+static void dry_run_report(const lmb_bake *bake, const lmb_forecast *forecast)
+{
+    if (bake->settings->json_progress) {
+        console_result(dry_run_json(bake, forecast));
+    } else {
+        dry_run_text(bake, forecast);
+    }
+}
+
+static void summary_text(const lmb_bake *bake)
 {
     const lmb_bake_record *record = &bake->record;
     if (bake->level->surface) {
@@ -272,8 +295,20 @@ static void summary_print(const lmb_bake *bake)
     printf("rays      %.3g million, %.2f million a second\n", 1e-6 * (double)bake_rays(bake), bake_mrays_per_s(bake));
     printf("error     %.2f %% estimated (standard error, relative, of probes and texels)\n",
            100.0 * record_relative_error(record));
+    printf("memory    %.0f MB at most\n", peak_rss_mb());
     printf("written   %s (probes.vdb %.1f kB, probes.lmb %.1f kB, lightmaps %.1f kB)\n", bake->settings->directory,
            1e-3 * (double)record->bytes_vdb, 1e-3 * (double)record->bytes_lmb, 1e-3 * (double)record->bytes_lightmaps);
+}
+
+static void summary_report(const lmb_bake *bake)
+{
+    if (bake->settings->json_progress) {
+        cJSON *json = record_json(bake);
+        cJSON_AddStringToObject(json, "directory", bake->settings->directory);
+        console_result(json);
+    } else if (!bake->settings->level.options.quiet) {
+        summary_text(bake);
+    }
 }
 
 static lmb_result step_forecast(const lmb_bake *bake, lmb_forecast *forecast, lmb_error *error)
@@ -282,8 +317,8 @@ static lmb_result step_forecast(const lmb_bake *bake, lmb_forecast *forecast, lm
     return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "trial: %s", lmb_result_text(result));
 }
 
-lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const lmb_progress *progress,
-                    lmb_forecast *forecast, lmb_error *error)
+lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, lmb_output_folder *folder,
+                    const lmb_progress *progress, lmb_forecast *forecast, lmb_error *error)
 {
     lmb_bake bake = {.settings = settings, .level = level, .progress = progress};
     lmb_result result = bake_place(&bake, error);
@@ -300,7 +335,7 @@ lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const l
         result = step_forecast(&bake, forecast, error);
     }
     if (result == LMB_OK && settings->dry_run) {
-        dry_run_print(&bake, forecast);
+        dry_run_report(&bake, forecast);
     } else {
         if (result == LMB_OK) {
             result = bake_probes(&bake, error);
@@ -309,10 +344,10 @@ lmb_result bake_run(const lmb_bake_settings *settings, lmb_level *level, const l
             result = bake_lightmaps(&bake, error);
         }
         if (result == LMB_OK) {
-            result = step_write(&bake, error);
+            result = step_write(&bake, folder, error);
         }
-        if (result == LMB_OK && !settings->level.options.quiet && !settings->json_progress) {
-            summary_print(&bake);
+        if (result == LMB_OK) {
+            summary_report(&bake);
         }
     }
     bake_close(&bake);

@@ -73,15 +73,17 @@ static lmb_result lightmap_open(const char *directory, const cJSON *settings, lm
     return result;
 }
 
-static lmb_result baked_level_open(const char *level_path, const char *directory, const cJSON *settings, int threads,
+/* `wanted` says what is not the bake's: path (NULL: the bake's too), threads, view node. */
+static lmb_result baked_level_open(const lmb_level_options *wanted, const char *directory, const cJSON *settings,
                                    lmb_level *opened, lmb_error *error)
 {
     lmb_level_arguments arguments;
     if (!bake_settings_level(settings, &arguments)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s/bake.json: its settings are not those of a bake", directory);
     }
-    arguments.options.path = level_path ? level_path : arguments.options.path;
-    arguments.options.threads = threads;
+    arguments.options.path = wanted->path ? wanted->path : arguments.options.path;
+    arguments.options.threads = wanted->threads;
+    arguments.options.gltf.view_node = wanted->gltf.view_node;
     arguments.options.quiet = true;
     const lmb_result result = level_open(&arguments.options, opened, error);
     if (result != LMB_OK) {
@@ -100,13 +102,15 @@ static lmb_result baked_level_open(const char *level_path, const char *directory
     return LMB_OK;
 }
 
-lmb_result baked_open(const char *level_path, const char *directory, int threads, lmb_baked *opened, lmb_error *error)
+lmb_result baked_open(const char *level_path, const char *directory, int threads, const char *view_node,
+                      lmb_baked *opened, lmb_error *error)
 {
+    const lmb_level_options wanted = {.path = level_path, .threads = threads, .gltf = {.view_node = view_node}};
     memset(opened, 0, sizeof *opened);
     lmb_result result = json_open(directory, &opened->json, error);
     const cJSON *settings = cJSON_GetObjectItemCaseSensitive(opened->json, "settings");
     if (result == LMB_OK) {
-        result = baked_level_open(level_path, directory, settings, threads, &opened->level, error);
+        result = baked_level_open(&wanted, directory, settings, &opened->level, error);
     }
     if (result == LMB_OK) {
         result = volume_open(directory, &opened->volume, error);

@@ -18,9 +18,10 @@ typedef struct lmb_baked {
 
 /* Opens DIR's bake.json, probes.lmb and lightmaps, and LEVEL with the bake's own settings (environment, excluded nodes,
  * bounces). `level_path` may be NULL: then the path in bake.json. A level whose content hash differs from the one baked
- * is refused. `threads` 0: all. @return LMB_ERROR_FORMAT (not a bake, or another level), and what opening the parts
- * returns */
-lmb_result baked_open(const char *level_path, const char *directory, int threads, lmb_baked *opened, lmb_error *error);
+ * is refused. `threads` 0: all. Nodes called `view_node` (NULL: none) become cameras of the scene. @return
+ * LMB_ERROR_FORMAT (not a bake, or another level), and what opening the parts returns */
+lmb_result baked_open(const char *level_path, const char *directory, int threads, const char *view_node,
+                      lmb_baked *opened, lmb_error *error);
 void baked_close(lmb_baked *closed);
 
 #endif

@@ -4,6 +4,11 @@
 
 #include "vector_math.h"
 
+static float half_height_of(float fov_deg)
+{
+    return tanf(0.5f * fov_deg * TOOLS_PI_F / 180.0f);
+}
+
 lmb_camera camera_look_at(lmb_vec3 position, lmb_vec3 target, float fov_deg)
 {
     const lmb_vec3 north = {0.0f, 0.0f, -1.0f};
@@ -15,8 +20,26 @@ lmb_camera camera_look_at(lmb_vec3 position, lmb_vec3 target, float fov_deg)
     }
     camera.right = vector_unit_or(vector_cross(camera.forward, upwards), (lmb_vec3){1.0f, 0.0f, 0.0f});
     camera.up = vector_cross(camera.right, camera.forward);
-    camera.half_height = tanf(0.5f * fov_deg * TOOLS_PI_F / 180.0f);
+    camera.half_height = half_height_of(fov_deg);
     return camera;
+}
+
+static lmb_vec3 column_of(const lmb_affine *transform, int column)
+{
+    return (lmb_vec3){(float)transform->m[0][column], (float)transform->m[1][column], (float)transform->m[2][column]};
+}
+
+bool camera_of_scene(const lmb_scene_camera *source, float fov_deg, lmb_camera *camera)
+{
+    const lmb_vec3 none = {0.0f, 0.0f, 0.0f};
+    camera->position = column_of(&source->to_world, 3);
+    camera->half_height = half_height_of(fov_deg);
+    camera->forward = vector_unit_or(vector_scale(column_of(&source->to_world, 2), -1.0f), none);
+    /* A node that is scaled unevenly below a turned one is skewed: its +Y is upwards as far as that may be. */
+    const lmb_vec3 upwards = vector_unit_or(column_of(&source->to_world, 1), none);
+    camera->right = vector_unit_or(vector_cross(camera->forward, upwards), none);
+    camera->up = vector_cross(camera->right, camera->forward);
+    return vector_dot(camera->right, camera->right) > 0.0f;
 }
 
 lmb_vec3 camera_direction(const lmb_camera *camera, int32_t width, int32_t height, float x, float y)

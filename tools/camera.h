@@ -16,6 +16,9 @@ typedef struct lmb_camera {
  * (0, 180). Straight up or down, -Z is the picture's upper or lower side. */
 lmb_camera camera_look_at(lmb_vec3 position, lmb_vec3 target, float fov_deg);
 
+/* Looks along the -Z of a camera of the scene, its +Y upwards, as glTF's cameras do. False when it has no direction. */
+bool camera_of_scene(const lmb_scene_camera *source, float fov_deg, lmb_camera *camera);
+
 /* Unit direction through point (x, y) of a picture of width x height pixels; row 0 is the top, pixel (i, j) covers
  * [i, i + 1) x [j, j + 1). */
 lmb_vec3 camera_direction(const lmb_camera *camera, int32_t width, int32_t height, float x, float y);

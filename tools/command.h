@@ -15,18 +15,24 @@ enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_BAD_INPUT = 3, EXIT_
 /* Exit status of a result: bad input, interrupted, or failed. */
 int exit_of_result(lmb_result result);
 
-/* Prints "lambent: MESSAGE" to standard error and returns exit_of_result(result). */
+/* Says how a command failed: "lambent: MESSAGE" on standard error, a record too where progress is JSON. Returns
+ * exit_of_result(result). Does not return where the command is being interrupted. */
 int command_fail(lmb_result result, const lmb_error *error);
 
-/* Options are "--name value", "--name=value" or "--flag", in any order among the positional arguments. */
+/* Options are "--name value", "--name=value", "-n value", "-n=value" or "--flag", in any order among the positional
+ * arguments. After "--" all are positional; one that begins with a dash is handed on as "./-...", which is the same
+ * file and no option. */
 typedef struct lmb_arguments {
     int count;
     char **values;
     int at;              /* next to read */
     const char *command; /* for messages */
     const char *usage;   /* the command's --help text */
-    bool failed;         /* a usage error was printed */
-    bool help;           /* --help was asked for and printed */
+    const char *option;  /* the last one returned that came with "=" */
+    const char *value;   /* what stands behind its "=", until it is fetched */
+    bool only_positional;
+    bool failed; /* a usage error was printed */
+    bool help;   /* --help was asked for and printed */
 } lmb_arguments;
 
 lmb_arguments arguments_begin(int count, char **values, const char *command, const char *usage);
@@ -47,8 +53,9 @@ int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t 
 lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option); /* X,Y,Z: a direction */
 lmb_vec3d arguments_place(lmb_arguments *arguments, const char *option); /* X,Y,Z: a place in the world */
 
-/* Progress as a bar with time left on a terminal (or JSON lines when `json`), and Ctrl-C: after SIGINT or SIGTERM the
- * running work stops with LMB_ERROR_INTERRUPTED. */
+/* What a command says of itself: progress as a bar with time left on a terminal, or, when `json`, as records on
+ * standard output, a JSON object a line. */
+struct cJSON;
 struct lmb_forecast;
 typedef struct lmb_console {
     bool quiet;
@@ -61,9 +68,25 @@ typedef struct lmb_console {
     const char *phase;
     bool phase_done;
 } lmb_console;
+/* The console of this process from here on. */
 lmb_progress console_progress(lmb_console *console, bool quiet, bool json);
 /* Ends the bar's line, so that other output starts clean. */
 void console_finish(lmb_console *console);
+
+/* Says a warning: on standard error unless `quiet`, or as a record. */
+void console_warning(const char *line, bool quiet);
+
+/* Warns where `--samples N` is no multiple of what samples come in, and more are taken. */
+void samples_say_rounded(uint32_t samples, uint32_t multiple, bool quiet);
+
+/* The last record, {"result": result}; takes `result`. Where progress is no JSON it says nothing. */
+void console_result(struct cJSON *result);
+
+/* For the thread that interrupts: says so. */
+void console_interrupted(void);
+
+/* The exit status after a command that ended with `status`: EXIT_FAILED where standard output did not take all. */
+int console_end(int status);
 
 /* Wall-clock seconds of a monotonic clock. */
 double seconds_now(void);
@@ -73,6 +96,7 @@ int command_bake(int count, char **values);
 int command_bench(int count, char **values);
 int command_check(int count, char **values);
 int command_info(int count, char **values);
+int command_pack(int count, char **values);
 int command_probe(int count, char **values);
 int command_render(int count, char **values);
 int command_sample(int count, char **values);

@@ -12,7 +12,8 @@ static const char usage[] =
     "  -o DIR                where to write\n"
     "  --lightmaps           bake lightmaps too\n"
     "  --dry-run             print the number of probes and texels and the expected time, bake nothing\n"
-    "  --json-progress       progress as JSON lines on standard output\n" BAKE_USAGE LEVEL_USAGE;
+    "  --json-progress       progress, warnings and the result or error as JSON lines on standard output\n" BAKE_USAGE
+        LEVEL_USAGE;
 
 static bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument)
 {
@@ -28,6 +29,39 @@ static bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments,
         return bake_settings_argument(settings, arguments, argument);
     }
     return true;
+}
+
+static lmb_result level_bake(const lmb_bake_settings *settings, lmb_output_folder *folder, lmb_console *console,
+                             const lmb_progress *progress, lmb_error *error)
+{
+    lmb_level level;
+    lmb_result result = level_open(&settings->level.options, &level, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    lmb_forecast forecast = {0};
+    console->forecast = &forecast;
+    result = bake_run(settings, &level, folder, progress, &forecast, error);
+    console_finish(console);
+    console->forecast = NULL;
+    level_close(&level);
+    return result;
+}
+
+/* The folder comes first: one that cannot be written is found at once. */
+static lmb_result bake_into_folder(const lmb_bake_settings *settings, lmb_console *console,
+                                   const lmb_progress *progress, lmb_error *error)
+{
+    lmb_output_folder *folder = NULL;
+    lmb_result result = LMB_OK;
+    if (!settings->dry_run) {
+        result = output_folder_open(settings->directory, settings->lightmaps, &folder, error);
+    }
+    if (result == LMB_OK) {
+        result = level_bake(settings, folder, console, progress, error);
+    }
+    output_folder_close(folder);
+    return result;
 }
 
 int command_bake(int count, char **values)
@@ -48,18 +82,12 @@ int command_bake(int count, char **values)
         return arguments_status(&arguments);
     }
 
-    lmb_error error = {{0}};
-    lmb_level level;
-    lmb_result result = level_open(&settings.level.options, &level, &error);
-    if (result != LMB_OK) {
-        return command_fail(result, &error);
-    }
     lmb_console console;
     const lmb_progress progress = console_progress(&console, settings.level.options.quiet, settings.json_progress);
-    lmb_forecast forecast = {0};
-    console.forecast = &forecast;
-    result = bake_run(&settings, &level, &progress, &forecast, &error);
-    console_finish(&console);
-    level_close(&level);
+    lmb_error error = {{0}};
+    if (settings.max_samples == settings.samples) {
+        samples_say_rounded(settings.samples, LMB_GATHER_REPLICATES, settings.level.options.quiet);
+    }
+    const lmb_result result = bake_into_folder(&settings, &console, &progress, &error);
     return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
 }

@@ -105,7 +105,7 @@ static void scaling_find(const lmb_bench_rays *bench, double *bake, double *bare
     *bare = quotient(one.bare_seconds, all.bare_seconds);
 }
 
-static void bench_print_json(const lmb_bench_rays *bench, const char *machine)
+static int bench_print_json(const lmb_bench_rays *bench, const char *machine)
 {
     cJSON *json = cJSON_CreateObject();
     cJSON_AddStringToObject(json, "machine", machine);
@@ -122,7 +122,7 @@ static void bench_print_json(const lmb_bench_rays *bench, const char *machine)
     cJSON_AddNumberToObject(scaling, "bake", bake);
     cJSON_AddNumberToObject(scaling, "bare", bare);
     cJSON_AddNumberToObject(scaling, "ratio", quotient(bake, bare));
-    json_print_line(json);
+    return json_print_line(json);
 }
 
 static void row_print(const char *name, const lmb_bench_phase *phase)
@@ -183,6 +183,9 @@ int command_bench(int count, char **values)
     if (!bench_arguments(&arguments, &settings, &repeats, &json)) {
         return arguments_status(&arguments);
     }
+    if (settings.max_samples == settings.samples) {
+        samples_say_rounded(settings.samples, LMB_GATHER_REPLICATES, settings.level.options.quiet || json);
+    }
     lmb_error error = {{0}};
     lmb_level level;
     lmb_result result = level_open(&settings.level.options, &level, &error);
@@ -201,9 +204,8 @@ int command_bench(int count, char **values)
     char machine[512];
     machine_text(machine);
     if (json) {
-        bench_print_json(&bench, machine);
-    } else {
-        bench_print(&bench, machine);
+        return bench_print_json(&bench, machine);
     }
+    bench_print(&bench, machine);
     return EXIT_DONE;
 }

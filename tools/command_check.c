@@ -5,6 +5,7 @@
 
 #include "baked.h"
 #include "check.h"
+#include "check_limits.h"
 #include "command.h"
 
 static const char usage[] =
@@ -17,6 +18,9 @@ static const char usage[] =
     "  --samples N   samples of each of the reference's two halves, at each point (default 1024)\n"
     "  --seed N      of points, normals and reference (default 0)\n"
     "  --threads N   default: all processors\n"
+    "  --fail-above NAME=VALUE...\n"
+    "                exit with 1 when that figure of --json is above VALUE: probe_vs_reference (its rel_rmse),\n"
+    "                probe_vs_reference.p95, leak, ... (repeatable)\n"
     "  --json        print one JSON object\n"
     "  --quiet       no progress\n"
     "\n"
@@ -34,6 +38,7 @@ typedef struct check_options {
     const char *level;
     const char *directory;
     check_settings settings;
+    check_limits limits;
     int threads;
     bool json;
     bool quiet;
@@ -50,6 +55,8 @@ static void options_read(lmb_arguments *arguments, check_options *options)
             options->settings.seed = (uint64_t)arguments_integer(arguments, next, 0, INT64_MAX);
         } else if (strcmp(next, "--threads") == 0) {
             options->threads = (int)arguments_integer(arguments, next, 1, 1024);
+        } else if (strcmp(next, "--fail-above") == 0) {
+            check_limits_read(&options->limits, arguments, next);
         } else if (strcmp(next, "--json") == 0) {
             options->json = true;
         } else if (strcmp(next, "--quiet") == 0) {
@@ -166,8 +173,13 @@ int command_check(int count, char **values)
     }
     lmb_error error = {""};
     lmb_baked baked;
-    lmb_result result = baked_open(options.level, options.directory, options.threads, &baked, &error);
+    lmb_result result = baked_open(options.level, options.directory, options.threads, NULL, &baked, &error);
     if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    result = check_limits_apply(&options.limits, baked.lightmap != NULL, &error);
+    if (result != LMB_OK) {
+        baked_close(&baked);
         return command_fail(result, &error);
     }
     lmb_console console;
@@ -184,5 +196,8 @@ int command_check(int count, char **values)
     } else {
         report_print_table(&options, &report);
     }
-    return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
+    if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    return check_limits_hold(&options.limits, &report) ? EXIT_DONE : EXIT_FAILED;
 }

@@ -184,8 +184,7 @@ int command_info(int count, char **values)
         return command_fail(result, &error);
     }
     if (json) {
-        json_print_line(object);
-        return EXIT_DONE;
+        return json_print_line(object);
     }
     for (const cJSON *item = object->child; item; item = item->next) {
         char *text = cJSON_IsString(item) ? NULL : cJSON_PrintUnformatted(item);

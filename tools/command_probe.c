@@ -23,7 +23,7 @@ typedef struct lmb_probe_answer {
     double seconds;
 } lmb_probe_answer;
 
-/* The truth's samples come in so many parts, for threads to share. */
+/* The truth's samples come in so many parts, for threads to share. All samples are a multiple of it. */
 enum { TRUTH_REPLICATES = 16 };
 
 typedef struct lmb_truth_work {
@@ -54,9 +54,10 @@ static lmb_result probe_trace(const lmb_level *level, const lmb_query *query, ui
         lmb_gather_sh3_parallel(&level->transport, &point, samples, level->pool, progress, &answer->gathered);
     if (result == LMB_OK && query->has_normal) {
         answer->irradiance = query_irradiance(query, MODEL_HHD, &answer->gathered.moments);
-        const uint32_t share = (samples + TRUTH_REPLICATES - 1) / TRUTH_REPLICATES;
-        lmb_truth_work work = {
-            .transport = &level->transport, .query = query, .position = point.position, .samples = share};
+        lmb_truth_work work = {.transport = &level->transport,
+                               .query = query,
+                               .position = point.position,
+                               .samples = samples / TRUTH_REPLICATES};
         result = lmb_pool_run(level->pool, TRUTH_REPLICATES, truth_task, &work, "truth", progress);
         answer->traced = (lmb_rgb){{0.0f, 0.0f, 0.0f}};
         for (int r = 0; r < TRUTH_REPLICATES; ++r) {
@@ -75,7 +76,7 @@ static double answer_relative_error(const lmb_probe_answer *answer)
     return lmb_relative_error(answer->gathered.squared_error, answer->gathered.squared_length);
 }
 
-static void answer_print_json(const lmb_query *query, const lmb_probe_answer *answer)
+static int answer_print_json(const lmb_query *query, const lmb_probe_answer *answer)
 {
     cJSON *object = cJSON_CreateObject();
     cJSON_AddItemToObject(object, "position", json_place(query->place));
@@ -88,10 +89,10 @@ static void answer_print_json(const lmb_query *query, const lmb_probe_answer *an
     }
     cJSON_AddNumberToObject(object, "rays", (double)answer->gathered.rays);
     cJSON_AddNumberToObject(object, "seconds", answer->seconds);
-    json_print_line(object);
+    return json_print_line(object);
 }
 
-static void answer_print(const lmb_query *query, const lmb_probe_answer *answer)
+static int answer_print(const lmb_query *query, const lmb_probe_answer *answer)
 {
     static const char *const names[LMB_SH3_COUNT] = {"0,0", "1,-1", "1,0", "1,1", "2,-2", "2,-1", "2,0", "2,1", "2,2"};
     printf("probe at %.9g, %.9g, %.9g\n", query->place.x, query->place.y, query->place.z);
@@ -107,6 +108,7 @@ static void answer_print(const lmb_query *query, const lmb_probe_answer *answer)
     }
     printf("  relative standard error %.3g %%, %llu rays in %.2f s\n", 100.0 * answer_relative_error(answer),
            (unsigned long long)answer->gathered.rays, answer->seconds);
+    return EXIT_DONE;
 }
 
 int command_probe(int count, char **values)
@@ -143,6 +145,8 @@ int command_probe(int count, char **values)
         return EXIT_USAGE;
     }
 
+    samples_say_rounded(samples, TRUTH_REPLICATES, level_arguments.options.quiet);
+    samples = (samples + TRUTH_REPLICATES - 1) / TRUTH_REPLICATES * TRUTH_REPLICATES;
     lmb_error error = {{0}};
     lmb_level level;
     lmb_result result = level_open(&level_arguments.options, &level, &error);
@@ -169,10 +173,9 @@ int command_probe(int count, char **values)
             status = command_fail(result, &error);
             break;
         }
-        if (json) {
-            answer_print_json(&query, &answer);
-        } else {
-            answer_print(&query, &answer);
+        status = json ? answer_print_json(&query, &answer) : answer_print(&query, &answer);
+        if (status != EXIT_DONE || ferror(stdout)) {
+            break;
         }
         more = query_arguments.has_position ? 0 : query_read_line(&query, &line);
     }

@@ -6,8 +6,10 @@
 
 #include "baked.h"
 #include "command.h"
+#include "output_file.h"
 #include "render.h"
 #include "tonemap.h"
+#include "vector_math.h"
 
 static const char usage[] =
     "usage: lambent render LEVEL DIR -o FILE.png|FILE.exr [options]\n"
@@ -17,7 +19,8 @@ static const char usage[] =
     "\n"
     "  --camera X,Y,Z        where from (default: a corner that shows much of the level)\n"
     "  --look X,Y,Z          where to (default: the middle of the level)\n"
-    "  --fov DEG             vertical angle of view (default 60)\n"
+    "  --camera-node NAME    from a camera of the level, or any node: along its -Z, +Y upwards\n"
+    "  --fov DEG             vertical angle of view (default: the camera node's, else 60)\n"
     "  --size WxH            pixels (default 960x540)\n"
     "  --mode MODE           final       surfaces by lightmaps, objects by probes (default)\n"
     "                        lightmap    the stored irradiance alone, as on white paper\n"
@@ -51,7 +54,8 @@ typedef struct render_options {
     const char *output;
     bool has_camera, has_look, has_exposure;
     lmb_vec3d camera, look;
-    float fov_deg;
+    const char *camera_node;
+    float fov_deg; /* 0: not given */
     float exposure_ev;
     int32_t width, height;
     lmb_render_mode mode;
@@ -136,6 +140,8 @@ static bool view_option(lmb_arguments *arguments, const char *option, render_opt
     } else if (strcmp(option, "--look") == 0) {
         options->look = arguments_place(arguments, option);
         options->has_look = true;
+    } else if (strcmp(option, "--camera-node") == 0) {
+        options->camera_node = arguments_text(arguments, option);
     } else if (strcmp(option, "--fov") == 0) {
         options->fov_deg = (float)arguments_number(arguments, option, 1.0, 170.0);
     } else if (strcmp(option, "--size") == 0) {
@@ -184,22 +190,66 @@ static void options_read(lmb_arguments *arguments, render_options *options)
         arguments_error(arguments, "missing argument", options->level ? "DIR" : "LEVEL");
     } else if (!options->output) {
         arguments_error(arguments, "missing option", "-o FILE.png|FILE.exr");
+    } else if (options->camera_node && (options->has_camera || options->has_look)) {
+        arguments_error(arguments, "--camera-node does not go with", options->has_camera ? "--camera" : "--look");
     } else if (!has_ending(options->output, ".png") && !has_ending(options->output, ".exr")) {
         arguments_error(arguments, "-o takes a .png or .exr, not", options->output);
     }
 }
 
-static lmb_camera camera_of_options(const render_options *options, const lmb_tracer *tracer)
+/* The first that is a camera, else the first of that name. */
+static const lmb_scene_camera *scene_camera_find(const lmb_scene *scene, const char *name)
 {
-    const lmb_camera chosen = camera_default(tracer, options->fov_deg);
-    if (!options->has_camera && !options->has_look) {
-        return chosen;
+    const lmb_scene_camera *found = NULL;
+    for (uint32_t i = 0; i < scene->camera_count; ++i) {
+        const lmb_scene_camera *camera = &scene->cameras[i];
+        if (strcmp(camera->name, name) == 0 &&
+            (!found || (!(found->vertical_fov_rad > 0.0f) && camera->vertical_fov_rad > 0.0f))) {
+            found = camera;
+        }
     }
+    return found;
+}
+
+static lmb_result camera_of_node(const char *name, const lmb_scene *scene, float fov_deg, lmb_camera *camera,
+                                 lmb_error *error)
+{
+    const lmb_scene_camera *found = scene_camera_find(scene, name);
+    if (!found) {
+        char names[256] = "";
+        for (uint32_t i = 0; i < scene->camera_count; ++i) {
+            const size_t used = strlen(names);
+            snprintf(names + used, sizeof names - used, "%s%s",
+                     i > 0 ? ", " : "; its cameras: ", scene->cameras[i].name);
+        }
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: no node is called '%s'%s", scene->path, name, names);
+    }
+    if (!(fov_deg > 0.0f)) {
+        fov_deg =
+            found->vertical_fov_rad > 0.0f ? found->vertical_fov_rad * 180.0f / TOOLS_PI_F : CAMERA_DEFAULT_FOV_DEG;
+    }
+    return camera_of_scene(found, fov_deg, camera)
+               ? LMB_OK
+               : lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: node '%s' is scaled to nothing: it looks nowhere",
+                               scene->path, name);
+}
+
+static lmb_result camera_of_options(const render_options *options, const lmb_tracer *tracer, lmb_camera *camera,
+                                    lmb_error *error)
+{
     const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_vec3 low = scene->bounds_min, high = scene->bounds_max;
-    const lmb_vec3 middle = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y), 0.5f * (low.z + high.z)};
-    return camera_look_at(options->has_camera ? lmb_scene_from_world(scene, options->camera) : chosen.position,
-                          options->has_look ? lmb_scene_from_world(scene, options->look) : middle, options->fov_deg);
+    if (options->camera_node) {
+        return camera_of_node(options->camera_node, scene, options->fov_deg, camera, error);
+    }
+    const float fov_deg = options->fov_deg > 0.0f ? options->fov_deg : CAMERA_DEFAULT_FOV_DEG;
+    *camera = camera_default(tracer, fov_deg);
+    if (options->has_camera || options->has_look) {
+        const lmb_vec3 low = scene->bounds_min, high = scene->bounds_max;
+        const lmb_vec3 middle = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y), 0.5f * (low.z + high.z)};
+        *camera = camera_look_at(options->has_camera ? lmb_scene_from_world(scene, options->camera) : camera->position,
+                                 options->has_look ? lmb_scene_from_world(scene, options->look) : middle, fov_deg);
+    }
+    return LMB_OK;
 }
 
 /* Half way to what the camera looks at. */
@@ -258,9 +308,10 @@ static lmb_result exr_write(const render_options *options, const float *rgb, siz
     size_t overflow_count = 0;
     const lmb_result result =
         lmb_exr_write(options->output, options->width, options->height, channels, 3, NULL, 0, &overflow_count, error);
-    if (result == LMB_OK && overflow_count > 0 && !options->quiet) {
-        fprintf(stderr, "lambent: warning: %s: %zu values beyond half float were clamped\n", options->output,
-                overflow_count);
+    if (result == LMB_OK && overflow_count > 0) {
+        char line[LMB_ERROR_MESSAGE_SIZE];
+        snprintf(line, sizeof line, "%s: %zu values beyond half float were clamped", options->output, overflow_count);
+        console_warning(line, options->quiet);
     }
     free(plane);
     return result;
@@ -293,8 +344,12 @@ static lmb_result png_write(const render_options *options, const float *rgb, siz
     return result;
 }
 
-static void camera_print(const lmb_camera *camera, const lmb_scene *scene)
+static void camera_print(const lmb_camera *camera, const char *node, const lmb_scene *scene)
 {
+    if (node) {
+        printf("--camera-node '%s'\n", node);
+        return;
+    }
     const lmb_vec3 at = camera->position, forward = camera->forward;
     const lmb_vec3d from = lmb_scene_to_world(scene, at);
     const lmb_vec3d to = lmb_scene_to_world(scene, (lmb_vec3){at.x + forward.x, at.y + forward.y, at.z + forward.z});
@@ -337,16 +392,20 @@ static lmb_result picture_make(const render_options *options, const lmb_shader *
 static lmb_result render_run(const render_options *options, const lmb_baked *baked, lmb_error *error)
 {
     const lmb_tracer *tracer = baked->level.tracer;
-    const lmb_camera camera = camera_of_options(options, tracer);
+    lmb_camera camera;
+    lmb_result result = camera_of_options(options, tracer, &camera, error);
+    if (result != LMB_OK) {
+        return result;
+    }
     if (!options->quiet) {
-        camera_print(&camera, baked->level.scene);
+        camera_print(&camera, options->camera_node, baked->level.scene);
         if (!baked->lightmap && options->mode != RENDER_PROBES && options->mode != RENDER_REFERENCE) {
             printf("this bake has no lightmaps: surfaces are lit by probes\n");
         }
     }
     lmb_render_object objects[MAX_OBJECTS];
     int object_count;
-    lmb_result result = objects_open(options, &camera, tracer, objects, &object_count, error);
+    result = objects_open(options, &camera, tracer, objects, &object_count, error);
     if (result == LMB_OK) {
         const lmb_shader shader = {
             .transport = &baked->level.transport,
@@ -366,16 +425,21 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
 
 int command_render(int count, char **values)
 {
-    render_options options = {
-        .fov_deg = CAMERA_DEFAULT_FOV_DEG, .width = 960, .height = 540, .samples = 32, .mode = RENDER_FINAL};
+    render_options options = {.width = 960, .height = 540, .samples = 32, .mode = RENDER_FINAL};
     lmb_arguments arguments = arguments_begin(count, values, "render", usage);
     options_read(&arguments, &options);
     if (arguments.failed || arguments.help) {
         return arguments_status(&arguments);
     }
+    if (options.mode == RENDER_REFERENCE || options.mode == RENDER_DIFFERENCE) {
+        samples_say_rounded(options.samples, RENDER_RAYS_PER_PIXEL, options.quiet);
+    }
     lmb_error error = {""};
     lmb_baked baked;
-    lmb_result result = baked_open(options.level, options.directory, options.threads, &baked, &error);
+    lmb_result result = output_file_check(options.output, &error);
+    if (result == LMB_OK) {
+        result = baked_open(options.level, options.directory, options.threads, options.camera_node, &baked, &error);
+    }
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }

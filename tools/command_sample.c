@@ -16,7 +16,7 @@ static const char usage[] =
     "  --model hhd|hlsh|sh3  lighting model of the irradiance (default hhd; sh3 takes no occlusion)\n"
     "  --json                one JSON object a line\n";
 
-static void answer_print(const lmb_query *query, lmb_light_model model, const lmb_volume *volume, bool json)
+static int answer_print(const lmb_query *query, lmb_light_model model, const lmb_volume *volume, bool json)
 {
     lmb_sh3_rgb radiance;
     const bool inside = lmb_volume_sample_at(volume, query->place, &radiance);
@@ -30,8 +30,7 @@ static void answer_print(const lmb_query *query, lmb_light_model model, const lm
         }
         cJSON_AddItemToObject(object, "sh3", json_sh3(&radiance));
         cJSON_AddBoolToObject(object, "outside", !inside);
-        json_print_line(object);
-        return;
+        return json_print_line(object);
     }
     printf("%.9g %.9g %.9g%s", query->place.x, query->place.y, query->place.z, inside ? "" : " (outside)");
     if (query->has_normal) {
@@ -41,6 +40,7 @@ static void answer_print(const lmb_query *query, lmb_light_model model, const lm
     const float mean_scale = 0.28209479f; /* 1/(2 sqrt(pi)): l0 to mean radiance */
     printf("  mean radiance %.6g %.6g %.6g\n", (double)(radiance.channel[0].c[0] * mean_scale),
            (double)(radiance.channel[1].c[0] * mean_scale), (double)(radiance.channel[2].c[0] * mean_scale));
+    return EXIT_DONE;
 }
 
 static lmb_light_model model_of_name(lmb_arguments *arguments, const char *name)
@@ -103,10 +103,14 @@ int command_sample(int count, char **values)
     lmb_query query = query_arguments.one;
     int line = 0;
     int more = query_arguments.has_position ? 1 : query_read_line(&query, &line);
+    int status = EXIT_DONE;
     while (more == 1) {
-        answer_print(&query, model, volume, json);
+        status = answer_print(&query, model, volume, json);
+        if (status != EXIT_DONE || ferror(stdout)) {
+            break;
+        }
         more = query_arguments.has_position ? 0 : query_read_line(&query, &line);
     }
     lmb_volume_close(volume);
-    return more < 0 ? EXIT_BAD_INPUT : EXIT_DONE;
+    return more < 0 ? EXIT_BAD_INPUT : status;
 }

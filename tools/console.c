@@ -1,21 +1,36 @@
 #define _POSIX_C_SOURCE 200809L
 #include "command.h"
 
+#include <errno.h>
+#include <inttypes.h>
 #include <math.h>
-#include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
+#include <cjson/cJSON.h>
+
 #include "forecast.h"
+#include "interrupt.h"
 
-static volatile sig_atomic_t interrupted;
+/* Of the process. */
+static atomic_bool json_records;
+static atomic_bool bar_open; /* the line that the cursor is in is the bar's */
 
-static void on_interrupt(int number)
+/* The first reason why standard output did not take something; -1: not known. */
+static int output_fault;
+
+static bool output_flush(void)
 {
-    (void)number;
-    interrupted = 1;
+    errno = 0;
+    const bool good = fflush(stdout) == 0 && !ferror(stdout);
+    if (!good && output_fault == 0) {
+        output_fault = errno != 0 ? errno : -1;
+    }
+    return good;
 }
 
 double seconds_now(void)
@@ -39,6 +54,14 @@ static void bar_print(const lmb_console *console, double done, double elapsed, d
         fprintf(stderr, ", %4.0f s left ", left);
     }
     fflush(stderr);
+    atomic_store(&bar_open, true);
+}
+
+static void bar_end(void)
+{
+    if (atomic_exchange(&bar_open, false)) {
+        fputc('\n', stderr);
+    }
 }
 
 /* -1: not known. */
@@ -59,7 +82,6 @@ static void line_print(lmb_console *console, double now, double done, double lef
     printf("{\"phase\":\"%s\",\"done\":%.6f,\"seconds\":%.3f,\"seconds_left\":%.3f,\"total_seconds\":%.3f,"
            "\"total_done\":%.6f}\n",
            console->phase, done, now - console->phase_start, left, passed, console->total_done);
-    fflush(stdout);
 }
 
 /* Work that runs again and again under one name, as bounces do, is one phase, and ends where the next begins. */
@@ -80,30 +102,162 @@ static bool console_report(void *context, const char *phase, double done)
         if ((done >= 1.0 && !console->phase_done) || now - console->printed >= 1.0) {
             console->printed = now;
             line_print(console, now, done, left);
+            if (!output_flush()) {
+                return false;
+            }
         }
     } else if (!console->quiet) {
         bar_print(console, done, elapsed, left);
     }
     console->phase_done |= done >= 1.0;
-    return !interrupted;
+    return true;
 }
 
 lmb_progress console_progress(lmb_console *console, bool quiet, bool json)
 {
     *console = (lmb_console){.quiet = quiet || (!json && !isatty(STDERR_FILENO)), .json = json, .start = seconds_now()};
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = on_interrupt;
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    json_records = json;
     return (lmb_progress){console_report, console};
 }
 
 void console_finish(lmb_console *console)
 {
-    if (console->phase && !console->quiet && !console->json) {
-        fputc('\n', stderr);
-    }
+    bar_end();
     console->phase = NULL;
+}
+
+/* Length of the UTF-8 sequence at `text`; 0 when it is none. */
+static size_t utf8_length(const unsigned char *text)
+{
+    const size_t length = text[0] < 0x80u                        ? 1
+                          : text[0] >= 0xc2u && text[0] <= 0xdfu ? 2
+                          : (text[0] & 0xf0u) == 0xe0u           ? 3
+                          : text[0] >= 0xf0u && text[0] <= 0xf4u ? 4
+                                                                 : 0;
+    for (size_t i = 1; i < length; ++i) {
+        if ((text[i] & 0xc0u) != 0x80u) {
+            return 0;
+        }
+    }
+    return length;
+}
+
+/* Text for JSON: a path may hold bytes that are no UTF-8. */
+static cJSON *json_text(const char *line)
+{
+    char text[LMB_ERROR_MESSAGE_SIZE];
+    snprintf(text, sizeof text, "%s", line);
+    for (char *at = text; *at;) {
+        const size_t length = utf8_length((const unsigned char *)at);
+        if (length == 0) {
+            *at = '?';
+        }
+        at += length > 0 ? length : 1;
+    }
+    return cJSON_CreateString(text);
+}
+
+/* One line, with what was printed before it; frees the record. */
+static void record_print(cJSON *record)
+{
+    char *text = cJSON_PrintUnformatted(record);
+    puts(text ? text : "{\"error\":\"out of memory\",\"status\":1}");
+    cJSON_free(text);
+    cJSON_Delete(record);
+    output_flush();
+}
+
+static void error_record_print(const char *message, int status)
+{
+    cJSON *record = cJSON_CreateObject();
+    cJSON_AddItemToObject(record, "error", json_text(message));
+    cJSON_AddNumberToObject(record, "status", status);
+    record_print(record);
+}
+
+void console_warning(const char *line, bool quiet)
+{
+    if (json_records) {
+        cJSON *record = cJSON_CreateObject();
+        cJSON_AddItemToObject(record, "warning", json_text(line));
+        record_print(record);
+    } else if (!quiet) {
+        bar_end();
+        fprintf(stderr, "lambent: warning: %s\n", line);
+    }
+}
+
+void samples_say_rounded(uint32_t samples, uint32_t multiple, bool quiet)
+{
+    const uint32_t over = samples % multiple;
+    if (over != 0) {
+        char line[128];
+        snprintf(line, sizeof line, "--samples %" PRIu32 ": taking %" PRIu32 ", the next multiple of %" PRIu32, samples,
+                 samples - over + multiple, multiple);
+        console_warning(line, quiet);
+    }
+}
+
+void console_result(cJSON *result)
+{
+    if (!json_records) {
+        cJSON_Delete(result);
+        return;
+    }
+    interrupt_shut();
+    cJSON *record = cJSON_CreateObject();
+    cJSON_AddItemToObject(record, "result", result);
+    record_print(record);
+}
+
+int command_fail(lmb_result result, const lmb_error *error)
+{
+    interrupt_shut();
+    lmb_error fault;
+    if (output_fault != 0) {
+        result = lmb_error_set(&fault, LMB_ERROR_WRITE, "standard output: cannot write%s%s",
+                               output_fault > 0 ? ": " : "", output_fault > 0 ? strerror(output_fault) : "");
+        error = &fault;
+        output_fault = 0;
+    }
+    const char *message = error->message[0] ? error->message : lmb_result_text(result);
+    bar_end();
+    fprintf(stderr, "lambent: %s\n", message);
+    if (json_records) {
+        error_record_print(message, exit_of_result(result));
+    }
+    return exit_of_result(result);
+}
+
+/* Standard output for this thread alone. False when another is stuck in it. */
+static bool output_seize(void)
+{
+    const struct timespec pause = {0, 10000000};
+    for (int attempt = 0; attempt < 50; ++attempt) {
+        if (ftrylockfile(stdout) == 0) {
+            return true;
+        }
+        nanosleep(&pause, NULL);
+    }
+    return false;
+}
+
+void console_interrupted(void)
+{
+    /* Past stdio: another thread may be stuck in it. */
+    const char *message = atomic_exchange(&bar_open, false) ? "\nlambent: interrupted\n" : "lambent: interrupted\n";
+    const ssize_t written = write(STDERR_FILENO, message, strlen(message));
+    (void)written;
+    if (json_records && output_seize()) {
+        error_record_print("interrupted", EXIT_INTERRUPTED);
+    }
+}
+
+int console_end(int status)
+{
+    if (output_flush() || status != EXIT_DONE) {
+        return status;
+    }
+    const lmb_error error = {{0}}; /* command_fail knows it */
+    return command_fail(LMB_ERROR_WRITE, &error);
 }

@@ -1,6 +1,5 @@
 #include "level.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "command.h"
@@ -13,9 +12,7 @@ lmb_level_options level_options_default(void)
 static void warning_print(void *context, const char *line)
 {
     const lmb_level_options *options = context;
-    if (!options->quiet) {
-        fprintf(stderr, "lambent: warning: %s\n", line);
-    }
+    console_warning(line, options->quiet);
 }
 
 lmb_warnings level_warnings(const lmb_level_options *options)

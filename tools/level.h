@@ -23,7 +23,7 @@ typedef struct lmb_level_options {
 
 lmb_level_options level_options_default(void);
 
-/* Prints warnings to standard error, none when `options->quiet`. `options` must outlive it. */
+/* Prints warnings as console_warning does. `options` must outlive it. */
 lmb_warnings level_warnings(const lmb_level_options *options);
 
 /* Level options as they come from the command line: the options, and room for the patterns they point to. */

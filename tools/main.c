@@ -1,8 +1,13 @@
 /* lambent: bakes light-probe volumes and matching lightmaps of game levels, and shows what it baked. */
+#define _POSIX_C_SOURCE 200809L
+#include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "command.h"
+#include "interrupt.h"
 
 static const struct {
     const char *name;
@@ -13,6 +18,7 @@ static const struct {
     {"bench", command_bench, "measure how fast a bake traces"},
     {"check", command_check, "measure a bake against the path-traced truth"},
     {"info", command_info, "say what is in a .vdb, .lmb or .exr of ours"},
+    {"pack", command_pack, "turn a .vdb, edited or not, into the .lmb that a game opens"},
     {"probe", command_probe, "trace one probe of a level on the spot"},
     {"render", command_render, "draw a picture of a baked level"},
     {"sample", command_sample, "look up the light at a point of a .lmb"},
@@ -24,29 +30,80 @@ static void usage_print(FILE *stream)
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
         fprintf(stream, "  %-8s %s\n", commands[i].name, commands[i].about);
     }
-    fputs("\nlambent COMMAND --help says more. Exit status: 0 done, 1 the work failed, 2 usage, 3 bad input,\n"
-          "4 interrupted.\n",
+    fputs("\nlambent COMMAND --help, or lambent help COMMAND, says more. Exit status: 0 done, 1 the work failed, 2 "
+          "usage,\n"
+          "3 bad input, 4 interrupted.\n",
           stream);
+}
+
+/* Runs the command of that name. False when there is none. */
+static bool command_run(const char *name, int count, char **values, int *status)
+{
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
+        if (strcmp(name, commands[i].name) == 0) {
+            *status = commands[i].run(count, values);
+            return true;
+        }
+    }
+    return false;
+}
+
+static int help_run(int count, char **values)
+{
+    char option[] = "--help";
+    char *help[] = {option, NULL};
+    int status = EXIT_DONE;
+    if (count == 0) {
+        usage_print(stdout);
+    } else if (count > 1 || !command_run(values[0], 1, help, &status)) {
+        fprintf(stderr, "lambent: help: there is no command '%s'\n", values[count - 1]);
+        usage_print(stderr);
+        status = EXIT_USAGE;
+    }
+    return status;
+}
+
+static int run(int count, char **values)
+{
+    int status = EXIT_USAGE;
+    const char *name = count > 0 ? values[0] : "";
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+        return help_run(0, NULL);
+    }
+    if (strcmp(name, "help") == 0) {
+        return help_run(count - 1, values + 1);
+    }
+    if (strcmp(name, "--version") == 0) {
+        puts("lambent " LMB_VERSION);
+        return EXIT_DONE;
+    }
+    if (count == 0 || !command_run(name, count - 1, values + 1, &status)) {
+        if (count > 0) {
+            fprintf(stderr, "lambent: there is no command '%s'\n", name);
+        }
+        usage_print(stderr);
+    }
+    return status;
+}
+
+/* Where the caller has closed a standard stream, the next file that is opened would take its place. Writing to what
+ * stands in for it fails. */
+static void streams_hold(void)
+{
+    for (int number = STDIN_FILENO; number <= STDERR_FILENO; ++number) {
+        if (fcntl(number, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) {
+            break;
+        }
+    }
 }
 
 int main(int count, char **values)
 {
-    if (count >= 2 && (strcmp(values[1], "--help") == 0 || strcmp(values[1], "-h") == 0)) {
-        usage_print(stdout);
-        return EXIT_DONE;
-    }
-    if (count >= 2 && strcmp(values[1], "--version") == 0) {
-        puts("lambent " LMB_VERSION);
-        return EXIT_DONE;
-    }
-    for (size_t i = 0; count >= 2 && i < sizeof commands / sizeof commands[0]; ++i) {
-        if (strcmp(values[1], commands[i].name) == 0) {
-            return commands[i].run(count - 2, values + 2);
-        }
-    }
-    if (count >= 2) {
-        fprintf(stderr, "lambent: there is no command '%s'\n", values[1]);
-    }
-    usage_print(stderr);
-    return EXIT_USAGE;
+    streams_hold();
+    /* A reader that has gone, or a file that has grown too large, are failed writes like others. */
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
+    interrupt_watch();
+    interrupt_catch_terminate();
+    return console_end(run(count - 1, values + 1));
 }

@@ -132,12 +132,15 @@ cJSON *json_sh3(const lmb_sh3_rgb *radiance)
     return list;
 }
 
-void json_print_line(cJSON *object)
+int json_print_line(cJSON *object)
 {
     char *text = cJSON_PrintUnformatted(object);
-    if (text) {
-        puts(text);
-    }
-    cJSON_free(text);
     cJSON_Delete(object);
+    lmb_error error = {{0}};
+    if (!text) {
+        return command_fail(LMB_ERROR_MEMORY, &error);
+    }
+    puts(text);
+    cJSON_free(text);
+    return EXIT_DONE;
 }

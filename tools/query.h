@@ -47,7 +47,7 @@ cJSON *json_vector(lmb_vec3 vector);
 cJSON *json_place(lmb_vec3d place);
 cJSON *json_rgb(lmb_rgb colour);
 cJSON *json_sh3(const lmb_sh3_rgb *radiance); /* 9 lists of RGB */
-/* Prints one line and frees the object. */
-void json_print_line(cJSON *object);
+/* Prints one line and frees the object. @return exit status */
+int json_print_line(cJSON *object);
 
 #endif

@@ -7,6 +7,7 @@
 #include "vector_math.h"
 
 enum { TILE = 16, GRID = 4, RAYS_PER_PIXEL = GRID * GRID };
+_Static_assert((int)RAYS_PER_PIXEL == (int)RENDER_RAYS_PER_PIXEL, "what the header says");
 
 typedef struct render_work {
     lmb_shader shader;

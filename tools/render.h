@@ -13,6 +13,9 @@ typedef enum lmb_render_mode {
     RENDER_DIFFERENCE /* final - reference, signed */
 } lmb_render_mode;
 
+/* Samples of a pixel are shared among so many rays, evenly: rounded up. */
+enum { RENDER_RAYS_PER_PIXEL = 16 };
+
 typedef struct lmb_render_settings {
     lmb_camera camera;
     lmb_render_mode mode;

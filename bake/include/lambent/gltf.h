@@ -13,6 +13,7 @@ extern "C" {
 typedef struct lmb_gltf_options {
     const char *const *exclude; /* patterns of node names to leave out with their children; `*` and `?` match */
     size_t exclude_count;
+    const char *view_node;   /* nodes of this name count as cameras too; NULL: none */
     bool allow_outside_uris; /* accept URIs that are absolute or leave the level's folder; else refused */
     lmb_warnings warnings;      /* what of the file is left out or doubtful, each with the name of its place */
 } lmb_gltf_options;

@@ -5,6 +5,7 @@
 #include <lambent/grid.h>
 #include <lambent/pool.h>
 #include <lambent/trace.h>
+#include <lambent/warning.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,7 +16,8 @@ typedef struct lmb_placement_settings {
     int32_t max_probes; /* at least 27; the spacing grows until there are no more than this */
     /* In the world: free space connected to these is baked; beside the scene's own seed points. */
     const lmb_vec3d *seeds;
-    uint32_t seed_count; /* no seeds at all: every free point within the bounds */
+    uint32_t seed_count;   /* no seeds at all: every free point within the bounds */
+    lmb_warnings warnings; /* seeds that are ignored, each by name */
 } lmb_placement_settings;
 
 /* spacing 0, max_probes 262 144, no seeds. */
@@ -30,7 +32,7 @@ typedef struct lmb_placement_stats {
     int64_t cells;          /* cells with all eight probes */
     int64_t cells_crossed;  /* of these, cells that a triangle passes through */
     uint64_t rays;
-    bool seeds_in_solid;   /* at least one seed point lies inside something and was ignored */
+    bool seeds_in_solid;   /* at least one seed point lies inside something, or outside the level, and was ignored */
     bool everything_solid; /* the level's winding calls all its space solid: the test of being inside was ignored */
 } lmb_placement_stats;
 
@@ -38,8 +40,8 @@ typedef struct lmb_placement_stats {
  * surfaces over whole rays do not say that it lies within a room that faces inwards. Probes are made for every corner
  * of every cell that has at least one free, reachable corner; those not free have validity 0 and are to be filled by
  * lmb_grid_dilate. `*grid` has validity set and no light.
- * @return LMB_ERROR_UNSUPPORTED (no triangles, so no bounds; or spacing too fine for the level's size), _MEMORY,
- * _INTERRUPTED */
+ * @return LMB_ERROR_UNSUPPORTED (no triangles, so no bounds; spacing too fine for the level's size; or seeds, of which
+ * none lies in free space), _MEMORY, _INTERRUPTED */
 lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
                               const lmb_progress *progress, lmb_grid **grid, lmb_placement_stats *stats,
                               lmb_error *error);

@@ -128,6 +128,13 @@ typedef struct lmb_environment {
     float strength;
 } lmb_environment;
 
+/* A camera of the level, or a node that a picture is to be taken from (lmb_gltf_options.view_node). */
+typedef struct lmb_scene_camera {
+    char *name;             /* the node's, or "node N" */
+    lmb_affine to_world;    /* looks along its -Z, +Y upwards */
+    float vertical_fov_rad; /* 0: not told */
+} lmb_scene_camera;
+
 typedef struct lmb_scene {
     char *path;
     lmb_vec3d origin; /* in the world; all positions below count from it */
@@ -145,7 +152,10 @@ typedef struct lmb_scene {
     lmb_vec3 bounds_min; /* of all static triangles, world space; min > max when there are none */
     lmb_vec3 bounds_max;
     lmb_vec3 *seed_points; /* nodes marked by extras {"lambent": {"seed": true}}, world space */
+    char **seed_names; /* [seed point] name of its node; NULL: they have none */
     uint32_t seed_point_count;
+    lmb_scene_camera *cameras;
+    uint32_t camera_count;
     lmb_vec3 *path_points; /* nodes marked by extras {"lambent": {"path": n}}, in the order of n */
     uint32_t path_point_count;
     uint32_t dropped_triangle_count; /* degenerate, non-finite or out-of-range triangles that were left out */

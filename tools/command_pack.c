@@ -1,0 +1,107 @@
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lambent/file.h>
+#include <lambent/pack.h>
+#include <lambent/vdb.h>
+
+#include "command.h"
+#include "output_file.h"
+
+static const char usage[] =
+    "usage: lambent pack FILE.vdb -o FILE.lmb [options]\n"
+    "\n"
+    "Packs a baked volume that was edited as OpenVDB (in Houdini, Blender, or by a program) into the file that a game\n"
+    "opens. A .vdb as bake wrote it gives the same bytes as the .lmb beside it. Grids sh_0 to sh_8 and validity must\n"
+    "keep their names, transform and common active voxels.\n"
+    "\n"
+    "  -o FILE.lmb           where to write\n"
+    "  --quiet               no closing line and no warnings\n";
+
+typedef struct pack_options {
+    const char *source;
+    const char *output;
+    bool quiet;
+} pack_options;
+
+static lmb_result pack_write(const pack_options *options, const lmb_grid *grid, lmb_pack_stats *stats, lmb_error *error)
+{
+    unsigned char *data = NULL;
+    size_t size;
+    lmb_result result = lmb_pack(grid, &data, &size, stats);
+    if (result == LMB_ERROR_ARGUMENT) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no probe has light: validity is below %g everywhere",
+                             options->source, (double)LMB_GRID_MIN_VALIDITY);
+    }
+    if (result != LMB_OK) {
+        return lmb_error_set(error, result, "%s: %s", options->source, lmb_result_text(result));
+    }
+    result = lmb_file_write(options->output, data, size, error);
+    free(data);
+    return result;
+}
+
+static lmb_result pack_run(const pack_options *options, lmb_error *error)
+{
+    lmb_grid *grid = NULL;
+    lmb_pack_stats stats;
+    lmb_result result = output_file_check(options->output, error);
+    if (result == LMB_OK) {
+        result = lmb_vdb_read(options->source, &grid, NULL, NULL, error);
+    }
+    if (result == LMB_OK) {
+        result = pack_write(options, grid, &stats, error);
+    }
+    if (result == LMB_OK && stats.overflow_count > 0) {
+        char line[LMB_ERROR_MESSAGE_SIZE];
+        snprintf(line, sizeof line, "%s: %llu coefficients are beyond half float; their probes were made darker",
+                 options->output, (unsigned long long)stats.overflow_count);
+        console_warning(line, options->quiet);
+    }
+    if (result == LMB_OK && !options->quiet) {
+        printf("written   %s (%d probes at %g m, %.1f kB)\n", options->output, grid->probe_count, (double)grid->spacing,
+               1e-3 * (double)stats.bytes);
+    }
+    lmb_grid_destroy(grid);
+    return result;
+}
+
+static bool has_ending(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), ending_length = strlen(ending);
+    return length > ending_length && strcmp(path + length - ending_length, ending) == 0;
+}
+
+int command_pack(int count, char **values)
+{
+    lmb_arguments arguments = arguments_begin(count, values, "pack", usage);
+    pack_options options = {0};
+    for (const char *argument; (argument = arguments_next(&arguments));) {
+        if (strcmp(argument, "-o") == 0) {
+            options.output = arguments_text(&arguments, argument);
+        } else if (strcmp(argument, "--quiet") == 0) {
+            options.quiet = true;
+        } else if (argument[0] != '-' && !options.source) {
+            options.source = argument;
+        } else {
+            arguments_error(&arguments, "unexpected argument", argument);
+        }
+    }
+    if (arguments.failed || arguments.help) {
+        return arguments_status(&arguments);
+    }
+    if (!options.source) {
+        arguments_error(&arguments, "missing argument", "FILE.vdb");
+    } else if (!options.output) {
+        arguments_error(&arguments, "missing option", "-o FILE.lmb");
+    } else if (!has_ending(options.output, ".lmb")) {
+        arguments_error(&arguments, "-o takes a .lmb, not", options.output); /* not over the .vdb by mistake */
+    }
+    if (arguments.failed) {
+        return EXIT_USAGE;
+    }
+    lmb_error error = {{0}};
+    const lmb_result result = pack_run(&options, &error);
+    return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
+}
