@@ -116,7 +116,7 @@ static const rule rules[] = {
     {VIEW, "buffer", INDEX, true, BUFFERS, 0, 0},
     {VIEW, "byteOffset", UINT, false, 0, 0, MAX_UINT},
     {VIEW, "byteLength", UINT, true, 0, 0, MAX_UINT},
-    {VIEW, "byteStride", UINT, false, 0, 4, 252},
+    {VIEW, "byteStride", UINT, false, 0, 0, 252}, /* 0: some exporters' none */
     {ACCESSOR, "bufferView", INDEX, false, VIEWS, 0, 0},
     {ACCESSOR, "byteOffset", UINT, false, 0, 0, MAX_UINT},
     {ACCESSOR, "componentType", UINT, true, 0, LMB_GLTF_BYTE, LMB_GLTF_FLOAT},
@@ -196,7 +196,7 @@ static const rule rules[] = {
     {MATERIAL_EXTENSIONS, "KHR_materials_unlit", OBJECT, false, EMPTY, 0, 0},
     {MATERIAL_EXTENSIONS, "KHR_materials_pbrSpecularGlossiness", OBJECT, false, SPECULAR_GLOSSINESS, 0, 0},
     {EMISSIVE_STRENGTH, "emissiveStrength", NUMBER, false, 0, 0, MAX_NUMBER},
-    {TRANSMISSION, "transmissionFactor", NUMBER, false, 0, 0, 1},
+    {TRANSMISSION, "transmissionFactor", NUMBER, false, 0, 0, MAX_NUMBER},
     {SPECULAR_GLOSSINESS, "diffuseFactor", NUMBERS, false, 0, 4, 4},
     {SPECULAR_GLOSSINESS, "diffuseTexture", OBJECT, false, TEXTURE_INFO, 0, 0},
     {INFO_EXTENSIONS, "KHR_texture_transform", OBJECT, false, TEXTURE_TRANSFORM, 0, 0},

@@ -432,6 +432,23 @@ static void test_light_by_analysis(void)
                10.0 / 4.0 / acos(-1.0), 1e-4, "10 cd at 2 m");
 }
 
+/* A stride of 0 is none, and a share rounded above 1 is 1. */
+static void test_rounded_and_zero(void)
+{
+    lmb_scene *const s = load_listening(
+        HEAD
+        "'buffers':[{'uri':'quad.bin','byteLength':92}],'bufferViews':[{'buffer':0,'byteLength':48,'byteStride':0}],"
+        "'accessors':[{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'}],"
+        "'materials':[{'extensions':{'KHR_materials_transmission':{'transmissionFactor':1.0000001}}}],"
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':6,'material':0}]}],'nodes':[{'mesh':0}]}",
+        NULL);
+    if (s) {
+        CHECK(s->meshes[0].triangle_count == 2 && s->materials[0].transmission == 1.0f, "%g",
+              (double)s->materials[0].transmission);
+        lmb_scene_destroy(s);
+    }
+}
+
 static const test_case cases[] = {
     {"hidden nodes", test_hidden_nodes},
     {"extensions that are not read", test_extensions},
@@ -442,6 +459,7 @@ static const test_case cases[] = {
     {"light from Blender", test_blender_light},
     {"UV sets", test_uv_sets},
     {"flat scales", test_flat_scales},
+    {"rounded and zero", test_rounded_and_zero},
     {"light by analysis", test_light_by_analysis},
 };
 
