@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <new>
 #include <string>
@@ -46,13 +47,27 @@ struct failure {
 
 enum : uint32_t { NONE = UINT32_MAX };
 
+/* What images_ says of a glTF image. */
+enum : int32_t { NOT_READ = -1, NOT_READABLE = -2 };
+
 /* Pixels of one image; enough for 16 k x 16 k. */
 constexpr int64_t MAX_PIXELS = int64_t(1) << 28;
 constexpr uint32_t MAX_INSTANCES = uint32_t(1) << 27;
+/* Metres: nothing is as far as this, which exporters write for lamps that reach everywhere. */
+constexpr double UNLIMITED_RANGE = 1e18;
 
 struct world_node {
     lmb_affine to_world;
     uint32_t parent;
+};
+
+/* The textures of a material that are read, as the file numbers them. */
+struct material_textures {
+    struct {
+        int index; /* -1: none */
+        int uv_set;
+    } base_color, emissive, normal;
+    bool used; /* by a primitive of a mesh that is placed */
 };
 
 class loader {
@@ -105,18 +120,23 @@ class loader {
     void list_items();
     int32_t read_image(uint32_t number);
     void read_materials();
-    void read_material(const tinygltf::Material &source, lmb_material *material);
-    lmb_texture read_texture(int index, int uv_set, const tinygltf::ExtensionMap &extensions);
-    lmb_texture read_texture(const Value &info);
+    void read_material(const tinygltf::Material &source, lmb_material *material, material_textures *textures);
+    void use_material(uint32_t number);
+    int32_t uv_slot(int uv_set, int texture, uint32_t material);
+    void read_images();
+    void read_image_of(lmb_texture *texture, int index);
+    void read_normal_map(uint32_t number, int index);
+    std::string material_name(uint32_t number) const;
     void place_nodes();
     void visit_scene();
-    void visit_node(uint32_t index, bool dynamic);
+    void visit_node(uint32_t index, bool dynamic, bool hidden);
     bool is_excluded(const std::string &name) const;
-    void read_marks(const Value &marks, uint32_t node);
+    const char *light_fault(const tinygltf::Light &source, const lmb_affine &to_world) const;
     void add_camera(uint32_t node);
     void add_light(uint32_t light, const lmb_affine &to_world, uint32_t node, bool indirect_only);
     void add_mesh_node(uint32_t index, bool dynamic);
     uint32_t mesh_for(uint32_t node);
+    void find_uvs(const tinygltf::Primitive &source, lmb_gltf_primitive *primitive, uint32_t mesh);
     uint32_t build_mesh(uint32_t number, int32_t node, const lmb_gltf_pose &pose);
     void add_instance(uint32_t node, uint32_t place, uint32_t mesh, const lmb_affine &to_world, bool dynamic,
                       float place_step = 0.0f);
@@ -127,6 +147,14 @@ class loader {
     {
         return scene_->origin.x != 0.0 || scene_->origin.y != 0.0 || scene_->origin.z != 0.0;
     }
+    double light_scale() const
+    {
+        return options_ && options_->light_scale > 0.0 ? options_->light_scale : 1.0;
+    }
+    double emission_scale() const
+    {
+        return options_ && options_->emission_scale > 0.0 ? options_->emission_scale : 1.0;
+    }
     void find_bounds();
     void finish();
 
@@ -134,9 +162,13 @@ class loader {
     const lmb_gltf_options *options_;
     lmb_scene *scene_;
     lmb_error *error_;
+    const lmb_warnings *warnings_ = options_ ? &options_->warnings : nullptr;
+    std::unique_ptr<lmb_gltf_marks, void (*)(void *)> marks_{nullptr, free}; /* [node] */
     Model model_;
     std::vector<const cJSON *> image_items_, mesh_items_;
-    std::vector<int32_t> images_; /* scene image of each glTF image that was needed, or -1 */
+    std::vector<int32_t> images_;             /* scene image of each glTF image that was needed, or as said above */
+    std::vector<material_textures> textures_; /* [material], without the default one */
+    std::vector<int> uv_sets_{0, 1};          /* the TEXCOORD that each of lmb_mesh.uv is */
     std::vector<world_node> nodes_;
     std::vector<uint32_t> shared_meshes_; /* scene mesh of each glTF mesh at rest, or NONE */
     std::vector<std::pair<double, lmb_vec3>> path_;
@@ -147,14 +179,7 @@ const lmb_affine identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 
 lmb_affine product(const lmb_affine &a, const lmb_affine &b)
 {
-    lmb_affine c;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 4; ++j) {
-            c.m[i][j] =
-                a.m[i][0] * b.m[0][j] + a.m[i][1] * b.m[1][j] + a.m[i][2] * b.m[2][j] + (j == 3 ? a.m[i][3] : 0.0);
-        }
-    }
-    return c;
+    return lmb_gltf_product(&a, &b);
 }
 
 /* Adds `sign` times a place to the translation. */
@@ -163,25 +188,6 @@ void move(lmb_affine &t, const lmb_vec3d &place, double sign)
     t.m[0][3] += sign * place.x;
     t.m[1][3] += sign * place.y;
     t.m[2][3] += sign * place.z;
-}
-
-/* Rotation of a quaternion x, y, z, w that need not be unit; none when it is zero. */
-lmb_affine compose(const double t[3], const double q[4], const double s[3])
-{
-    const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    const double k = norm > 0.0 ? 2.0 / norm : 0.0;
-    const double x = q[0], y = q[1], z = q[2], w = q[3];
-    const double r[3][3] = {{1 - k * (y * y + z * z), k * (x * y - z * w), k * (x * z + y * w)},
-                            {k * (x * y + z * w), 1 - k * (x * x + z * z), k * (y * z - x * w)},
-                            {k * (x * z - y * w), k * (y * z + x * w), 1 - k * (x * x + y * y)}};
-    lmb_affine m;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            m.m[i][j] = r[i][j] * s[j];
-        }
-        m.m[i][3] = t[i];
-    }
-    return m;
 }
 
 const double no_turn[4] = {0, 0, 0, 1}, no_scale[3] = {1, 1, 1};
@@ -206,7 +212,7 @@ lmb_affine local_transform(const tinygltf::Node &node)
     std::copy(node.translation.begin(), node.translation.end(), t);
     std::copy(node.rotation.begin(), node.rotation.end(), q);
     std::copy(node.scale.begin(), node.scale.end(), s);
-    return compose(t, q, s);
+    return lmb_gltf_compose(t, q, s);
 }
 
 const Value &find_extension(const tinygltf::ExtensionMap &extensions, const char *name)
@@ -243,28 +249,11 @@ float clamp01(double value)
     return value > 0.0 ? float(std::min(value, 1.0)) : 0.0f;
 }
 
-/* `*` matches any run, `?` any one byte. */
-bool glob_matches(const char *pattern, const char *text)
+/* Texts of FLT_MAX are rounded up. */
+float to_float(double value)
 {
-    const char *star = nullptr, *resume = nullptr;
-    while (*text) {
-        if (*pattern == '*') {
-            star = pattern++;
-            resume = text;
-        } else if (*pattern == '?' || *pattern == *text) {
-            ++pattern;
-            ++text;
-        } else if (star) {
-            pattern = star + 1;
-            text = ++resume;
-        } else {
-            return false;
-        }
-    }
-    while (*pattern == '*') {
-        ++pattern;
-    }
-    return *pattern == '\0';
+    const double largest = double(std::numeric_limits<float>::max());
+    return float(std::max(-largest, std::min(value, largest)));
 }
 
 bool keep_no_image(tinygltf::Image *, int, std::string *, std::string *, int, int, const unsigned char *, int, void *)
@@ -292,63 +281,16 @@ bool write_no_file(std::string *, const std::string &, const std::vector<unsigne
     return false;
 }
 
-using json_text = std::unique_ptr<char, void (*)(void *)>;
-
-bool is_read_by_tinygltf(const char *name)
-{
-    for (const char *own : {"accessors", "animations", "buffers", "bufferViews", "cameras", "images"}) {
-        if (strcmp(name, own) == 0) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/* The meshes without what tinygltf must not see: it refuses indices that are accessors without a buffer view. */
-cJSON *meshes_without_indices(const cJSON *meshes)
-{
-    cJSON *const copy = cJSON_Duplicate(meshes, true);
-    cJSON *mesh, *primitive;
-    cJSON_ArrayForEach(mesh, copy)
-    {
-        cJSON_ArrayForEach(primitive, cJSON_GetObjectItemCaseSensitive(mesh, "primitives"))
-        {
-            cJSON_DeleteItemFromObjectCaseSensitive(primitive, "indices");
-        }
-    }
-    return copy;
-}
-
-/* The file's JSON as text for tinygltf. It gets the structure only: bytes and pictures are read by lmb_gltf_file, and
- * nobody needs the rest. Written anew, so that it reads exactly what was checked. */
-json_text text_for_tinygltf(const lmb_gltf_file *file)
-{
-    const std::unique_ptr<cJSON, void (*)(cJSON *)> shown(cJSON_CreateObject(), cJSON_Delete);
-    bool good = shown != nullptr;
-    cJSON *item;
-    cJSON_ArrayForEach(item, file->root)
-    {
-        if (good && strcmp(item->string, "meshes") == 0) {
-            cJSON *const meshes = meshes_without_indices(item);
-            good = meshes && cJSON_AddItemToObject(shown.get(), item->string, meshes);
-        } else if (good && is_read_by_tinygltf(item->string)) {
-            good = cJSON_AddItemReferenceToObject(shown.get(), item->string, item);
-        }
-    }
-    json_text text(good ? cJSON_PrintUnformatted(shown.get()) : nullptr, cJSON_free);
-    if (!text) {
-        throw std::bad_alloc();
-    }
-    return text;
-}
-
 void loader::parse()
 {
     const auto count = [&](const char *name) {
         return size_t(cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(file_->root, name)));
     };
     const size_t node_count = count("nodes");
-    const json_text text = text_for_tinygltf(file_);
+    const std::unique_ptr<char, void (*)(void *)> text(lmb_gltf_text_for_tinygltf(file_), cJSON_free);
+    if (!text) {
+        throw std::bad_alloc();
+    }
     /* Nobody reads these again, and a million of them take a gigabyte. */
     cJSON_DeleteItemFromObjectCaseSensitive(file_->root, "nodes");
     tinygltf::TinyGLTF reader;
@@ -398,7 +340,7 @@ void loader::list_items()
     {
         mesh_items_.push_back(item);
     }
-    images_.assign(image_items_.size(), -1);
+    images_.assign(image_items_.size(), NOT_READ);
 }
 
 /* Decodes an image when a material first asks for it; the others do not matter to light. */
@@ -452,20 +394,12 @@ lmb_wrap wrap_of(int mode)
 
 const lmb_texture no_texture = {-1, 0, LMB_WRAP_REPEAT, LMB_WRAP_REPEAT, false, {{1, 0, 0}, {0, 1, 0}}};
 
-lmb_texture loader::read_texture(int index, int uv_set, const tinygltf::ExtensionMap &extensions)
+/* A use of a texture but for the texture itself. */
+template <class Use> lmb_texture describe_texture(int index, int uv_set, const Value &transform, Use *use)
 {
     lmb_texture texture = no_texture;
-    if (index < 0) {
-        return texture;
-    }
-    const Value &transform = find_extension(extensions, "KHR_texture_transform");
-    if (member(transform, "texCoord").IsNumber()) {
-        uv_set = index_of(member(transform, "texCoord"));
-    }
-    if (uv_set < 0 || uv_set > 1) {
-        fail(LMB_ERROR_UNSUPPORTED, "textures[%d]: used with TEXCOORD_%d", index, uv_set);
-    }
-    texture.uv_set = uv_set;
+    use->index = index;
+    use->uv_set = member(transform, "texCoord").IsNumber() ? index_of(member(transform, "texCoord")) : uv_set;
     const auto element = [](const Value &list, int i, double missing) {
         return list.IsArray() ? number(list.Get(i), missing) : missing;
     };
@@ -477,36 +411,24 @@ lmb_texture loader::read_texture(int index, int uv_set, const tinygltf::Extensio
     const double map[2][3] = {{cosine * su, sine * sv, element(offset, 0, 0.0)},
                               {-sine * su, cosine * sv, element(offset, 1, 0.0)}};
     for (int i = 0; i < 6; ++i) {
-        texture.transform[i / 3][i % 3] = float(map[i / 3][i % 3]);
-    }
-    const tinygltf::Texture &source = model_.textures[size_t(index)];
-    if (source.sampler >= 0) {
-        const tinygltf::Sampler &sampler = model_.samplers[size_t(source.sampler)];
-        texture.wrap_u = wrap_of(sampler.wrapS);
-        texture.wrap_v = wrap_of(sampler.wrapT);
-        texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
-    }
-    if (source.source >= 0) {
-        texture.image = read_image(uint32_t(source.source));
-    } else if (!source.extensions.empty()) {
-        fail(LMB_ERROR_UNSUPPORTED, "textures[%d]: %s is not supported, and there is no other source", index,
-             source.extensions.begin()->first.c_str());
+        texture.transform[i / 3][i % 3] = to_float(map[i / 3][i % 3]);
     }
     return texture;
 }
 
-/* A texture info inside an extension, which tinygltf leaves as JSON. */
-lmb_texture loader::read_texture(const Value &info)
+template <class Info, class Use> lmb_texture describe_texture(const Info &info, Use *use)
 {
-    tinygltf::ExtensionMap extensions;
-    const Value &all = member(info, "extensions");
-    if (all.IsObject()) {
-        extensions = all.Get<Value::Object>();
-    }
-    return read_texture(index_of(member(info, "index")), std::max(index_of(member(info, "texCoord")), 0), extensions);
+    return describe_texture(info.index, info.texCoord, find_extension(info.extensions, "KHR_texture_transform"), use);
 }
 
-void loader::read_material(const tinygltf::Material &source, lmb_material *material)
+/* A texture info inside an extension, which tinygltf leaves as JSON. */
+template <class Use> lmb_texture describe_texture(const Value &info, Use *use)
+{
+    return describe_texture(index_of(member(info, "index")), std::max(index_of(member(info, "texCoord")), 0),
+                            member(member(info, "extensions"), "KHR_texture_transform"), use);
+}
+
+void loader::read_material(const tinygltf::Material &source, lmb_material *material, material_textures *textures)
 {
     const tinygltf::PbrMetallicRoughness &pbr = source.pbrMetallicRoughness;
     const Value &glossiness = find_extension(source.extensions, "KHR_materials_pbrSpecularGlossiness");
@@ -515,31 +437,30 @@ void loader::read_material(const tinygltf::Material &source, lmb_material *mater
         for (int c = 0; c < 4; ++c) {
             material->base_color[c] = factor.IsArray() ? clamp01(number(factor.Get(c), 1.0)) : 1.0f;
         }
-        material->base_color_texture = read_texture(member(glossiness, "diffuseTexture"));
+        material->base_color_texture = describe_texture(member(glossiness, "diffuseTexture"), &textures->base_color);
     } else {
         for (size_t c = 0; c < 4; ++c) {
             material->base_color[c] = clamp01(pbr.baseColorFactor[c]);
         }
-        material->base_color_texture =
-            read_texture(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord, pbr.baseColorTexture.extensions);
+        material->base_color_texture = describe_texture(pbr.baseColorTexture, &textures->base_color);
     }
     const double strength =
         number(member(find_extension(source.extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0);
     for (size_t c = 0; c < 3; ++c) {
-        const double emissive = std::max(source.emissiveFactor[c], 0.0) * strength;
-        material->emissive.c[c] = float(std::min(emissive, 3.4e38));
+        material->emissive.c[c] = to_float(std::max(source.emissiveFactor[c], 0.0) * strength * emission_scale());
     }
-    material->emissive_texture =
-        read_texture(source.emissiveTexture.index, source.emissiveTexture.texCoord, source.emissiveTexture.extensions);
-    material->normal_texture =
-        read_texture(source.normalTexture.index, source.normalTexture.texCoord, source.normalTexture.extensions);
-    material->normal_scale = float(source.normalTexture.scale);
+    material->emissive_texture = describe_texture(source.emissiveTexture, &textures->emissive);
+    if (rgb_max(material->emissive) == 0.0f) {
+        textures->emissive.index = -1; /* black whatever it is */
+    }
+    material->normal_texture = describe_texture(source.normalTexture, &textures->normal);
+    material->normal_scale = to_float(source.normalTexture.scale);
     material->transmission = clamp01(
         number(member(find_extension(source.extensions, "KHR_materials_transmission"), "transmissionFactor"), 0.0));
     material->alpha_mode = source.alphaMode == "MASK"    ? LMB_ALPHA_MASK
                            : source.alphaMode == "BLEND" ? LMB_ALPHA_BLEND
                                                          : LMB_ALPHA_OPAQUE;
-    material->alpha_cutoff = float(source.alphaCutoff);
+    material->alpha_cutoff = to_float(source.alphaCutoff);
     material->double_sided = source.doubleSided;
     material->unlit = source.extensions.count("KHR_materials_unlit") > 0;
     material->name = copy_string(source.name);
@@ -549,7 +470,8 @@ void loader::read_material(const tinygltf::Material &source, lmb_material *mater
 void loader::read_materials()
 {
     for (const tinygltf::Material &material : model_.materials) {
-        read_material(material, &append(scene_->materials, scene_->material_count));
+        textures_.emplace_back();
+        read_material(material, &append(scene_->materials, scene_->material_count), &textures_.back());
     }
     lmb_material &fallback = append(scene_->materials, scene_->material_count);
     std::fill(fallback.base_color, fallback.base_color + 4, 1.0f);
@@ -557,6 +479,113 @@ void loader::read_materials()
     fallback.normal_scale = 1.0f;
     fallback.alpha_cutoff = 0.5f;
     fallback.name = copy_string("default");
+}
+
+std::string loader::material_name(uint32_t number) const
+{
+    const std::string &name = model_.materials[number].name;
+    return name.empty() ? "materials[" + std::to_string(number) + "]" : "material '" + name + "'";
+}
+
+/* Which of lmb_mesh.uv a TEXCOORD is. */
+int32_t loader::uv_slot(int uv_set, int texture, uint32_t material)
+{
+    const auto known = std::find(uv_sets_.begin(), uv_sets_.end(), uv_set);
+    if (known != uv_sets_.end()) {
+        return int32_t(known - uv_sets_.begin());
+    }
+    if (uv_sets_.size() == LMB_UV_SETS) {
+        fail(LMB_ERROR_UNSUPPORTED, "%s: textures[%d] uses TEXCOORD_%d, beside %d other sets of UVs",
+             material_name(material).c_str(), texture, uv_set, int(LMB_UV_SETS));
+    }
+    uv_sets_.push_back(uv_set);
+    return int32_t(uv_sets_.size()) - 1;
+}
+
+/* A primitive that is placed has this material: what its textures need will be read. */
+void loader::use_material(uint32_t number)
+{
+    if (number >= textures_.size() || textures_[number].used) {
+        return;
+    }
+    material_textures &uses = textures_[number];
+    lmb_material &material = scene_->materials[number];
+    const auto find_slot = [&](const auto &use, lmb_texture *texture) {
+        texture->uv_set = use.index >= 0 ? uv_slot(use.uv_set, use.index, number) : 0;
+    };
+    uses.used = true;
+    find_slot(uses.base_color, &material.base_color_texture);
+    find_slot(uses.emissive, &material.emissive_texture);
+    find_slot(uses.normal, &material.normal_texture);
+}
+
+void loader::read_image_of(lmb_texture *texture, int index)
+{
+    if (index < 0) {
+        return;
+    }
+    if (size_t(index) >= model_.textures.size()) {
+        fail(LMB_ERROR_FORMAT, "texture %d, but there are %zu textures", index, model_.textures.size());
+    }
+    const tinygltf::Texture &source = model_.textures[size_t(index)];
+    if (source.sampler >= 0) {
+        if (size_t(source.sampler) >= model_.samplers.size()) {
+            fail(LMB_ERROR_FORMAT, "textures[%d].sampler: %d, but there are %zu samplers", index, source.sampler,
+                 model_.samplers.size());
+        }
+        const tinygltf::Sampler &sampler = model_.samplers[size_t(source.sampler)];
+        texture->wrap_u = wrap_of(sampler.wrapS);
+        texture->wrap_v = wrap_of(sampler.wrapT);
+        texture->nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    }
+    if (source.source >= 0) {
+        if (size_t(source.source) >= images_.size()) {
+            fail(LMB_ERROR_FORMAT, "textures[%d].source: %d, but there are %zu images", index, source.source,
+                 images_.size());
+        }
+        texture->image = read_image(uint32_t(source.source));
+    } else if (!source.extensions.empty()) {
+        fail(LMB_ERROR_UNSUPPORTED, "textures[%d]: %s is not supported, and there is no other source", index,
+             source.extensions.begin()->first.c_str());
+    }
+}
+
+/* The bake does not need it, so what is wrong with it stops nothing. Of one image it is said once. */
+void loader::read_normal_map(uint32_t number, int index)
+{
+    const int image = index >= 0 && size_t(index) < model_.textures.size() ? model_.textures[size_t(index)].source : -1;
+    const bool known = image >= 0 && size_t(image) < images_.size();
+    if (known && images_[size_t(image)] == NOT_READABLE) {
+        return;
+    }
+    lmb_error *const outer = error_;
+    lmb_error reason = {""};
+    error_ = &reason;
+    try {
+        read_image_of(&scene_->materials[number].normal_texture, index);
+    } catch (const failure &f) {
+        if (f.result == LMB_ERROR_MEMORY) {
+            error_ = outer;
+            throw std::bad_alloc();
+        }
+        lmb_warn(warnings_, "%s; %s goes without its normal map", reason.message, material_name(number).c_str());
+        if (known) {
+            images_[size_t(image)] = NOT_READABLE;
+        }
+    }
+    error_ = outer;
+}
+
+/* Of the materials in sight. */
+void loader::read_images()
+{
+    for (uint32_t i = 0; i < textures_.size(); ++i) {
+        if (textures_[i].used) {
+            read_image_of(&scene_->materials[i].base_color_texture, textures_[i].base_color.index);
+            read_image_of(&scene_->materials[i].emissive_texture, textures_[i].emissive.index);
+            read_normal_map(i, textures_[i].normal.index);
+        }
+    }
 }
 
 /* World transforms of all nodes, parents before children; joints may lie outside the scene. */
@@ -594,7 +623,7 @@ void loader::place_nodes()
 bool loader::is_excluded(const std::string &name) const
 {
     for (size_t i = 0; options_ && i < options_->exclude_count; ++i) {
-        if (glob_matches(options_->exclude[i], name.c_str())) {
+        if (lmb_gltf_name_matches(options_->exclude[i], name.c_str())) {
             return true;
         }
     }
@@ -606,18 +635,14 @@ lmb_vec3 origin_of(const lmb_affine &t)
     return {float(t.m[0][3]), float(t.m[1][3]), float(t.m[2][3])};
 }
 
-void loader::read_marks(const Value &marks, uint32_t node)
+/* Why a lamp cannot give light where it is, or NULL. */
+const char *loader::light_fault(const tinygltf::Light &source, const lmb_affine &to_world) const
 {
-    const lmb_affine &to_world = nodes_[node].to_world;
-    const Value &seed = member(marks, "seed"), &path = member(marks, "path");
-    if (seed.IsBool() && seed.Get<bool>()) {
-        uint32_t count = scene_->seed_point_count;
-        append(scene_->seed_names, count) = copy_string(node_name(node));
-        append(scene_->seed_points, scene_->seed_point_count) = origin_of(to_world);
-    }
-    if (path.IsNumber()) {
-        path_.emplace_back(path.GetNumberAsDouble(), origin_of(to_world));
-    }
+    const lmb_gltf_rank rank = lmb_gltf_transform_rank(&to_world);
+    return source.intensity < 0.0                            ? "its intensity is negative"
+           : rank == LMB_GLTF_NOTHING                        ? "its node is scaled to nothing"
+           : rank == LMB_GLTF_FLAT && source.type != "point" ? "its node is scaled flat, and gives it no direction"
+                                                             : nullptr;
 }
 
 /* Of an orthographic camera, or one that does not exist, the angle of view is not told. */
@@ -639,6 +664,13 @@ void loader::add_camera(uint32_t index)
 void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node, bool indirect_only)
 {
     const tinygltf::Light &source = model_.lights[index];
+    const std::string name = source.name.empty() ? node_name(node) : source.name;
+    const char *const fault = light_fault(source, to_world);
+    if (fault) {
+        lmb_warn(warnings_, "%s: node '%s': lamp '%s' is left out: %s", file_->path, node_name(node).c_str(),
+                 name.c_str(), fault);
+        return;
+    }
     lmb_light light{};
     light.type = source.type == "spot"          ? LMB_LIGHT_SPOT
                  : source.type == "directional" ? LMB_LIGHT_DIRECTIONAL
@@ -651,16 +683,13 @@ void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node
         length += away[i] * away[i];
     }
     length = std::sqrt(length);
-    if (light.type != LMB_LIGHT_POINT && !(length > 0.0)) {
-        fail(LMB_ERROR_FORMAT, "nodes[%u]: its light has no direction", node);
-    }
     light.direction = length > 0.0 ? lmb_vec3{float(away[0] / length), float(away[1] / length), float(away[2] / length)}
                                    : lmb_vec3{0.0f, 0.0f, -1.0f};
     for (size_t c = 0; c < 3; ++c) {
         const double colour = source.color.size() == 3 ? std::max(source.color[c], 0.0) : 1.0;
-        light.intensity.c[c] = float(std::min(colour * source.intensity, 3.4e38));
+        light.intensity.c[c] = to_float(colour * source.intensity * light_scale());
     }
-    light.range = float(source.range);
+    light.range = source.range < UNLIMITED_RANGE ? float(source.range) : 0.0f;
     double sine, inner, outer;
     lmb_sincos(source.spot.innerConeAngle, &sine, &inner);
     lmb_sincos(source.spot.outerConeAngle, &sine, &outer);
@@ -668,7 +697,27 @@ void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node
     light.cos_inner = std::max(float(std::min(inner, 1.0)), light.cos_outer);
     lmb_light &added = append(scene_->lights, scene_->light_count);
     added = light;
-    added.name = copy_string(source.name.empty() ? node_name(node) : source.name);
+    added.name = copy_string(name);
+}
+
+/* TEXCOORD_0 and _1 always, others when the material needs them. */
+void loader::find_uvs(const tinygltf::Primitive &source, lmb_gltf_primitive *primitive, uint32_t mesh)
+{
+    if (primitive->position >= 0 && primitive->mode >= TINYGLTF_MODE_TRIANGLES) {
+        use_material(primitive->material);
+    }
+    const lmb_material &material = scene_->materials[primitive->material];
+    for (size_t slot = 0; slot < LMB_UV_SETS; ++slot) {
+        const int32_t number = int32_t(slot);
+        const bool needed = slot < 2 || material.base_color_texture.uv_set == number ||
+                            material.emissive_texture.uv_set == number || material.normal_texture.uv_set == number;
+        const std::string name = needed ? "TEXCOORD_" + std::to_string(uv_sets_[slot]) : "";
+        primitive->uv[slot] = needed ? attribute(source.attributes, name.c_str()) : -1;
+        if (primitive->uv[slot] >= 0 && !lmb_gltf_is_uv(&file_->accessors[primitive->uv[slot]])) {
+            fail(LMB_ERROR_FORMAT, "meshes[%u].primitives[%u].attributes.%s: accessors[%d] is of a wrong type", mesh,
+                 primitive->number, name.c_str(), primitive->uv[slot]);
+        }
+    }
 }
 
 uint32_t loader::build_mesh(uint32_t number, int32_t node, const lmb_gltf_pose &pose)
@@ -694,14 +743,13 @@ uint32_t loader::build_mesh(uint32_t number, int32_t node, const lmb_gltf_pose &
         primitive.normal = attribute(p.attributes, "NORMAL");
         primitive.tangent = attribute(p.attributes, "TANGENT");
         primitive.color = attribute(p.attributes, "COLOR_0");
-        primitive.uv[0] = attribute(p.attributes, "TEXCOORD_0");
-        primitive.uv[1] = attribute(p.attributes, "TEXCOORD_1");
         primitive.joints[0] = attribute(p.attributes, "JOINTS_0");
         primitive.joints[1] = attribute(p.attributes, "JOINTS_1");
         primitive.weights[0] = attribute(p.attributes, "WEIGHTS_0");
         primitive.weights[1] = attribute(p.attributes, "WEIGHTS_1");
         primitive.material = p.material >= 0 ? uint32_t(p.material) : uint32_t(model_.materials.size());
         primitive.number = uint32_t(i);
+        find_uvs(p, &primitive, number);
         primitive.targets = targets[i].data();
         primitive.target_count = targets[i].size();
         primitives.push_back(primitive);
@@ -746,34 +794,11 @@ uint32_t loader::mesh_for(uint32_t index)
     return build_mesh(number, int32_t(index), pose);
 }
 
-/* The inverse transpose; false when the transform flattens everything. */
-bool invert_transpose(const lmb_affine &t, lmb_affine *result, double *determinant)
-{
-    double size = 0.0;
-    *result = lmb_affine{};
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            result->m[i][j] = t.m[i1][j1] * t.m[i2][j2] - t.m[i1][j2] * t.m[i2][j1];
-            size = std::max(size, std::fabs(t.m[i][j]));
-        }
-    }
-    *determinant = t.m[0][0] * result->m[0][0] + t.m[0][1] * result->m[0][1] + t.m[0][2] * result->m[0][2];
-    if (!(std::fabs(*determinant) > 1e-15 * size * size * size) || !(size > 1e-18)) {
-        return false;
-    }
-    for (int k = 0; k < 9; ++k) {
-        result->m[k / 3][k % 3] /= *determinant;
-    }
-    return true;
-}
-
 void loader::add_instance(uint32_t node, uint32_t place, uint32_t mesh, const lmb_affine &to_world, bool dynamic,
                           float place_step)
 {
     lmb_instance instance{};
-    double determinant;
-    if (!invert_transpose(to_world, &instance.normal_to_world, &determinant)) {
+    if (!lmb_gltf_instance_place(&to_world, &instance)) {
         /* Scaled to nothing, as exporters hide objects. */
         scene_->dropped_triangle_count += scene_->meshes[mesh].triangle_count;
         return;
@@ -782,13 +807,11 @@ void loader::add_instance(uint32_t node, uint32_t place, uint32_t mesh, const lm
     instance.place = int32_t(place);
     instance.mesh = mesh;
     const lmb_mesh &placed = scene_->meshes[mesh];
-    instance.to_world = to_world;
     if (placed.shift.x != 0.0f || placed.shift.y != 0.0f || placed.shift.z != 0.0f) {
         const double shift[3] = {double(placed.shift.x), double(placed.shift.y), double(placed.shift.z)};
-        instance.to_world = product(to_world, compose(shift, no_turn, no_scale));
+        instance.to_world = product(instance.to_world, lmb_gltf_compose(shift, no_turn, no_scale));
     }
     instance.position_step = std::max(place_step, lmb_position_step(placed.file_reach, &to_world));
-    instance.mirrored = determinant < 0.0;
     instance.dynamic = dynamic;
     if (scene_->instance_count == MAX_INSTANCES) {
         fail(LMB_ERROR_UNSUPPORTED, "nodes[%u]: too many instances", node);
@@ -835,28 +858,31 @@ void loader::add_mesh_node(uint32_t index, bool dynamic)
             }
         }
         const float reach = float(std::max({std::fabs(t[0]), std::fabs(t[1]), std::fabs(t[2])}));
-        add_instance(index, place, mesh, product(nodes_[index].to_world, compose(t, q, s)), dynamic,
+        add_instance(index, place, mesh, product(nodes_[index].to_world, lmb_gltf_compose(t, q, s)), dynamic,
                      lmb_position_step(reach, &nodes_[index].to_world));
     }
 }
 
-void loader::visit_node(uint32_t index, bool dynamic)
+void loader::visit_node(uint32_t index, bool dynamic, bool hidden)
 {
     const tinygltf::Node &node = model_.nodes[index];
-    read_marks(member(node.extras, "lambent"), index);
     if (node.camera >= 0 || (options_ && options_->view_node && node_name(index) == options_->view_node)) {
         add_camera(index);
     }
+    const lmb_gltf_marks &marks = marks_.get()[index];
+    if (marks.seed) {
+        uint32_t count = scene_->seed_point_count;
+        append(scene_->seed_names, count) = copy_string(node_name(index));
+        append(scene_->seed_points, scene_->seed_point_count) = origin_of(nodes_[index].to_world);
+    }
+    if (marks.has_path) {
+        path_.emplace_back(marks.path, origin_of(nodes_[index].to_world));
+    }
     const int light = index_of(member(find_extension(node.extensions, "KHR_lights_punctual"), "light"));
-    const Value &part = member(member(node.extras, "lambent"), "light");
-    const std::string baked = part.IsString() ? part.Get<std::string>() : "baked";
-    if (baked != "baked" && baked != "indirect" && baked != "off") {
-        fail(LMB_ERROR_FORMAT, "nodes[%u].extras.lambent.light: neither baked, indirect nor off", index);
+    if (light >= 0 && marks.light != LMB_GLTF_OFF && !hidden) {
+        add_light(uint32_t(light), nodes_[index].to_world, index, marks.light == LMB_GLTF_INDIRECT);
     }
-    if (light >= 0 && baked != "off") {
-        add_light(uint32_t(light), nodes_[index].to_world, index, baked == "indirect");
-    }
-    if (node.mesh >= 0) {
+    if (node.mesh >= 0 && !hidden) {
         add_mesh_node(index, dynamic);
     }
 }
@@ -866,17 +892,17 @@ void loader::visit_scene()
 {
     struct visit {
         uint32_t node;
-        bool dynamic;
+        bool dynamic, hidden;
     };
     std::vector<visit> pending;
     if (!model_.scenes.empty()) {
         for (const int node : model_.scenes[size_t(std::max(model_.defaultScene, 0))].nodes) {
-            pending.push_back({uint32_t(node), false});
+            pending.push_back({uint32_t(node), false, false});
         }
     } else {
         for (size_t i = 0; i < nodes_.size(); ++i) {
             if (nodes_[i].parent == NONE) {
-                pending.push_back({uint32_t(i), false});
+                pending.push_back({uint32_t(i), false, false});
             }
         }
     }
@@ -888,13 +914,12 @@ void loader::visit_scene()
             continue;
         }
         const tinygltf::Node &node = model_.nodes[v.node];
-        const Value &is_static = member(member(node.extras, "lambent"), "static");
-        if (is_static.IsBool()) {
-            v.dynamic = !is_static.Get<bool>();
-        }
-        visit_node(v.node, v.dynamic);
+        const lmb_gltf_marks &marks = marks_.get()[v.node];
+        v.dynamic = marks.moves == LMB_GLTF_MOVES || (marks.moves == LMB_GLTF_AS_ABOVE && v.dynamic);
+        v.hidden |= marks.hidden;
+        visit_node(v.node, v.dynamic, v.hidden);
         for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
-            pending.push_back({uint32_t(*child), v.dynamic});
+            pending.push_back({uint32_t(*child), v.dynamic, v.hidden});
         }
     }
 }
@@ -918,6 +943,7 @@ void loader::move_to_origin()
         quiet_options_ = *options_;
         quiet_options_.warnings = {};
         options_ = &quiet_options_;
+        warnings_ = &quiet_options_.warnings;
     }
     visit_scene();
 }
@@ -941,12 +967,20 @@ void loader::finish()
     for (size_t i = 0; options_ && i < options_->exclude_count; ++i) {
         hash = lmb_hash(hash, options_->exclude[i], strlen(options_->exclude[i]) + 1);
     }
+    const double scales[2] = {light_scale(), emission_scale()};
+    if (scales[0] != 1.0 || scales[1] != 1.0) {
+        hash = lmb_hash(hash, scales, sizeof scales);
+    }
     scene_->content_hash = hash;
 }
 
 void loader::load()
 {
     scene_->path = copy_string(file_->path);
+    lmb_gltf_marks *marks = nullptr;
+    check(lmb_gltf_marks_read(file_, warnings_, &marks, error_));
+    marks_.reset(marks);
+    lmb_gltf_blender_warn_area_lamps(file_, warnings_);
     parse();
     list_items();
     read_materials();
@@ -954,8 +988,11 @@ void loader::load()
     shared_meshes_.assign(model_.meshes.size(), NONE);
     visit_scene();
     move_to_origin();
+    read_images();
     find_bounds();
     finish();
+    lmb_gltf_extensions_warn(file_, warnings_);
+    lmb_gltf_blender_warn_units(file_, scene_, warnings_);
 }
 
 } // namespace

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* What is read of glTF 2.0, as a table: for each property of each kind of object its type and range. Properties that
- * the table does not name are not read by anyone. */
+ * the table does not name are not read by anyone. Where a texture leads is checked when it is read: most are not. */
 
 typedef enum object_kind {
     ROOT,
@@ -36,6 +36,7 @@ typedef enum object_kind {
     NODE_EXTENSIONS,
     NODE_LIGHT,
     NODE_INSTANCES,
+    NODE_VISIBILITY,
     MATERIAL_EXTENSIONS,
     EMISSIVE_STRENGTH,
     TRANSMISSION,
@@ -69,16 +70,12 @@ typedef enum list_kind {
     MESHES,
     SKINS,
     MATERIALS,
-    TEXTURES,
-    SAMPLERS,
-    IMAGES,
     LIGHTS,
     LIST_COUNT
 } list_kind;
 
-static const char *const list_names[LIST_COUNT] = {"buffers",  "bufferViews", "accessors", "scenes",
-                                                   "nodes",    "meshes",      "skins",     "materials",
-                                                   "textures", "samplers",    "images",    "lights"};
+static const char *const list_names[LIST_COUNT] = {"buffers", "bufferViews", "accessors", "scenes", "nodes",
+                                                   "meshes",  "skins",       "materials", "lights"};
 
 typedef struct rule {
     object_kind of;
@@ -91,6 +88,9 @@ typedef struct rule {
 
 #define MAX_UINT 2147483647.0
 #define MAX_LIST 16777216.0
+/* Texts of FLT_MAX are rounded, to as few as four digits: what lies a little above it means it. Whoever makes a float
+ * of a number clamps it. */
+#define MAX_NUMBER 3.41e38
 
 static const rule rules[] = {
     {ROOT, "asset", OBJECT, true, ASSET, 0, 0},
@@ -116,7 +116,7 @@ static const rule rules[] = {
     {VIEW, "buffer", INDEX, true, BUFFERS, 0, 0},
     {VIEW, "byteOffset", UINT, false, 0, 0, MAX_UINT},
     {VIEW, "byteLength", UINT, true, 0, 0, MAX_UINT},
-    {VIEW, "byteStride", UINT, false, 0, 4, 252},
+    {VIEW, "byteStride", UINT, false, 0, 0, 252}, /* 0: some exporters' none */
     {ACCESSOR, "bufferView", INDEX, false, VIEWS, 0, 0},
     {ACCESSOR, "byteOffset", UINT, false, 0, 0, MAX_UINT},
     {ACCESSOR, "componentType", UINT, true, 0, LMB_GLTF_BYTE, LMB_GLTF_FLOAT},
@@ -159,33 +159,35 @@ static const rule rules[] = {
     {MATERIAL, "emissiveTexture", OBJECT, false, TEXTURE_INFO, 0, 0},
     {MATERIAL, "emissiveFactor", NUMBERS, false, 0, 3, 3},
     {MATERIAL, "alphaMode", STRING, false, 0, 0, 0},
-    {MATERIAL, "alphaCutoff", NUMBER, false, 0, 0, FLT_MAX},
+    {MATERIAL, "alphaCutoff", NUMBER, false, 0, 0, MAX_NUMBER},
     {MATERIAL, "doubleSided", BOOL, false, 0, 0, 0},
     {MATERIAL, "extensions", OBJECT, false, MATERIAL_EXTENSIONS, 0, 0},
     {METALLIC_ROUGHNESS, "baseColorFactor", NUMBERS, false, 0, 4, 4},
     {METALLIC_ROUGHNESS, "baseColorTexture", OBJECT, false, TEXTURE_INFO, 0, 0},
-    {TEXTURE_INFO, "index", INDEX, true, TEXTURES, 0, 0},
+    {TEXTURE_INFO, "index", UINT, true, 0, 0, MAX_UINT},
     {TEXTURE_INFO, "texCoord", UINT, false, 0, 0, MAX_UINT},
-    {TEXTURE_INFO, "scale", NUMBER, false, 0, -FLT_MAX, FLT_MAX},
+    {TEXTURE_INFO, "scale", NUMBER, false, 0, -MAX_NUMBER, MAX_NUMBER},
     {TEXTURE_INFO, "extensions", OBJECT, false, INFO_EXTENSIONS, 0, 0},
-    {TEXTURE, "source", INDEX, false, IMAGES, 0, 0},
-    {TEXTURE, "sampler", INDEX, false, SAMPLERS, 0, 0},
+    {TEXTURE, "source", UINT, false, 0, 0, MAX_UINT},
+    {TEXTURE, "sampler", UINT, false, 0, 0, MAX_UINT},
     {SAMPLER, "magFilter", UINT, false, 0, 9728, 9729},
     {SAMPLER, "wrapS", UINT, false, 0, 10497, 33648},
     {SAMPLER, "wrapT", UINT, false, 0, 10497, 33648},
     {IMAGE, "uri", STRING, false, 0, 0, 0},
-    {IMAGE, "bufferView", INDEX, false, VIEWS, 0, 0},
+    {IMAGE, "bufferView", UINT, false, 0, 0, MAX_UINT},
     {ROOT_EXTENSIONS, "KHR_lights_punctual", OBJECT, false, ROOT_LIGHTS, 0, 0},
     {ROOT_LIGHTS, "lights", OBJECTS, true, LIGHT, 0, 0},
     {LIGHT, "type", STRING, true, 0, 0, 0},
     {LIGHT, "name", STRING, false, 0, 0, 0},
     {LIGHT, "color", NUMBERS, false, 0, 3, 3},
-    {LIGHT, "intensity", NUMBER, false, 0, 0, FLT_MAX},
-    {LIGHT, "range", NUMBER, false, 0, 0, FLT_MAX},
+    {LIGHT, "intensity", NUMBER, false, 0, -MAX_NUMBER, MAX_NUMBER},
+    {LIGHT, "range", NUMBER, false, 0, 0, DBL_MAX},
     {LIGHT, "spot", OBJECT, false, SPOT, 0, 0},
     {SPOT, "innerConeAngle", NUMBER, false, 0, 0, 3.2},
     {SPOT, "outerConeAngle", NUMBER, false, 0, 0, 3.2},
     {NODE_EXTENSIONS, "KHR_lights_punctual", OBJECT, false, NODE_LIGHT, 0, 0},
+    {NODE_EXTENSIONS, "KHR_node_visibility", OBJECT, false, NODE_VISIBILITY, 0, 0},
+    {NODE_VISIBILITY, "visible", BOOL, false, 0, 0, 0},
     {NODE_EXTENSIONS, "EXT_mesh_gpu_instancing", OBJECT, false, NODE_INSTANCES, 0, 0},
     {NODE_LIGHT, "light", INDEX, true, LIGHTS, 0, 0},
     {NODE_INSTANCES, "attributes", ATTRIBUTES, true, 0, 0, 0},
@@ -193,8 +195,8 @@ static const rule rules[] = {
     {MATERIAL_EXTENSIONS, "KHR_materials_transmission", OBJECT, false, TRANSMISSION, 0, 0},
     {MATERIAL_EXTENSIONS, "KHR_materials_unlit", OBJECT, false, EMPTY, 0, 0},
     {MATERIAL_EXTENSIONS, "KHR_materials_pbrSpecularGlossiness", OBJECT, false, SPECULAR_GLOSSINESS, 0, 0},
-    {EMISSIVE_STRENGTH, "emissiveStrength", NUMBER, false, 0, 0, FLT_MAX},
-    {TRANSMISSION, "transmissionFactor", NUMBER, false, 0, 0, 1},
+    {EMISSIVE_STRENGTH, "emissiveStrength", NUMBER, false, 0, 0, MAX_NUMBER},
+    {TRANSMISSION, "transmissionFactor", NUMBER, false, 0, 0, MAX_NUMBER},
     {SPECULAR_GLOSSINESS, "diffuseFactor", NUMBERS, false, 0, 4, 4},
     {SPECULAR_GLOSSINESS, "diffuseTexture", OBJECT, false, TEXTURE_INFO, 0, 0},
     {INFO_EXTENSIONS, "KHR_texture_transform", OBJECT, false, TEXTURE_TRANSFORM, 0, 0},
@@ -203,16 +205,6 @@ static const rule rules[] = {
     {TEXTURE_TRANSFORM, "scale", NUMBERS, false, 0, 2, 2},
     {TEXTURE_TRANSFORM, "texCoord", UINT, false, 0, 0, MAX_UINT},
 };
-
-/* Extensions that may be required: those that are read, and those that change nothing that is. */
-static const char *const supported_extensions[] = {
-    "EXT_mesh_gpu_instancing", "KHR_lights_punctual",       "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat", "KHR_materials_dispersion",  "KHR_materials_emissive_strength",
-    "KHR_materials_ior",       "KHR_materials_iridescence", "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_sheen",     "KHR_materials_specular",    "KHR_materials_transmission",
-    "KHR_materials_unlit",     "KHR_materials_variants",    "KHR_materials_volume",
-    "KHR_mesh_quantization",   "KHR_texture_transform",     "KHR_xmp",
-    "KHR_xmp_json_ld"};
 
 typedef struct checker {
     const lmb_gltf_file *file;
@@ -267,7 +259,7 @@ static lmb_result check_element(const checker *check, const rule *r, const cJSON
     case STRINGS:
         return cJSON_IsString(item) ? LMB_OK : FAIL(check, "%s: %s: not a string", check->file->path, place);
     case NUMBERS:
-        return cJSON_IsNumber(item) && fabs(item->valuedouble) <= (double)FLT_MAX
+        return cJSON_IsNumber(item) && fabs(item->valuedouble) <= MAX_NUMBER
                    ? LMB_OK
                    : FAIL(check, "%s: %s: not a finite number", check->file->path, place);
     case INDICES:
@@ -421,11 +413,7 @@ static lmb_result check_required_extensions(const checker *check)
     const cJSON *item;
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(check->file->root, "extensionsRequired"))
     {
-        bool supported = !cJSON_IsString(item);
-        for (size_t i = 0; i < sizeof supported_extensions / sizeof *supported_extensions && !supported; ++i) {
-            supported = strcmp(item->valuestring, supported_extensions[i]) == 0;
-        }
-        if (!supported) {
+        if (cJSON_IsString(item) && !lmb_gltf_extension_may_be_required(item->valuestring)) {
             return lmb_error_set(check->error, LMB_ERROR_UNSUPPORTED, "%s: extensionsRequired: %s is not supported",
                                  check->file->path, item->valuestring);
         }
@@ -491,14 +479,6 @@ static lmb_result check_component_types(const checker *check)
             lmb_gltf_uint(cJSON_GetObjectItemCaseSensitive(sparse, "indices"), "componentType", LMB_GLTF_UNSIGNED_INT);
         if (type == 5124 || index_type == LMB_GLTF_SHORT || index_type == 5124) {
             return FAIL(check, "%s: accessors[%u]: a componentType that glTF 2.0 has not", check->file->path, number);
-        }
-        ++number;
-    }
-    number = 0;
-    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(check->file->root, "images"))
-    {
-        if (!cJSON_GetObjectItemCaseSensitive(item, "uri") == !cJSON_GetObjectItemCaseSensitive(item, "bufferView")) {
-            return FAIL(check, "%s: images[%u]: needs either a uri or a bufferView", check->file->path, number);
         }
         ++number;
     }

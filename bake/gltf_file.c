@@ -4,6 +4,7 @@
 
 #include <assert.h>
 #include <ctype.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +17,7 @@
 #define MAX_FILE_SIZE ((size_t)0x7fffffff)
 /* cJSON needs some 40 bytes for each byte of JSON at worst. */
 #define MAX_JSON_SIZE ((size_t)256 << 20)
+#define MAX_PRINTED 1e308
 
 /* Refuses what is not a plain file (a pipe would hang) or too large before reading it. */
 static lmb_result read_plain_file(const char *path, const char *shown, unsigned char **data, size_t *size,
@@ -109,6 +111,19 @@ static lmb_result split_container(lmb_gltf_file *file, const unsigned char **jso
     return LMB_OK;
 }
 
+/* cJSON prints the largest doubles larger than they are, which other readers then refuse. */
+static void limit_numbers(cJSON *item)
+{
+    if (cJSON_IsNumber(item) && isfinite(item->valuedouble) && fabs(item->valuedouble) > MAX_PRINTED) {
+        item->valuedouble = copysign(MAX_PRINTED, item->valuedouble);
+    }
+    cJSON *child;
+    cJSON_ArrayForEach(child, item)
+    {
+        limit_numbers(child); /* depth is bounded by cJSON's nesting limit */
+    }
+}
+
 static lmb_result parse_json(lmb_gltf_file *file, const unsigned char *json, size_t size, lmb_error *error)
 {
     if (size > MAX_JSON_SIZE) {
@@ -132,6 +147,7 @@ static lmb_result parse_json(lmb_gltf_file *file, const unsigned char *json, siz
     if (!cJSON_IsObject(file->root)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not a JSON object", file->path);
     }
+    limit_numbers(file->root);
     return LMB_OK;
 }
 
@@ -403,15 +419,22 @@ lmb_result lmb_gltf_image_read(lmb_gltf_file *file, const cJSON *image, uint32_t
 {
     const char *const uri = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(image, "uri"));
     const bool external = uri && strncmp(uri, "data:", 5) != 0;
+    const uint32_t view = lmb_gltf_uint(image, "bufferView", UINT32_MAX);
     char place[LMB_GLTF_PLACE_SIZE];
     lmb_gltf_place(place, "images[%u]", number);
+    if ((uri == NULL) == (view == UINT32_MAX)) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: needs either a uri or a bufferView", file->path, place);
+    }
     if (uri) {
         const lmb_result result = lmb_gltf_uri_read(file, uri, place, bytes, error);
         if (result != LMB_OK) {
             return result;
         }
+    } else if (view >= file->view_count) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.bufferView: %u, but there are %u bufferViews", file->path,
+                             place, view, file->view_count);
     } else {
-        *bytes = lmb_gltf_view_bytes(file, lmb_gltf_uint(image, "bufferView", 0));
+        *bytes = lmb_gltf_view_bytes(file, view);
     }
     if (!bytes->data) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: no bytes", file->path, place);

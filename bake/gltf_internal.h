@@ -1,7 +1,8 @@
 /* The inside of lambent/gltf.h: a glTF file whose JSON was checked, with its buffers and its accessors resolved.
  *
  *     file -> gltf_file.c (container, URIs, buffers) -> gltf_check.c (types, indices, ranges)
- *          -> gltf.cc (tinygltf: nodes, materials, lights) -> gltf_mesh.c (triangles) -> scene
+ *          -> gltf_extras.c (what nodes want) -> gltf.cc (tinygltf: nodes, materials, lights)
+ *          -> gltf_transform.c, gltf_mesh.c (triangles in their place) -> scene
  *          -> gltf_uv.c (the same JSON with new accessors) -> .glb
  *
  * tinygltf sees nothing but JSON that passed the checks: it takes wrong types for absent ones, and indexes buffers
@@ -72,10 +73,13 @@ lmb_result lmb_gltf_file_open(const char *path, const lmb_gltf_options *options,
                               lmb_error *error);
 void lmb_gltf_file_close(lmb_gltf_file *file);
 
-/* The still encoded bytes of an image. Adds external ones to file->hash; `name` (malloc'ed, may be NULL) gets its URI
- * or "image N". */
+/* The still encoded bytes of an image, or why there are none. Adds external ones to file->hash; `name` (malloc'ed, may
+ * be NULL) gets its URI or "image N". */
 lmb_result lmb_gltf_image_read(lmb_gltf_file *file, const cJSON *image, uint32_t number, lmb_gltf_bytes *bytes,
                                char **name, lmb_error *error);
+
+/* gltf_shown.c: the checked JSON as text for tinygltf, for cJSON_free; NULL when out of memory. */
+char *lmb_gltf_text_for_tinygltf(const lmb_gltf_file *file);
 
 /* The bytes that a `uri` stands for; `place` names it in messages. */
 lmb_result lmb_gltf_uri_read(lmb_gltf_file *file, const char *uri, const char *place, lmb_gltf_bytes *bytes,
@@ -91,6 +95,42 @@ lmb_gltf_bytes lmb_gltf_view_bytes(const lmb_gltf_file *file, uint32_t view);
 lmb_result lmb_gltf_check_json(const lmb_gltf_file *file, lmb_error *error);
 /* The rest that the JSON alone can tell: the node hierarchy, primitives, skins. Needs the accessors. */
 lmb_result lmb_gltf_check_references(const lmb_gltf_file *file, lmb_error *error);
+
+/* gltf_extensions.c: what may be in extensionsRequired, and one warning that names what else is in extensionsUsed. */
+bool lmb_gltf_extension_may_be_required(const char *name);
+bool lmb_gltf_name_matches(const char *pattern, const char *text); /* `*` matches any run, `?` any one byte */
+void lmb_gltf_extensions_warn(const lmb_gltf_file *file, const lmb_warnings *warnings);
+
+/* gltf_blender.c: lamps far brighter than what emits, as its exporter makes them (after loading), and lamps that it
+ * leaves out (from the JSON). */
+void lmb_gltf_blender_warn_units(const lmb_gltf_file *file, const lmb_scene *scene, const lmb_warnings *warnings);
+void lmb_gltf_blender_warn_area_lamps(const lmb_gltf_file *file, const lmb_warnings *warnings);
+
+typedef enum lmb_gltf_movement { LMB_GLTF_AS_ABOVE, LMB_GLTF_STANDS, LMB_GLTF_MOVES } lmb_gltf_movement;
+typedef enum lmb_gltf_light_part { LMB_GLTF_BAKED, LMB_GLTF_INDIRECT, LMB_GLTF_OFF } lmb_gltf_light_part;
+
+/* What a node wants, by its `extras` and KHR_node_visibility. */
+typedef struct lmb_gltf_marks {
+    lmb_gltf_movement moves;
+    lmb_gltf_light_part light;
+    bool seed, has_path;
+    bool hidden; /* with all below it; the other marks count all the same */
+    double path;
+} lmb_gltf_marks;
+
+/* gltf_extras.c: the marks of all nodes, malloc'ed. What is not understood is warned about, but for a wrong `light`. */
+lmb_result lmb_gltf_marks_read(const lmb_gltf_file *file, const lmb_warnings *warnings, lmb_gltf_marks **marks,
+                               lmb_error *error);
+
+/* gltf_transform.c: a after b; and translation x rotation x scale, with a quaternion x, y, z, w that need not be unit,
+ * and turns nothing when it is zero. */
+lmb_affine lmb_gltf_product(const lmb_affine *a, const lmb_affine *b);
+lmb_affine lmb_gltf_compose(const double t[3], const double q[4], const double s[3]);
+typedef enum lmb_gltf_rank { LMB_GLTF_NOTHING, LMB_GLTF_FLAT, LMB_GLTF_SOLID } lmb_gltf_rank;
+lmb_gltf_rank lmb_gltf_transform_rank(const lmb_affine *t);
+/* Sets the instance's transforms and `mirrored`. What is flattened along one axis gets a thickness of a millionth, so
+ * that its normals have a transform. @return false when nothing is left to see */
+bool lmb_gltf_instance_place(const lmb_affine *to_world, lmb_instance *instance);
 
 /* Says where in the file something is; what does not fit is cut. */
 #if defined(__GNUC__)
@@ -123,7 +163,7 @@ typedef struct lmb_gltf_primitive {
     int32_t normal;
     int32_t tangent;
     int32_t color;
-    int32_t uv[2];
+    int32_t uv[LMB_UV_SETS]; /* as lmb_mesh.uv */
     int32_t joints[2];
     int32_t weights[2];
     uint32_t material;
@@ -146,6 +186,9 @@ typedef struct lmb_gltf_pose {
  * checked against the vertex count. `*corners` is malloc'ed. */
 lmb_result lmb_gltf_triangles(const lmb_gltf_file *file, int32_t mode, int32_t indices, uint32_t vertex_count,
                               const char *place, uint32_t (**corners)[3], uint32_t *count, lmb_error *error);
+
+/* Whether an accessor may be a TEXCOORD. */
+bool lmb_gltf_is_uv(const lmb_gltf_accessor *accessor);
 
 /* Joins primitives into one mesh. `mesh` must be zero; on failure it holds what lmb_mesh_free frees. */
 lmb_result lmb_gltf_mesh_build(const lmb_gltf_file *file, uint32_t number, const lmb_gltf_primitive *primitives,

@@ -74,7 +74,7 @@ typedef struct part {
     uint32_t vertex_count;
     uint32_t (*corners)[3];
     uint32_t triangle_count;
-    float *position, *normal, *tangent, *color, *uv[2];
+    float *position, *normal, *tangent, *color, *uv[LMB_UV_SETS];
     uint32_t color_components;
     float reach; /* the largest coordinate of a corner in the file */
 } part;
@@ -86,8 +86,9 @@ static void part_free(part *p)
     free(p->normal);
     free(p->tangent);
     free(p->color);
-    free(p->uv[0]);
-    free(p->uv[1]);
+    for (int set = 0; set < LMB_UV_SETS; ++set) {
+        free(p->uv[set]);
+    }
 }
 
 static lmb_result out_of_memory(const lmb_gltf_file *file, const char *place, lmb_error *error)
@@ -251,9 +252,10 @@ static lmb_result part_read(const lmb_gltf_file *file, const lmb_gltf_primitive 
     bool read = decode_attribute(file, primitive->position, &p->position) &&
                 decode_attribute(file, primitive->normal, &p->normal) &&
                 decode_attribute(file, primitive->normal >= 0 ? primitive->tangent : -1, &p->tangent) &&
-                decode_attribute(file, primitive->color, &p->color) &&
-                decode_attribute(file, primitive->uv[0], &p->uv[0]) &&
-                decode_attribute(file, primitive->uv[1], &p->uv[1]);
+                decode_attribute(file, primitive->color, &p->color);
+    for (int set = 0; read && set < LMB_UV_SETS; ++set) {
+        read = decode_attribute(file, primitive->uv[set], &p->uv[set]);
+    }
     for (size_t t = 0; read && t < primitive->target_count && t < pose->weight_count; ++t) {
         read = add_target(file, primitive->targets[t].position, pose->weights[t], p->position) &&
                add_target(file, primitive->targets[t].normal, pose->weights[t], p->normal);
@@ -354,7 +356,7 @@ static void copy_vertex(const part *p, uint32_t from, lmb_mesh *mesh, uint32_t t
     const float *const position = p->position + 3 * (size_t)from;
     const bool finite = isfinite(position[0]) && isfinite(position[1]) && isfinite(position[2]);
     mesh->position[to] = finite ? vec3(position[0], position[1], position[2]) : vec3(0.0f, 0.0f, 0.0f);
-    for (int set = 0; set < 2; ++set) {
+    for (int set = 0; set < LMB_UV_SETS; ++set) {
         if (mesh->uv[set]) {
             const float *const uv = p->uv[set] ? p->uv[set] + 2 * (size_t)from : NULL;
             mesh->uv[set][to] = uv ? (lmb_vec2){finite_or(uv[0], 0.0f), finite_or(uv[1], 0.0f)} : (lmb_vec2){0, 0};
@@ -382,12 +384,16 @@ static void copy_vertex(const part *p, uint32_t from, lmb_mesh *mesh, uint32_t t
 #define GROW(array, count)                                                                                             \
     (larger = realloc(array, ((count) + 1) * sizeof *(array)), larger != NULL && ((array) = larger, true))
 
-static bool mesh_grow(lmb_mesh *mesh, size_t vertices, size_t triangles, const bool has_uv[2], bool has_color,
+static bool mesh_grow(lmb_mesh *mesh, size_t vertices, size_t triangles, const bool has_uv[LMB_UV_SETS], bool has_color,
                       bool has_tangent)
 {
     void *larger;
+    for (int set = 0; set < LMB_UV_SETS; ++set) {
+        if (has_uv[set] && !GROW(mesh->uv[set], vertices)) {
+            return false;
+        }
+    }
     return GROW(mesh->position, vertices) && GROW(mesh->normal, vertices) &&
-           (!has_uv[0] || GROW(mesh->uv[0], vertices)) && (!has_uv[1] || GROW(mesh->uv[1], vertices)) &&
            (!has_color || GROW(mesh->color, vertices)) && (!has_tangent || GROW(mesh->tangent, vertices)) &&
            GROW(mesh->triangle, triangles) && GROW(mesh->material, triangles) &&
            GROW(mesh->source_primitive, triangles) && GROW(mesh->source_triangle, triangles);
@@ -424,8 +430,8 @@ static void append_part(const part *p, const lmb_gltf_primitive *primitive, cons
 }
 
 static lmb_result add_primitive(const lmb_gltf_file *file, const lmb_gltf_primitive *primitive,
-                                const lmb_gltf_pose *pose, const bool has_uv[2], bool has_color, bool has_tangent,
-                                lmb_mesh *mesh, uint32_t *dropped, lmb_error *error)
+                                const lmb_gltf_pose *pose, const bool has_uv[LMB_UV_SETS], bool has_color,
+                                bool has_tangent, lmb_mesh *mesh, uint32_t *dropped, lmb_error *error)
 {
     part p = {0};
     uint32_t *numbers = NULL;
@@ -465,12 +471,13 @@ lmb_result lmb_gltf_mesh_build(const lmb_gltf_file *file, uint32_t number, const
                                size_t primitive_count, const lmb_gltf_pose *pose, lmb_mesh *mesh, uint32_t *dropped,
                                lmb_error *error)
 {
-    bool has_uv[2] = {false, false}, has_color = false, has_tangent = false;
+    bool has_uv[LMB_UV_SETS] = {false}, has_color = false, has_tangent = false;
     mesh->source_mesh = (int32_t)number;
     for (size_t i = 0; i < primitive_count; ++i) {
         const bool surface = primitives[i].position >= 0 && primitives[i].mode >= MODE_TRIANGLES;
-        has_uv[0] |= surface && primitives[i].uv[0] >= 0;
-        has_uv[1] |= surface && primitives[i].uv[1] >= 0;
+        for (int set = 0; set < LMB_UV_SETS; ++set) {
+            has_uv[set] |= surface && primitives[i].uv[set] >= 0;
+        }
         has_color |= surface && primitives[i].color >= 0;
         has_tangent |= surface && primitives[i].tangent >= 0 && primitives[i].normal >= 0;
     }

@@ -33,6 +33,12 @@ static bool form_fits(const attribute_form *form, const lmb_gltf_accessor *acces
     return accessor->normalized ? form->normalized_allowed : form->integers;
 }
 
+bool lmb_gltf_is_uv(const lmb_gltf_accessor *accessor)
+{
+    static const attribute_form form = {"TEXCOORD", 2, true, false, true};
+    return form_fits(&form, accessor);
+}
+
 static lmb_result require_bytes(const lmb_gltf_file *file, uint32_t accessor, const char *place, lmb_error *error)
 {
     if (file->accessors[accessor].missing) {

@@ -26,6 +26,7 @@ typedef struct item_list {
 
 typedef struct writer {
     lmb_gltf_file *file;
+    const lmb_warnings *warnings;
     lmb_error *error;
     unsigned char *bytes; /* the binary chunk */
     size_t size, capacity;
@@ -205,9 +206,15 @@ static lmb_result embed_images(writer *w)
             continue;
         }
         lmb_gltf_bytes bytes;
-        const lmb_result result = lmb_gltf_image_read(w->file, image, number++, &bytes, NULL, w->error);
+        lmb_error reason;
+        const lmb_result result = lmb_gltf_image_read(w->file, image, number++, &bytes, NULL, &reason);
+        if (result == LMB_ERROR_MEMORY) {
+            return out_of_memory(w);
+        }
         if (result != LMB_OK) {
-            return result;
+            /* Nothing that is read needs it, else the level would not have loaded. */
+            lmb_warn(w->warnings, "%s; the level with new UVs only refers to it", reason.message);
+            continue;
         }
         size_t offset;
         unsigned char *const to = append_bytes(w, bytes.size, &offset);
@@ -565,7 +572,7 @@ lmb_result lmb_gltf_write_with_uvs(const char *source_path, const lmb_gltf_optio
                                    size_t uv_count, const char *path, lmb_error *error)
 {
     assert(source_path && path && (uvs || uv_count == 0));
-    writer w = {.error = error};
+    writer w = {.warnings = options ? &options->warnings : NULL, .error = error};
     lmb_result result = lmb_gltf_file_open(source_path, options, &w.file, error);
     if (result != LMB_OK) {
         return result;

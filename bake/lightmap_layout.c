@@ -328,7 +328,9 @@ static void texel_sizes_find(const layout_work *work)
     const lmb_lightmap *lightmap = work->lightmap;
     const lmb_scene *scene = lightmap->scene;
     for (uint32_t m = 0; m < scene->mesh_count; ++m) {
-        work->uv_area[m] = mesh_uv_area(&scene->meshes[m], lightmap->corner_uv[m]);
+        if (work->largest_area[m] >= 0.0) { /* the others need no UVs, and may have none */
+            work->uv_area[m] = mesh_uv_area(&scene->meshes[m], lightmap->corner_uv[m]);
+        }
     }
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         if (lightmap->region[i].image >= 0) {

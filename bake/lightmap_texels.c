@@ -243,6 +243,7 @@ static bool triangle_cover(const texel_vertex corner[3], uint32_t triangle, cons
 
 lmb_vec2 lmb_texels_corner_uv(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, uint32_t triangle, int corner)
 {
+    assert(corner_uv || mesh->uv[1]);
     return corner_uv ? corner_uv[3 * (size_t)triangle + (size_t)corner] : mesh->uv[1][mesh->triangle[triangle][corner]];
 }
 

@@ -16,8 +16,9 @@ void lmb_mesh_free(lmb_mesh *mesh)
     free(mesh->position);
     free(mesh->normal);
     free(mesh->tangent);
-    free(mesh->uv[0]);
-    free(mesh->uv[1]);
+    for (int set = 0; set < LMB_UV_SETS; ++set) {
+        free(mesh->uv[set]);
+    }
     free(mesh->color);
     free(mesh->triangle);
     free(mesh->material);
@@ -130,7 +131,7 @@ static const char *vertex_fault(const lmb_mesh *mesh, uint32_t v)
     if (!is_unit(mesh->normal[v])) {
         return "normal is not a unit vector";
     }
-    for (int set = 0; set < 2; ++set) {
+    for (int set = 0; set < LMB_UV_SETS; ++set) {
         if (mesh->uv[set] && !(isfinite(mesh->uv[set][v].x) && isfinite(mesh->uv[set][v].y))) {
             return "UV is not finite";
         }
@@ -225,7 +226,7 @@ static const char *texture_fault(const lmb_scene *scene, const lmb_texture *text
     if (texture->image < -1 || texture->image >= (int64_t)scene->image_count) {
         return "image out of range";
     }
-    if (texture->uv_set < 0 || texture->uv_set > 1) {
+    if (texture->uv_set < 0 || texture->uv_set >= LMB_UV_SETS) {
         return "UV set out of range";
     }
     for (int k = 0; k < 6; ++k) {

@@ -50,6 +50,8 @@ static void exit_statuses(void)
         {"bake " QUOTED " -o " OUTPUT "/x --quality best", 2, "draft"},
         {"bake " QUOTED " -o " OUTPUT "/x --estimator guess", 2, "cached or reference"},
         {"bake " QUOTED " -o " OUTPUT "/x --colour", 2, "--colour"},
+        {"bake " QUOTED " -o " OUTPUT "/x --light-scale 0", 2, "--light-scale takes"},
+        {"bake " QUOTED " -o " OUTPUT "/x --emission-scale x", 2, "--emission-scale takes"},
         {"bake " OUTPUT "/missing.glb -o " OUTPUT "/x", 3, "missing.glb"},
         {"bake " OUTPUT " -o " OUTPUT "/x", 3, "command"},
         {"bake " QUOTED " -o " OUTPUT "/x --env missing.hdr", 3, "missing.hdr"},
@@ -196,6 +198,27 @@ static void json_outputs(void)
         has_keys(json, table[i].keys, table[i].command);
         cJSON_Delete(json);
     }
+}
+
+/* What scales the level's light is part of the record, so that check and render find the same level. */
+static void scales_are_kept(void)
+{
+    char printed[4096];
+    if (!level_make()) {
+        return;
+    }
+    CHECK(run(printed, sizeof printed,
+              LMB_COMMAND " bake " QUOTED " -o " OUTPUT "/scaled --light-scale 0.25 --emission-scale 3 --samples 16 "
+                          "--spacing 1 --quiet") == 0,
+          "%s", printed);
+    cJSON *record = file_json(OUTPUT "/scaled/bake.json");
+    const cJSON *settings = cJSON_GetObjectItem(record, "settings");
+    CHECK_NEAR(cJSON_GetNumberValue(cJSON_GetObjectItem(settings, "light_scale")), 0.25, 0.0, "bake.json");
+    CHECK_NEAR(cJSON_GetNumberValue(cJSON_GetObjectItem(settings, "emission_scale")), 3.0, 0.0, "bake.json");
+    cJSON_Delete(record);
+    CHECK(run(printed, sizeof printed,
+              LMB_COMMAND " check --quiet --points 16 --samples 16 " QUOTED " " OUTPUT "/scaled") == 0,
+          "%s", printed);
 }
 
 /* The bench traces what the bake does, and bare Embree takes some time for it. */
@@ -367,6 +390,7 @@ static const test_case cases[] = {
     {"exit_statuses", exit_statuses},
     {"threads_give_equal_bytes", threads_give_equal_bytes},
     {"json_outputs", json_outputs},
+    {"scales_are_kept", scales_are_kept},
     {"bench_counts_the_bakes_rays", bench_counts_the_bakes_rays},
     {"progress_runs_forward", progress_runs_forward},
     {"many_points_on_standard_input", many_points_on_standard_input},

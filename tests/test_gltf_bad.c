@@ -12,6 +12,12 @@ typedef struct bad_case {
 
 #define VIEW4 "'buffers':[{'uri':'data:,abcd','byteLength':4}],"
 
+/* A quad in sight, and what its material asks for. */
+#define WORN                                                                                                           \
+    HEAD QUAD_DATA "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1,'material':0}]}],'nodes':["      \
+                   "{'mesh':0}],"
+#define EMISSIVE "'materials':[{'emissiveFactor':[1,1,1],'emissiveTexture':{'index':0}}]}"
+
 static const bad_case bad_cases[] = {
     {"", LMB_ERROR_FORMAT, "line 1: not JSON"},
     {"[]", LMB_ERROR_FORMAT, "not a JSON object"},
@@ -101,16 +107,21 @@ static const bad_case bad_cases[] = {
           "'type':'VEC3'},{'bufferView':1,'componentType':5123,'count':6,'type':'SCALAR'}],'meshes':[{'primitives':["
           "{'attributes':{'POSITION':0},'indices':1}]}],'nodes':[{'mesh':0}]}",
      LMB_ERROR_FORMAT, "meshes[0].primitives[0].indices: element 5 is vertex 3 of 3"},
-    {HEAD "'images':[{'uri':'nowhere.png'}],'textures':[{'source':0}],'materials':[{'emissiveTexture':{'index':0}}]}",
-     LMB_ERROR_IO, "images[0]: \"nowhere.png\""},
-    {HEAD "'images':[{'uri':'quad.bin'}],'textures':[{'source':0}],'materials':[{'emissiveTexture':{'index':0}}]}",
-     LMB_ERROR_FORMAT, "images[0]: quad.bin: neither PNG nor JPEG"},
-    {HEAD "'images':[{}]}", LMB_ERROR_FORMAT, "images[0]: needs either"},
-    {HEAD
-     "'textures':[{'extensions':{'KHR_texture_basisu':{'source':0}}}],'materials':[{'normalTexture':{'index':0}}]}",
-     LMB_ERROR_UNSUPPORTED, "textures[0]: KHR_texture_basisu"},
-    {HEAD "'textures':[{}],'materials':[{'normalTexture':{'index':0,'texCoord':2}}]}", LMB_ERROR_UNSUPPORTED,
-     "TEXCOORD_2"},
+    {WORN "'images':[{'uri':'nowhere.png'}],'textures':[{'source':0}]," EMISSIVE, LMB_ERROR_IO,
+     "images[0]: \"nowhere.png\""},
+    {WORN "'images':[{'uri':'quad.bin'}],'textures':[{'source':0}]," EMISSIVE, LMB_ERROR_FORMAT,
+     "images[0]: quad.bin: neither PNG nor JPEG"},
+    {WORN "'images':[{}],'textures':[{'source':0}]," EMISSIVE, LMB_ERROR_FORMAT, "images[0]: needs either"},
+    {WORN "'images':[{'bufferView':7}],'textures':[{'source':0}]," EMISSIVE, LMB_ERROR_FORMAT,
+     "images[0].bufferView: 7"},
+    {WORN "'textures':[{'extensions':{'KHR_texture_basisu':{'source':0}}}]," EMISSIVE, LMB_ERROR_UNSUPPORTED,
+     "textures[0]: KHR_texture_basisu"},
+    {WORN "'textures':[{'source':3}]," EMISSIVE, LMB_ERROR_FORMAT, "textures[0].source: 3, but there are 0 images"},
+    {WORN "'textures':[{'sampler':3}]," EMISSIVE, LMB_ERROR_FORMAT, "textures[0].sampler: 3, but there are 0 sampl"},
+    {WORN EMISSIVE, LMB_ERROR_FORMAT, "texture 0, but there are 0 textures"},
+    {HEAD QUAD_DATA "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_2':0},'material':0}]}],'nodes':["
+                    "{'mesh':0}],'textures':[{}],'materials':[{'normalTexture':{'index':0,'texCoord':2}}]}",
+     LMB_ERROR_FORMAT, "attributes.TEXCOORD_2: accessors[0] is of a wrong type"},
     {HEAD "'materials':[{'alphaMode':'SOMETIMES'}]}", LMB_ERROR_FORMAT, "materials[0].alphaMode: \"SOMETIMES\""},
     {HEAD "'materials':[{'emissiveFactor':[1,2]}]}", LMB_ERROR_FORMAT, "materials[0].emissiveFactor: 2 numbers"},
     {HEAD "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'area'}]}}}", LMB_ERROR_FORMAT, "lights[0].type"},

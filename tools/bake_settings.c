@@ -106,6 +106,8 @@ cJSON *bake_settings_json(const lmb_bake_settings *settings, const lmb_level *le
     for (size_t i = 0; i < options->gltf.exclude_count; ++i) {
         cJSON_AddItemToArray(exclude, cJSON_CreateString(options->gltf.exclude[i]));
     }
+    cJSON_AddNumberToObject(json, "light_scale", options->gltf.light_scale);
+    cJSON_AddNumberToObject(json, "emission_scale", options->gltf.emission_scale);
     cJSON_AddBoolToObject(json, "allow_outside_uris", options->gltf.allow_outside_uris);
     cJSON_AddItemToObject(json, "isa", text_or_null(options->isa));
     cJSON_AddNumberToObject(json, "bounces", options->bounces);
@@ -136,6 +138,12 @@ static const char *text_of(const cJSON *json, const char *key)
     return cJSON_IsString(item) ? item->valuestring : NULL;
 }
 
+static double number_or(const cJSON *json, const char *key, double missing)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(json, key);
+    return cJSON_IsNumber(item) ? item->valuedouble : missing;
+}
+
 bool bake_settings_level(const cJSON *json, lmb_level_arguments *level)
 {
     *level = (lmb_level_arguments){.options = level_options_default()};
@@ -144,6 +152,8 @@ bool bake_settings_level(const cJSON *json, lmb_level_arguments *level)
     options->environment = text_of(json, "env");
     options->isa = text_of(json, "isa");
     options->gltf.allow_outside_uris = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "allow_outside_uris"));
+    options->gltf.light_scale = number_or(json, "light_scale", options->gltf.light_scale);
+    options->gltf.emission_scale = number_or(json, "emission_scale", options->gltf.emission_scale);
     const cJSON *bounces = cJSON_GetObjectItemCaseSensitive(json, "bounces");
     if (cJSON_IsNumber(bounces)) {
         options->bounces = bounces->valueint;

@@ -4,9 +4,13 @@
 
 #include "command.h"
 
+/* Of lamps and emission. */
+#define MIN_SCALE 1e-9
+#define MAX_SCALE 1e9
+
 lmb_level_options level_options_default(void)
 {
-    return (lmb_level_options){.bounces = -1};
+    return (lmb_level_options){.gltf = {.light_scale = 1.0, .emission_scale = 1.0}, .bounces = -1};
 }
 
 static void warning_print(void *context, const char *line)
@@ -32,6 +36,10 @@ bool level_argument(lmb_level_arguments *level, lmb_arguments *arguments, const 
         }
         level->exclude[options->gltf.exclude_count++] = arguments_text(arguments, option);
         options->gltf.exclude = level->exclude;
+    } else if (strcmp(option, "--light-scale") == 0) {
+        options->gltf.light_scale = arguments_number(arguments, option, MIN_SCALE, MAX_SCALE);
+    } else if (strcmp(option, "--emission-scale") == 0) {
+        options->gltf.emission_scale = arguments_number(arguments, option, MIN_SCALE, MAX_SCALE);
     } else if (strcmp(option, "--allow-outside-uris") == 0) {
         options->gltf.allow_outside_uris = true;
     } else if (strcmp(option, "--threads") == 0) {
@@ -81,7 +89,8 @@ static lmb_result environment_open(lmb_level *opened, lmb_error *error)
         return LMB_OK;
     }
     lmb_warn(&options->gltf.warnings,
-             "%s has no light of any kind; baking under a constant sky of 1 (give one with --env)", options->path);
+             "%s has no light of any kind that is read; baking under a constant sky of 1 (give one with --env)",
+             options->path);
     return lmb_scene_set_environment(opened->scene, "#ffffff", error);
 }
 

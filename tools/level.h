@@ -33,7 +33,8 @@ typedef struct lmb_level_arguments {
     const char *exclude[LEVEL_MAX_EXCLUDE];
 } lmb_level_arguments;
 
-/* Takes `option` and its value when it is one of --env, --exclude, --allow-outside-uris, --threads, --isa, --bounces,
+/* Takes `option` and its value when it is one of --env, --exclude, --light-scale, --emission-scale,
+ * --allow-outside-uris, --threads, --isa, --bounces,
  * --seed, --quiet. LEVEL_USAGE describes them. */
 struct lmb_arguments;
 bool level_argument(lmb_level_arguments *level, struct lmb_arguments *arguments, const char *option);
@@ -41,6 +42,8 @@ bool level_argument(lmb_level_arguments *level, struct lmb_arguments *arguments,
     "  --env FILE|#rrggbb[,rotation=DEG][,strength=X]\n"                                                               \
     "                        environment: an equirectangular .hdr or .exr, or a constant colour\n"                     \
     "  --exclude PATTERN     leave out nodes by name, with their children (* and ?; repeatable)\n"                     \
+    "  --light-scale X       multiply lamps (KHR_lights_punctual) by this\n"                                           \
+    "  --emission-scale X    multiply what materials emit by this\n"                                                   \
     "  --bounces N           reflections at most (default: no limit)\n"                                                \
     "  --seed N              of the random numbers (default 0)\n"                                                      \
     "  --threads N           (default: one for each processor)\n"                                                      \

@@ -40,10 +40,14 @@ typedef struct lmb_texture_image {
     uint8_t *rgba;
 } lmb_texture_image;
 
+/* UV sets of a mesh: TEXCOORD_0, TEXCOORD_1, and those of higher numbers that a texture which is read needs, in the
+ * order in which they were met: the same for all meshes of a scene. */
+enum { LMB_UV_SETS = 8 };
+
 /* A use of an image by a material. */
 typedef struct lmb_texture {
     int32_t image;  /* index into scene.images, or -1: no texture, the factor alone */
-    int32_t uv_set; /* 0 or 1 */
+    int32_t uv_set; /* into lmb_mesh.uv */
     lmb_wrap wrap_u, wrap_v;
     bool nearest;          /* nearest filtering; else bilinear */
     float transform[2][3]; /* KHR_texture_transform as an affine map of (u, v); identity by default */
@@ -70,12 +74,12 @@ typedef struct lmb_material {
 typedef struct lmb_mesh {
     char *name;
     uint32_t vertex_count;
-    lmb_vec3 *position;  /* [vertex] finite */
-    lmb_vec3 *normal;    /* [vertex] unit; flat normals are made where the file has none */
-    float (*tangent)[4]; /* [vertex] xyz unit, w = +-1 handedness; all zero where the file has none, and NULL
-                            when no primitive has any: then derived from UVs where needed */
-    lmb_vec2 *uv[2];     /* [vertex] TEXCOORD_0 and TEXCOORD_1; NULL when absent from every primitive */
-    float (*color)[4];   /* [vertex] linear COLOR_0, or NULL */
+    lmb_vec3 *position;        /* [vertex] finite */
+    lmb_vec3 *normal;          /* [vertex] unit; flat normals are made where the file has none */
+    float (*tangent)[4];       /* [vertex] xyz unit, w = +-1 handedness; all zero where the file has none, and NULL
+                                  when no primitive has any: then derived from UVs where needed */
+    lmb_vec2 *uv[LMB_UV_SETS]; /* [vertex] NULL when absent from every primitive, or, beyond TEXCOORD_1, not needed */
+    float (*color)[4];         /* [vertex] linear COLOR_0, or NULL */
     uint32_t triangle_count;
     uint32_t (*triangle)[3];    /* [triangle] vertex numbers, wound counter-clockwise seen from the front */
     uint32_t *material;         /* [triangle] index into scene.materials (a default material always exists) */
