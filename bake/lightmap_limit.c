@@ -1,0 +1,400 @@
+/* Filtering must not make light.
+ *
+ * C_d = (1 - w) I_z / (n_v.d) is exact for the normal that a texel was encoded for. Where it is decoded at another, in
+ * a chart that bends within a texel or between charts that share one, n_v.d may be far smaller, and C_d far larger,
+ * than any light there is. So every piece of surface between texel centres is tried here as it will be seen: filtered,
+ * decoded at its own normal, and its brightest direction compared with those of the texels around it. Where it is too
+ * bright, the directional share 1 - w of these texels is lowered, which leaves their I_z alone. */
+#include "lightmap_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "bake_internal.h"
+
+/* Rounding and the curve of a smooth surface may add this much. */
+#define SLACK 1.002f
+
+enum { AROUND = 1 };
+
+/* One instance's texels with their gutter, row by row. */
+typedef struct limit_area {
+    const lmb_tracer *tracer;
+    lmb_lightmap_image *image;
+    const lmb_lightmap_region *region;
+    uint32_t instance;
+    uint32_t triangle;    /* at hand */
+    lmb_vec3 flat_normal; /* of that triangle, where `flat` */
+    bool flat;
+    lmb_rgb brightest; /* around the piece at hand */
+    int32_t stride;
+    lmb_vec3 *normal; /* n_v that each texel is for; zero for dilated ones */
+    float *peak;      /* brightest direction over I_z, >= 1 */
+    float *lower;     /* what is taken off its 1 - w */
+} limit_area;
+
+static size_t area_at(const limit_area *area, int32_t x, int32_t y)
+{
+    return (size_t)(y + LMB_REGION_GUTTER) * (size_t)area->stride + (size_t)(x + LMB_REGION_GUTTER);
+}
+
+static lmb_irradz *area_texel(const limit_area *area, int32_t x, int32_t y)
+{
+    const int32_t column = area->region->x + x;
+    const int32_t row = area->region->y + y;
+    return &area->image->texel[(size_t)row * (size_t)area->image->width + (size_t)column];
+}
+
+/* An HHD light of irradiance 1 at n_v. */
+typedef struct unit_hhd {
+    float ambient, directional;
+    float height; /* n_v.d */
+} unit_hhd;
+
+static unit_hhd unit_hhd_decode(const lmb_irradz *irradz, lmb_vec3 normal)
+{
+    const lmb_irradz unit = {{{1.0f, 1.0f, 1.0f}}, irradz->ambient_weight, irradz->direction};
+    const lmb_hhd_rgb hhd = lmb_irradz_decode(&unit, normal);
+    return (unit_hhd){hhd.ambient.c[0], hhd.directional.c[0], vec3_dot(hhd.direction, normal)};
+}
+
+/* The irradiance of the brightest direction: C_a (1 + n_v.n)/2 + C_d n.d is C_a/2 + n.(C_a/2 n_v + C_d d). */
+static float unit_hhd_peak(const unit_hhd *hhd)
+{
+    const float half = 0.5f * hhd->ambient;
+    return half +
+           sqrtf(half * half + hhd->ambient * hhd->directional * hhd->height + hhd->directional * hhd->directional);
+}
+
+/* The C_d at which the brightest direction has irradiance `peak` >= 1 and n_v still 1, with C_a = 1 - C_d (n_v.d): the
+ * positive root of (1 - h^2) C_d^2 - (peak - 1) h C_d - peak (peak - 1) = 0. */
+static float directional_at_peak(float peak, float height)
+{
+    const float squared_sine = 1.0f - height * height;
+    if (!(squared_sine > 1e-6f)) {
+        return INFINITY; /* all light along n_v: nothing is brighter than I_z */
+    }
+    const float excess = float_larger(peak - 1.0f, 0.0f);
+    const float linear = excess * height;
+    return (linear + sqrtf(linear * linear + 4.0f * squared_sine * peak * excess)) / (2.0f * squared_sine);
+}
+
+/* The four texels that one point reads. */
+typedef struct limit_filter {
+    lmb_irradz irradz; /* filtered */
+    float weight[4];
+} limit_filter;
+
+static void filter_make(const limit_area *area, const lmb_texel_piece *piece, float x, float y, limit_filter *filter)
+{
+    *filter = (limit_filter){.weight = {(1.0f - x) * (1.0f - y), x * (1.0f - y), (1.0f - x) * y, x * y}};
+    for (int k = 0; k < 4; ++k) {
+        const lmb_irradz *texel = area_texel(area, piece->x + (k & 1), piece->y + (k >> 1));
+        const float weight = filter->weight[k];
+        filter->irradz.irradiance_z = rgb_add(filter->irradz.irradiance_z, rgb_scale(texel->irradiance_z, weight));
+        filter->irradz.ambient_weight += weight * texel->ambient_weight;
+        filter->irradz.direction = vec3_mad(filter->irradz.direction, texel->direction, weight);
+    }
+}
+
+/* Per channel, the brightest direction of the texels around a piece. */
+static lmb_rgb piece_brightest(const limit_area *area, const lmb_texel_piece *piece)
+{
+    lmb_rgb brightest = {{0.0f, 0.0f, 0.0f}};
+    for (int32_t y = piece->y - AROUND; y <= piece->y + 1 + AROUND; ++y) {
+        for (int32_t x = piece->x - AROUND; x <= piece->x + 1 + AROUND; ++x) {
+            if (x < -LMB_REGION_GUTTER || y < -LMB_REGION_GUTTER || x >= area->region->width + LMB_REGION_GUTTER ||
+                y >= area->region->height + LMB_REGION_GUTTER) {
+                continue;
+            }
+            const float peak = area->peak[area_at(area, x, y)];
+            const lmb_rgb i_z = area_texel(area, x, y)->irradiance_z;
+            for (int c = 0; c < 3; ++c) {
+                brightest.c[c] = float_larger(brightest.c[c], peak * i_z.c[c]);
+            }
+        }
+    }
+    return brightest;
+}
+
+/* How much brighter than I_z the brightest direction may be. */
+static float peak_allowed(lmb_rgb brightest, lmb_rgb i_z)
+{
+    float allowed = INFINITY;
+    for (int c = 0; c < 3; ++c) {
+        if (i_z.c[c] > 0.0f) {
+            allowed = float_smaller(allowed, brightest.c[c] / i_z.c[c]);
+        }
+    }
+    return float_larger(allowed, 1.0f);
+}
+
+static lmb_vec3 area_normal(const limit_area *area, double u, double v)
+{
+    if (area->flat) {
+        return area->flat_normal;
+    }
+    return lmb_trace_place(area->tracer, area->instance, area->triangle, (float)u, (float)v).shading_normal;
+}
+
+/* Takes off the texels' 1 - w what their filtered one has above `share` of it, from each in proportion to its weight:
+ * the least change, in squares, that does. What a texel has not is taken off the others. */
+static void directional_lower(limit_area *area, const lmb_texel_piece *piece, const limit_filter *filter, float share)
+{
+    float own[4], lower[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+    float total = 0.0f;
+    for (int k = 0; k < 4; ++k) {
+        own[k] = 1.0f - area_texel(area, piece->x + (k & 1), piece->y + (k >> 1))->ambient_weight;
+        total += filter->weight[k] * own[k];
+    }
+    float left = (1.0f - share) * total;
+    for (int round = 0; round < 4 && left > 0.0f; ++round) {
+        float squares = 0.0f, taken = 0.0f;
+        for (int k = 0; k < 4; ++k) {
+            squares += lower[k] < own[k] ? filter->weight[k] * filter->weight[k] : 0.0f;
+        }
+        for (int k = 0; k < 4 && squares > 0.0f; ++k) {
+            const float before = lower[k];
+            lower[k] = float_smaller(before + left * filter->weight[k] / squares, own[k]);
+            taken += filter->weight[k] * (lower[k] - before);
+        }
+        left -= taken;
+    }
+    for (int k = 0; k < 4; ++k) {
+        float *most = &area->lower[area_at(area, piece->x + (k & 1), piece->y + (k >> 1))];
+        *most = float_larger(*most, lower[k]);
+    }
+}
+
+/* A point of a piece that was tried. */
+typedef struct tried_point {
+    lmb_texel_vertex at;
+    float height; /* n_v.d of the filtered d, which is not unit */
+} tried_point;
+
+static tried_point point_try(limit_area *area, const lmb_texel_piece *piece, lmb_texel_vertex at)
+{
+    limit_filter filter;
+    filter_make(area, piece, (float)at.x, (float)at.y, &filter);
+    const lmb_vec3 normal = area_normal(area, at.u, at.v);
+    const tried_point tried = {at, vec3_dot(normal, filter.irradz.direction)};
+    const unit_hhd hhd = unit_hhd_decode(&filter.irradz, normal);
+    const float allowed = peak_allowed(area->brightest, filter.irradz.irradiance_z);
+    if (!(unit_hhd_peak(&hhd) > SLACK * allowed)) {
+        return tried;
+    }
+    const float share = directional_at_peak(allowed, hhd.height) / hhd.directional;
+    if (share < 1.0f) {
+        directional_lower(area, piece, &filter, share);
+    }
+    return tried;
+}
+
+static lmb_texel_vertex vertex_between(const lmb_texel_vertex *a, const lmb_texel_vertex *b, double t)
+{
+    return (lmb_texel_vertex){a->x + t * (b->x - a->x), a->y + t * (b->y - a->y), a->u + t * (b->u - a->u),
+                              a->v + t * (b->v - a->v)};
+}
+
+/* The brightest place between two is where n_v.d falls through LMB_IRRADZ_MIN_COS: looked for by regula falsi. */
+static void crossing_try(limit_area *area, const lmb_texel_piece *piece, tried_point low, tried_point high)
+{
+    enum { STEPS = 4 };
+    for (int step = 0; step < STEPS; ++step) {
+        const float below = low.height - LMB_IRRADZ_MIN_COS;
+        const float above = high.height - LMB_IRRADZ_MIN_COS;
+        if (!(below < 0.0f && above > 0.0f)) {
+            return;
+        }
+        const double t = (double)(below / (below - above));
+        const tried_point between = point_try(area, piece, vertex_between(&low.at, &high.at, t));
+        if (between.height < LMB_IRRADZ_MIN_COS) {
+            low = between;
+        } else {
+            high = between;
+        }
+    }
+}
+
+/* Tries the middle of a line between two points that were tried, and what lies between. Returns the middle. */
+static tried_point line_try(limit_area *area, const lmb_texel_piece *piece, const tried_point *a, const tried_point *b)
+{
+    const tried_point middle = point_try(area, piece, vertex_between(&a->at, &b->at, 0.5));
+    crossing_try(area, piece, *a, middle);
+    crossing_try(area, piece, middle, *a);
+    crossing_try(area, piece, *b, middle);
+    crossing_try(area, piece, middle, *b);
+    return middle;
+}
+
+/* Tries a piece along its sides, and along the lines from its middle to its corners and to the middles of its sides. */
+static void piece_limit(void *context, const lmb_texel_piece *piece)
+{
+    limit_area *area = context;
+    lmb_texel_vertex sum = {0.0, 0.0, 0.0, 0.0};
+    for (int i = 0; i < piece->count; ++i) {
+        const lmb_texel_vertex *at = &piece->vertex[i];
+        const double part = 1.0 / piece->count;
+        sum =
+            (lmb_texel_vertex){sum.x + part * at->x, sum.y + part * at->y, sum.u + part * at->u, sum.v + part * at->v};
+    }
+    area->brightest = piece_brightest(area, piece);
+    const tried_point middle = point_try(area, piece, sum);
+    tried_point last = point_try(area, piece, piece->vertex[piece->count - 1]);
+    for (int i = 0; i < piece->count; ++i) {
+        const tried_point corner = point_try(area, piece, piece->vertex[i]);
+        const tried_point side = line_try(area, piece, &last, &corner);
+        line_try(area, piece, &middle, &corner);
+        line_try(area, piece, &middle, &side);
+        last = corner;
+    }
+}
+
+static bool vec3_equals(lmb_vec3 a, lmb_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static void triangle_limit(limit_area *area, const lmb_mesh *mesh, const lmb_vec2 *corner_uv,
+                           const lmb_texel_grid *grid, uint32_t triangle)
+{
+    const uint32_t *vertex = mesh->triangle[triangle];
+    area->triangle = triangle;
+    area->flat = false;
+    area->flat_normal = area_normal(area, 1.0 / 3.0, 1.0 / 3.0);
+    area->flat = vec3_equals(mesh->normal[vertex[0]], mesh->normal[vertex[1]]) &&
+                 vec3_equals(mesh->normal[vertex[0]], mesh->normal[vertex[2]]);
+    lmb_texels_pieces(mesh, corner_uv, grid, triangle, piece_limit, area);
+}
+
+/* Normals and peaks of the covered texels. */
+static void covered_start(limit_area *area, const lmb_texel_grid *grid, const lmb_texel_source *source)
+{
+    for (int32_t y = 0; y < grid->height; ++y) {
+        for (int32_t x = 0; x < grid->width; ++x) {
+            const lmb_texel_source *from = &source[(size_t)y * (size_t)grid->width + (size_t)x];
+            if (from->triangle != LMB_TEXEL_UNCOVERED) {
+                const lmb_place place = lmb_trace_place(area->tracer, area->instance, from->triangle, from->u, from->v);
+                const unit_hhd hhd = unit_hhd_decode(area_texel(area, x, y), place.shading_normal);
+                area->normal[area_at(area, x, y)] = place.shading_normal;
+                area->peak[area_at(area, x, y)] = unit_hhd_peak(&hhd);
+            }
+        }
+    }
+}
+
+/* The peak of a dilated texel: for the mean normal of the covered texels around it, and no more than theirs. */
+static float dilated_peak(const limit_area *area, const lmb_texel_grid *grid, int32_t x, int32_t y)
+{
+    lmb_vec3 sum = {0.0f, 0.0f, 0.0f};
+    float brightest = 0.0f;
+    for (int32_t row = y - 1; row <= y + 1; ++row) {
+        for (int32_t column = x - 1; column <= x + 1; ++column) {
+            const bool inside = row >= 0 && column >= 0 && row < grid->height && column < grid->width;
+            const lmb_vec3 normal = inside ? area->normal[area_at(area, column, row)] : (lmb_vec3){0.0f, 0.0f, 0.0f};
+            if (vec3_dot(normal, normal) > 0.0f) {
+                sum = vec3_add(sum, normal);
+                brightest = float_larger(brightest, area->peak[area_at(area, column, row)] *
+                                                        lmb_luminance(area_texel(area, column, row)->irradiance_z));
+            }
+        }
+    }
+    const lmb_irradz *texel = area_texel(area, x, y);
+    const float light = lmb_luminance(texel->irradiance_z);
+    if (!(vec3_dot(sum, sum) > 0.0f && light > 0.0f)) {
+        return 1.0f;
+    }
+    const unit_hhd hhd = unit_hhd_decode(texel, vec3_normalize_or(sum, sum));
+    return float_larger(float_smaller(unit_hhd_peak(&hhd), brightest / light), 1.0f);
+}
+
+/* What is known of each texel by itself. */
+static void area_start(limit_area *area, const lmb_texel_grid *grid, const lmb_texel_source *source)
+{
+    const size_t count = (size_t)area->stride * (size_t)(grid->height + 2 * LMB_REGION_GUTTER);
+    for (size_t i = 0; i < count; ++i) {
+        area->normal[i] = (lmb_vec3){0.0f, 0.0f, 0.0f};
+        area->lower[i] = 0.0f;
+    }
+    covered_start(area, grid, source);
+    for (int32_t y = -LMB_REGION_GUTTER; y < grid->height + LMB_REGION_GUTTER; ++y) {
+        for (int32_t x = -LMB_REGION_GUTTER; x < grid->width + LMB_REGION_GUTTER; ++x) {
+            const size_t at = area_at(area, x, y);
+            if (!(vec3_dot(area->normal[at], area->normal[at]) > 0.0f)) {
+                area->peak[at] = dilated_peak(area, grid, x, y);
+            }
+        }
+    }
+}
+
+static void area_finish(const limit_area *area, const lmb_texel_grid *grid)
+{
+    for (int32_t y = -LMB_REGION_GUTTER; y < grid->height + LMB_REGION_GUTTER; ++y) {
+        for (int32_t x = -LMB_REGION_GUTTER; x < grid->width + LMB_REGION_GUTTER; ++x) {
+            const float lower = area->lower[area_at(area, x, y)];
+            if (lower > 0.0f) {
+                lmb_irradz *texel = area_texel(area, x, y);
+                texel->ambient_weight = float_smaller(texel->ambient_weight + lower, 1.0f);
+            }
+        }
+    }
+}
+
+typedef struct limit_work {
+    lmb_lightmap *lightmap;
+    const lmb_tracer *tracer;
+    uint8_t *out_of_memory; /* [instance] */
+} limit_work;
+
+static void limit_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    const limit_work *work = context;
+    const lmb_lightmap *lightmap = work->lightmap;
+    const lmb_lightmap_region *region = &lightmap->region[task];
+    if (region->image < 0) {
+        return;
+    }
+    const uint32_t number = lightmap->scene->instances[task].mesh;
+    const lmb_mesh *mesh = &lightmap->scene->meshes[number];
+    const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, (uint32_t)task);
+    limit_area area = {.tracer = work->tracer,
+                       .image = &lightmap->image[region->image],
+                       .region = region,
+                       .instance = (uint32_t)task,
+                       .stride = grid.width + 2 * LMB_REGION_GUTTER};
+    const size_t count = (size_t)area.stride * (size_t)(grid.height + 2 * LMB_REGION_GUTTER);
+    lmb_texel_source *source = malloc((size_t)grid.width * (size_t)grid.height * sizeof *source);
+    area.normal = malloc(count * sizeof *area.normal);
+    area.peak = malloc(count * sizeof *area.peak);
+    area.lower = malloc(count * sizeof *area.lower);
+    if (source && area.normal && area.peak && area.lower) {
+        lmb_texels_cover(mesh, lightmap->corner_uv[number], &grid, source);
+        area_start(&area, &grid, source);
+        for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+            triangle_limit(&area, mesh, lightmap->corner_uv[number], &grid, t);
+        }
+        area_finish(&area, &grid);
+    } else {
+        work->out_of_memory[task] = 1;
+    }
+    free(source);
+    free(area.normal);
+    free(area.peak);
+    free(area.lower);
+}
+
+lmb_result lmb_lightmap_limit(lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_pool *pool)
+{
+    const size_t instances = lightmap->scene->instance_count;
+    limit_work work = {lightmap, tracer, calloc(instances + 1u, 1)};
+    if (!work.out_of_memory) {
+        return LMB_ERROR_MEMORY;
+    }
+    lmb_result result = lmb_pool_run(pool, instances, limit_task, &work, "lightmaps", NULL);
+    for (size_t i = 0; i < instances; ++i) {
+        result = work.out_of_memory[i] ? LMB_ERROR_MEMORY : result;
+    }
+    free(work.out_of_memory);
+    return result;
+}
