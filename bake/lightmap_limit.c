@@ -17,25 +17,37 @@
 
 enum { AROUND = 1 };
 
-/* One instance's texels with their gutter, row by row. */
+/* What is known of a texel by itself, and what is to be done to it. */
+typedef struct limit_texel {
+    lmb_vec3 normal; /* n_v that it is for; zero for a dilated one */
+    float height;    /* n_v.d */
+    float peak;      /* its brightest direction over I_z, >= 1 */
+    bool shine;      /* it was part of a place that is too bright */
+    float length;    /* what d is scaled by, <= 1 */
+    float lower;     /* what is taken off 1 - w */
+} limit_texel;
+
+/* What the first look at the pieces is for, and the second. */
+typedef enum limit_stage { LIMIT_LENGTHS, LIMIT_WEIGHTS } limit_stage;
+
+/* One instance's texels with their gutter, row by row, and what is at hand of them. */
 typedef struct limit_area {
     const lmb_tracer *tracer;
-    lmb_lightmap_image *image;
+    const lmb_lightmap_image *image;
     const lmb_lightmap_region *region;
     uint32_t instance;
-    uint32_t triangle;    /* at hand */
-    lmb_vec3 flat_normal; /* of that triangle, where `flat` */
-    bool flat;
-    lmb_rgb brightest; /* around the piece at hand */
     int32_t stride;
-    lmb_vec3 *normal; /* n_v that each texel is for; zero for dilated ones */
-    float *peak;      /* brightest direction over I_z, >= 1 */
-    float *lower;     /* what is taken off its 1 - w */
+    limit_texel *texel;
+    limit_stage stage;
+    uint32_t triangle;
+    bool flat; /* the triangle has one normal, and that is */
+    lmb_vec3 flat_normal;
+    lmb_rgb brightest; /* direction of the texels around the piece */
 } limit_area;
 
-static size_t area_at(const limit_area *area, int32_t x, int32_t y)
+static limit_texel *area_limit(const limit_area *area, int32_t x, int32_t y)
 {
-    return (size_t)(y + LMB_REGION_GUTTER) * (size_t)area->stride + (size_t)(x + LMB_REGION_GUTTER);
+    return &area->texel[(size_t)(y + LMB_REGION_GUTTER) * (size_t)area->stride + (size_t)(x + LMB_REGION_GUTTER)];
 }
 
 static lmb_irradz *area_texel(const limit_area *area, int32_t x, int32_t y)
@@ -107,7 +119,7 @@ static lmb_rgb piece_brightest(const limit_area *area, const lmb_texel_piece *pi
                 y >= area->region->height + LMB_REGION_GUTTER) {
                 continue;
             }
-            const float peak = area->peak[area_at(area, x, y)];
+            const float peak = area_limit(area, x, y)->peak;
             const lmb_rgb i_z = area_texel(area, x, y)->irradiance_z;
             for (int c = 0; c < 3; ++c) {
                 brightest.c[c] = float_larger(brightest.c[c], peak * i_z.c[c]);
@@ -161,8 +173,21 @@ static void directional_lower(limit_area *area, const lmb_texel_piece *piece, co
         left -= taken;
     }
     for (int k = 0; k < 4; ++k) {
-        float *most = &area->lower[area_at(area, piece->x + (k & 1), piece->y + (k >> 1))];
-        *most = float_larger(*most, lower[k]);
+        limit_texel *texel = area_limit(area, piece->x + (k & 1), piece->y + (k >> 1));
+        texel->lower = float_larger(texel->lower, lower[k]);
+    }
+}
+
+/* Shortens d of the texels so that decoding trusts it less for normals as low as this one, down to `share` of C_d
+ * there; never so far that it would be trusted less for the texel's own normal. */
+static void directions_shorten(limit_area *area, const lmb_texel_piece *piece, float height, float share)
+{
+    const float edge = LMB_IRRADZ_MIN_COS / float_larger(height, LMB_IRRADZ_MIN_COS);
+    for (int k = 0; k < 4; ++k) {
+        limit_texel *texel = area_limit(area, piece->x + (k & 1), piece->y + (k >> 1));
+        const float least = LMB_IRRADZ_MIN_COS / float_larger(texel->height, LMB_IRRADZ_MIN_COS);
+        texel->shine = true;
+        texel->length = float_smaller(texel->length, float_larger(edge * sqrtf(share), least));
     }
 }
 
@@ -184,7 +209,9 @@ static tried_point point_try(limit_area *area, const lmb_texel_piece *piece, lmb
         return tried;
     }
     const float share = directional_at_peak(allowed, hhd.height) / hhd.directional;
-    if (share < 1.0f) {
+    if (share < 1.0f && area->stage == LIMIT_LENGTHS) {
+        directions_shorten(area, piece, tried.height, share);
+    } else if (share < 1.0f) {
         directional_lower(area, piece, &filter, share);
     }
     return tried;
@@ -227,10 +254,22 @@ static tried_point line_try(limit_area *area, const lmb_texel_piece *piece, cons
     return middle;
 }
 
+static bool piece_shines(const limit_area *area, const lmb_texel_piece *piece)
+{
+    bool any = false;
+    for (int k = 0; k < 4; ++k) {
+        any = any || area_limit(area, piece->x + (k & 1), piece->y + (k >> 1))->shine;
+    }
+    return any;
+}
+
 /* Tries a piece along its sides, and along the lines from its middle to its corners and to the middles of its sides. */
 static void piece_limit(void *context, const lmb_texel_piece *piece)
 {
     limit_area *area = context;
+    if (area->stage == LIMIT_WEIGHTS && !piece_shines(area, piece)) {
+        return;
+    }
     lmb_texel_vertex sum = {0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < piece->count; ++i) {
         const lmb_texel_vertex *at = &piece->vertex[i];
@@ -276,25 +315,27 @@ static void covered_start(limit_area *area, const lmb_texel_grid *grid, const lm
             if (from->triangle != LMB_TEXEL_UNCOVERED) {
                 const lmb_place place = lmb_trace_place(area->tracer, area->instance, from->triangle, from->u, from->v);
                 const unit_hhd hhd = unit_hhd_decode(area_texel(area, x, y), place.shading_normal);
-                area->normal[area_at(area, x, y)] = place.shading_normal;
-                area->peak[area_at(area, x, y)] = unit_hhd_peak(&hhd);
+                area_limit(area, x, y)->normal = place.shading_normal;
+                area_limit(area, x, y)->height = hhd.height;
+                area_limit(area, x, y)->peak = unit_hhd_peak(&hhd);
             }
         }
     }
 }
 
-/* The peak of a dilated texel: for the mean normal of the covered texels around it, and no more than theirs. */
-static float dilated_peak(const limit_area *area, const lmb_texel_grid *grid, int32_t x, int32_t y)
+/* Height and peak of a dilated texel: for the mean normal of the covered texels around it, and no brighter than they.
+ */
+static void dilated_start(limit_area *area, const lmb_texel_grid *grid, int32_t x, int32_t y)
 {
     lmb_vec3 sum = {0.0f, 0.0f, 0.0f};
     float brightest = 0.0f;
     for (int32_t row = y - 1; row <= y + 1; ++row) {
         for (int32_t column = x - 1; column <= x + 1; ++column) {
             const bool inside = row >= 0 && column >= 0 && row < grid->height && column < grid->width;
-            const lmb_vec3 normal = inside ? area->normal[area_at(area, column, row)] : (lmb_vec3){0.0f, 0.0f, 0.0f};
+            const lmb_vec3 normal = inside ? area_limit(area, column, row)->normal : (lmb_vec3){0.0f, 0.0f, 0.0f};
             if (vec3_dot(normal, normal) > 0.0f) {
                 sum = vec3_add(sum, normal);
-                brightest = float_larger(brightest, area->peak[area_at(area, column, row)] *
+                brightest = float_larger(brightest, area_limit(area, column, row)->peak *
                                                         lmb_luminance(area_texel(area, column, row)->irradiance_z));
             }
         }
@@ -302,10 +343,11 @@ static float dilated_peak(const limit_area *area, const lmb_texel_grid *grid, in
     const lmb_irradz *texel = area_texel(area, x, y);
     const float light = lmb_luminance(texel->irradiance_z);
     if (!(vec3_dot(sum, sum) > 0.0f && light > 0.0f)) {
-        return 1.0f;
+        return;
     }
     const unit_hhd hhd = unit_hhd_decode(texel, vec3_normalize_or(sum, sum));
-    return float_larger(float_smaller(unit_hhd_peak(&hhd), brightest / light), 1.0f);
+    area_limit(area, x, y)->height = hhd.height;
+    area_limit(area, x, y)->peak = float_larger(float_smaller(unit_hhd_peak(&hhd), brightest / light), 1.0f);
 }
 
 /* What is known of each texel by itself. */
@@ -313,28 +355,30 @@ static void area_start(limit_area *area, const lmb_texel_grid *grid, const lmb_t
 {
     const size_t count = (size_t)area->stride * (size_t)(grid->height + 2 * LMB_REGION_GUTTER);
     for (size_t i = 0; i < count; ++i) {
-        area->normal[i] = (lmb_vec3){0.0f, 0.0f, 0.0f};
-        area->lower[i] = 0.0f;
+        area->texel[i] = (limit_texel){.height = 1.0f, .peak = 1.0f, .length = 1.0f};
     }
     covered_start(area, grid, source);
     for (int32_t y = -LMB_REGION_GUTTER; y < grid->height + LMB_REGION_GUTTER; ++y) {
         for (int32_t x = -LMB_REGION_GUTTER; x < grid->width + LMB_REGION_GUTTER; ++x) {
-            const size_t at = area_at(area, x, y);
-            if (!(vec3_dot(area->normal[at], area->normal[at]) > 0.0f)) {
-                area->peak[at] = dilated_peak(area, grid, x, y);
+            const lmb_vec3 normal = area_limit(area, x, y)->normal;
+            if (!(vec3_dot(normal, normal) > 0.0f)) {
+                dilated_start(area, grid, x, y);
             }
         }
     }
 }
 
-static void area_finish(const limit_area *area, const lmb_texel_grid *grid)
+/* Does what the stage has found. */
+static void area_change(const limit_area *area, const lmb_texel_grid *grid)
 {
     for (int32_t y = -LMB_REGION_GUTTER; y < grid->height + LMB_REGION_GUTTER; ++y) {
         for (int32_t x = -LMB_REGION_GUTTER; x < grid->width + LMB_REGION_GUTTER; ++x) {
-            const float lower = area->lower[area_at(area, x, y)];
-            if (lower > 0.0f) {
-                lmb_irradz *texel = area_texel(area, x, y);
-                texel->ambient_weight = float_smaller(texel->ambient_weight + lower, 1.0f);
+            const limit_texel *limit = area_limit(area, x, y);
+            lmb_irradz *texel = area_texel(area, x, y);
+            if (area->stage == LIMIT_LENGTHS && limit->length < 1.0f) {
+                texel->direction = vec3_scale(texel->direction, limit->length);
+            } else if (area->stage == LIMIT_WEIGHTS && limit->lower > 0.0f) {
+                texel->ambient_weight = float_smaller(texel->ambient_weight + limit->lower, 1.0f);
             }
         }
     }
@@ -365,23 +409,22 @@ static void limit_task(void *context, size_t task, int worker)
                        .stride = grid.width + 2 * LMB_REGION_GUTTER};
     const size_t count = (size_t)area.stride * (size_t)(grid.height + 2 * LMB_REGION_GUTTER);
     lmb_texel_source *source = malloc((size_t)grid.width * (size_t)grid.height * sizeof *source);
-    area.normal = malloc(count * sizeof *area.normal);
-    area.peak = malloc(count * sizeof *area.peak);
-    area.lower = malloc(count * sizeof *area.lower);
-    if (source && area.normal && area.peak && area.lower) {
+    area.texel = malloc(count * sizeof *area.texel);
+    if (source && area.texel) {
         lmb_texels_cover(mesh, lightmap->corner_uv[number], &grid, source);
         area_start(&area, &grid, source);
-        for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-            triangle_limit(&area, mesh, lightmap->corner_uv[number], &grid, t);
+        for (int stage = LIMIT_LENGTHS; stage <= LIMIT_WEIGHTS; ++stage) {
+            area.stage = (limit_stage)stage;
+            for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+                triangle_limit(&area, mesh, lightmap->corner_uv[number], &grid, t);
+            }
+            area_change(&area, &grid);
         }
-        area_finish(&area, &grid);
     } else {
         work->out_of_memory[task] = 1;
     }
     free(source);
-    free(area.normal);
-    free(area.peak);
-    free(area.lower);
+    free(area.texel);
 }
 
 lmb_result lmb_lightmap_limit(lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_pool *pool)
