@@ -42,6 +42,9 @@ typedef struct lmb_texel_vertex {
     double u, v;
 } lmb_texel_vertex;
 
+/* A triangle cut by four lines has 7 corners, or 13 if rounding has bent every cut polygon to a zigzag. */
+enum { LMB_TEXEL_PIECE_MAX = 13 };
+
 /* What a triangle covers of the square between the centres of four texels, (x, y) to (x + 1, y + 1): a convex polygon
  * over which bilinear filtering reads these four. Its vertices are relative to the first centre. */
 typedef struct lmb_texel_piece {
@@ -72,9 +75,9 @@ double lmb_instance_area(const lmb_scene *scene, uint32_t instance);
  * LMB_TEXEL_DILATED. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_dilate(lmb_lightmap *lightmap);
 
-/* Lowers the directional share of texels where filtering would make light: wherever those around a point of the
- * surface, filtered and decoded at the point's own normal, would give more light than they hold. Texels around which
- * none does keep their bits. @return LMB_ERROR_MEMORY */
+/* Shortens d, or lowers the directional share, of texels where filtering would make light: wherever those around a
+ * point of the surface, filtered and decoded at the point's own normal, would give more light than they hold. Texels
+ * around which none does keep their bits. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_limit(lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_pool *pool);
 
 /* Sets the states that a bake leaves, without its light. @return LMB_ERROR_MEMORY */

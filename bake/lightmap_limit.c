@@ -4,7 +4,9 @@
  * a chart that bends within a texel or between charts that share one, n_v.d may be far smaller, and C_d far larger,
  * than any light there is. So every piece of surface between texel centres is tried here as it will be seen: filtered,
  * decoded at its own normal, and its brightest direction compared with those of the texels around it. Where it is too
- * bright, the directional share 1 - w of these texels is lowered, which leaves their I_z alone. */
+ * bright, d is stored short in the texels that it reads. lmb_irradz_decode trusts a d less whose n_v.d is below
+ * LMB_IRRADZ_MIN_COS, so a length of LMB_IRRADZ_MIN_COS/(n_v.d) leaves a texel's own decode as it is and lets no lower
+ * normal get more of C_d. What then still shines is taken off the directional share 1 - w. I_z stays as it is. */
 #include "lightmap_internal.h"
 
 #include <math.h>
@@ -15,20 +17,21 @@
 /* Rounding and the curve of a smooth surface may add this much. */
 #define SLACK 1.002f
 
+/* Texels around the four of a piece that tell, with them, how bright it may be. */
 enum { AROUND = 1 };
 
 /* What is known of a texel by itself, and what is to be done to it. */
 typedef struct limit_texel {
-    lmb_vec3 normal; /* n_v that it is for; zero for a dilated one */
-    float height;    /* n_v.d */
-    float peak;      /* its brightest direction over I_z, >= 1 */
-    bool shine;      /* it was part of a place that is too bright */
-    float length;    /* what d is scaled by, <= 1 */
-    float lower;     /* what is taken off 1 - w */
+    float height; /* n_v.d */
+    float peak;   /* its brightest direction over I_z, >= 1 */
+    bool shine;   /* it was part of a place that is too bright */
+    float stored; /* length of d in the image */
+    float length; /* and what it is to be, <= 1 */
+    float lower;  /* what is taken off 1 - w */
 } limit_texel;
 
-/* What the first look at the pieces is for, and the second. */
-typedef enum limit_stage { LIMIT_LENGTHS, LIMIT_WEIGHTS } limit_stage;
+/* What the looks at all pieces are for: lengths of d, twice since they change the filtered d too; then weights. */
+typedef enum limit_stage { LIMIT_LENGTHS, LIMIT_LENGTHS_AGAIN, LIMIT_WEIGHTS } limit_stage;
 
 /* One instance's texels with their gutter, row by row, and what is at hand of them. */
 typedef struct limit_area {
@@ -187,7 +190,7 @@ static void directions_shorten(limit_area *area, const lmb_texel_piece *piece, f
         limit_texel *texel = area_limit(area, piece->x + (k & 1), piece->y + (k >> 1));
         const float least = LMB_IRRADZ_MIN_COS / float_larger(texel->height, LMB_IRRADZ_MIN_COS);
         texel->shine = true;
-        texel->length = float_smaller(texel->length, float_larger(edge * sqrtf(share), least));
+        texel->length = float_smaller(texel->length, float_larger(texel->stored * edge * sqrtf(share), least));
     }
 }
 
@@ -195,21 +198,27 @@ static void directions_shorten(limit_area *area, const lmb_texel_piece *piece, f
 typedef struct tried_point {
     lmb_texel_vertex at;
     float height; /* n_v.d of the filtered d, which is not unit */
+    bool shines;
 } tried_point;
+
+/* Where n_v.d is higher than this, it changes little enough within a texel for the corners and the middle of a piece to
+ * tell of the rest. */
+#define SAFE_HEIGHT 0.25f
 
 static tried_point point_try(limit_area *area, const lmb_texel_piece *piece, lmb_texel_vertex at)
 {
     limit_filter filter;
     filter_make(area, piece, (float)at.x, (float)at.y, &filter);
     const lmb_vec3 normal = area_normal(area, at.u, at.v);
-    const tried_point tried = {at, vec3_dot(normal, filter.irradz.direction)};
+    tried_point tried = {at, vec3_dot(normal, filter.irradz.direction), false};
     const unit_hhd hhd = unit_hhd_decode(&filter.irradz, normal);
     const float allowed = peak_allowed(area->brightest, filter.irradz.irradiance_z);
     if (!(unit_hhd_peak(&hhd) > SLACK * allowed)) {
         return tried;
     }
     const float share = directional_at_peak(allowed, hhd.height) / hhd.directional;
-    if (share < 1.0f && area->stage == LIMIT_LENGTHS) {
+    tried.shines = true;
+    if (share < 1.0f && area->stage != LIMIT_WEIGHTS) {
         directions_shorten(area, piece, tried.height, share);
     } else if (share < 1.0f) {
         directional_lower(area, piece, &filter, share);
@@ -267,7 +276,7 @@ static bool piece_shines(const limit_area *area, const lmb_texel_piece *piece)
 static void piece_limit(void *context, const lmb_texel_piece *piece)
 {
     limit_area *area = context;
-    if (area->stage == LIMIT_WEIGHTS && !piece_shines(area, piece)) {
+    if (area->stage != LIMIT_LENGTHS && !piece_shines(area, piece)) {
         return;
     }
     lmb_texel_vertex sum = {0.0, 0.0, 0.0, 0.0};
@@ -278,14 +287,17 @@ static void piece_limit(void *context, const lmb_texel_piece *piece)
             (lmb_texel_vertex){sum.x + part * at->x, sum.y + part * at->y, sum.u + part * at->u, sum.v + part * at->v};
     }
     area->brightest = piece_brightest(area, piece);
+    tried_point corner[LMB_TEXEL_PIECE_MAX];
     const tried_point middle = point_try(area, piece, sum);
-    tried_point last = point_try(area, piece, piece->vertex[piece->count - 1]);
+    bool safe = middle.height > SAFE_HEIGHT && !middle.shines;
     for (int i = 0; i < piece->count; ++i) {
-        const tried_point corner = point_try(area, piece, piece->vertex[i]);
-        const tried_point side = line_try(area, piece, &last, &corner);
-        line_try(area, piece, &middle, &corner);
+        corner[i] = point_try(area, piece, piece->vertex[i]);
+        safe = safe && corner[i].height > SAFE_HEIGHT && !corner[i].shines;
+    }
+    for (int i = 0; i < piece->count && !safe; ++i) {
+        const tried_point side = line_try(area, piece, &corner[i], &corner[i + 1 < piece->count ? i + 1 : 0]);
+        line_try(area, piece, &middle, &corner[i]);
         line_try(area, piece, &middle, &side);
-        last = corner;
     }
 }
 
@@ -306,77 +318,87 @@ static void triangle_limit(limit_area *area, const lmb_mesh *mesh, const lmb_vec
     lmb_texels_pieces(mesh, corner_uv, grid, triangle, piece_limit, area);
 }
 
-/* Normals and peaks of the covered texels. */
-static void covered_start(limit_area *area, const lmb_texel_grid *grid, const lmb_texel_source *source)
+/* The normal that a texel was gathered for; zero for a dilated one. */
+static lmb_vec3 covered_normal(const limit_area *area, const lmb_texel_source *source, int32_t x, int32_t y)
 {
-    for (int32_t y = 0; y < grid->height; ++y) {
-        for (int32_t x = 0; x < grid->width; ++x) {
-            const lmb_texel_source *from = &source[(size_t)y * (size_t)grid->width + (size_t)x];
-            if (from->triangle != LMB_TEXEL_UNCOVERED) {
-                const lmb_place place = lmb_trace_place(area->tracer, area->instance, from->triangle, from->u, from->v);
-                const unit_hhd hhd = unit_hhd_decode(area_texel(area, x, y), place.shading_normal);
-                area_limit(area, x, y)->normal = place.shading_normal;
-                area_limit(area, x, y)->height = hhd.height;
-                area_limit(area, x, y)->peak = unit_hhd_peak(&hhd);
-            }
-        }
+    const int32_t width = area->region->width;
+    if (x < 0 || y < 0 || x >= width || y >= area->region->height) {
+        return (lmb_vec3){0.0f, 0.0f, 0.0f};
     }
+    const lmb_texel_source *from = &source[(size_t)y * (size_t)width + (size_t)x];
+    return from->triangle == LMB_TEXEL_UNCOVERED
+               ? (lmb_vec3){0.0f, 0.0f, 0.0f}
+               : lmb_trace_place(area->tracer, area->instance, from->triangle, from->u, from->v).shading_normal;
 }
 
-/* Height and peak of a dilated texel: for the mean normal of the covered texels around it, and no brighter than they.
- */
-static void dilated_start(limit_area *area, const lmb_texel_grid *grid, int32_t x, int32_t y)
+static bool has_direction(lmb_vec3 a)
+{
+    return vec3_dot(a, a) > 0.0f;
+}
+
+/* What is known of a covered texel by itself. */
+static void covered_start(const limit_area *area, int32_t x, int32_t y, lmb_vec3 normal)
+{
+    const unit_hhd hhd = unit_hhd_decode(area_texel(area, x, y), normal);
+    area_limit(area, x, y)->height = hhd.height;
+    area_limit(area, x, y)->peak = unit_hhd_peak(&hhd);
+}
+
+/* The same of a dilated one: for the mean normal of the covered texels around it, and no brighter than they. */
+static void dilated_start(const limit_area *area, const lmb_texel_source *source, int32_t x, int32_t y)
 {
     lmb_vec3 sum = {0.0f, 0.0f, 0.0f};
     float brightest = 0.0f;
-    for (int32_t row = y - 1; row <= y + 1; ++row) {
-        for (int32_t column = x - 1; column <= x + 1; ++column) {
-            const bool inside = row >= 0 && column >= 0 && row < grid->height && column < grid->width;
-            const lmb_vec3 normal = inside ? area_limit(area, column, row)->normal : (lmb_vec3){0.0f, 0.0f, 0.0f};
-            if (vec3_dot(normal, normal) > 0.0f) {
-                sum = vec3_add(sum, normal);
-                brightest = float_larger(brightest, area_limit(area, column, row)->peak *
-                                                        lmb_luminance(area_texel(area, column, row)->irradiance_z));
-            }
+    for (int k = 0; k < 9; ++k) {
+        const int32_t column = x + k % 3 - 1, row = y + k / 3 - 1;
+        const lmb_vec3 normal = covered_normal(area, source, column, row);
+        if (has_direction(normal)) {
+            sum = vec3_add(sum, normal);
+            brightest = float_larger(brightest, area_limit(area, column, row)->peak *
+                                                    lmb_luminance(area_texel(area, column, row)->irradiance_z));
         }
     }
     const lmb_irradz *texel = area_texel(area, x, y);
     const float light = lmb_luminance(texel->irradiance_z);
-    if (!(vec3_dot(sum, sum) > 0.0f && light > 0.0f)) {
-        return;
+    if (has_direction(sum) && light > 0.0f) {
+        const unit_hhd hhd = unit_hhd_decode(texel, vec3_normalize_or(sum, sum));
+        area_limit(area, x, y)->height = hhd.height;
+        area_limit(area, x, y)->peak = float_larger(float_smaller(unit_hhd_peak(&hhd), brightest / light), 1.0f);
     }
-    const unit_hhd hhd = unit_hhd_decode(texel, vec3_normalize_or(sum, sum));
-    area_limit(area, x, y)->height = hhd.height;
-    area_limit(area, x, y)->peak = float_larger(float_smaller(unit_hhd_peak(&hhd), brightest / light), 1.0f);
 }
 
-/* What is known of each texel by itself. */
-static void area_start(limit_area *area, const lmb_texel_grid *grid, const lmb_texel_source *source)
+static void area_start(const limit_area *area, const lmb_texel_source *source)
 {
-    const size_t count = (size_t)area->stride * (size_t)(grid->height + 2 * LMB_REGION_GUTTER);
-    for (size_t i = 0; i < count; ++i) {
-        area->texel[i] = (limit_texel){.height = 1.0f, .peak = 1.0f, .length = 1.0f};
+    const int32_t right = area->region->width + LMB_REGION_GUTTER;
+    const int32_t bottom = area->region->height + LMB_REGION_GUTTER;
+    for (int32_t y = -LMB_REGION_GUTTER; y < bottom; ++y) {
+        for (int32_t x = -LMB_REGION_GUTTER; x < right; ++x) {
+            *area_limit(area, x, y) = (limit_texel){.height = 1.0f, .peak = 1.0f, .stored = 1.0f, .length = 1.0f};
+            const lmb_vec3 normal = covered_normal(area, source, x, y);
+            if (has_direction(normal)) {
+                covered_start(area, x, y, normal);
+            }
+        }
     }
-    covered_start(area, grid, source);
-    for (int32_t y = -LMB_REGION_GUTTER; y < grid->height + LMB_REGION_GUTTER; ++y) {
-        for (int32_t x = -LMB_REGION_GUTTER; x < grid->width + LMB_REGION_GUTTER; ++x) {
-            const lmb_vec3 normal = area_limit(area, x, y)->normal;
-            if (!(vec3_dot(normal, normal) > 0.0f)) {
-                dilated_start(area, grid, x, y);
+    for (int32_t y = -LMB_REGION_GUTTER; y < bottom; ++y) {
+        for (int32_t x = -LMB_REGION_GUTTER; x < right; ++x) {
+            if (!has_direction(covered_normal(area, source, x, y))) {
+                dilated_start(area, source, x, y);
             }
         }
     }
 }
 
 /* Does what the stage has found. */
-static void area_change(const limit_area *area, const lmb_texel_grid *grid)
+static void area_change(const limit_area *area)
 {
-    for (int32_t y = -LMB_REGION_GUTTER; y < grid->height + LMB_REGION_GUTTER; ++y) {
-        for (int32_t x = -LMB_REGION_GUTTER; x < grid->width + LMB_REGION_GUTTER; ++x) {
-            const limit_texel *limit = area_limit(area, x, y);
+    for (int32_t y = -LMB_REGION_GUTTER; y < area->region->height + LMB_REGION_GUTTER; ++y) {
+        for (int32_t x = -LMB_REGION_GUTTER; x < area->region->width + LMB_REGION_GUTTER; ++x) {
+            limit_texel *limit = area_limit(area, x, y);
             lmb_irradz *texel = area_texel(area, x, y);
-            if (area->stage == LIMIT_LENGTHS && limit->length < 1.0f) {
-                texel->direction = vec3_scale(texel->direction, limit->length);
+            if (area->stage != LIMIT_WEIGHTS && limit->length < limit->stored) {
+                texel->direction = vec3_scale(texel->direction, limit->length / limit->stored);
+                limit->stored = limit->length;
             } else if (area->stage == LIMIT_WEIGHTS && limit->lower > 0.0f) {
                 texel->ambient_weight = float_smaller(texel->ambient_weight + limit->lower, 1.0f);
             }
@@ -412,13 +434,13 @@ static void limit_task(void *context, size_t task, int worker)
     area.texel = malloc(count * sizeof *area.texel);
     if (source && area.texel) {
         lmb_texels_cover(mesh, lightmap->corner_uv[number], &grid, source);
-        area_start(&area, &grid, source);
+        area_start(&area, source);
         for (int stage = LIMIT_LENGTHS; stage <= LIMIT_WEIGHTS; ++stage) {
             area.stage = (limit_stage)stage;
             for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
                 triangle_limit(&area, mesh, lightmap->corner_uv[number], &grid, t);
             }
-            area_change(&area, &grid);
+            area_change(&area);
         }
     } else {
         work->out_of_memory[task] = 1;

@@ -18,9 +18,9 @@
 
 typedef lmb_texel_vertex texel_vertex;
 
-/* A triangle cut by a texel's four sides: 7 vertices, or 13 if rounding has bent every cut polygon to a zigzag. */
+/* A triangle cut by a texel's four sides. */
 typedef struct texel_polygon {
-    texel_vertex vertex[13];
+    texel_vertex vertex[LMB_TEXEL_PIECE_MAX];
     int count;
 } texel_polygon;
 
