@@ -464,7 +464,7 @@ static void test_decode_trusts_directions_that_agree(void)
         {"nothing", {0.6f, 0.8f, 0}, 0.4, 0.6 / 0.8},
         {"to the left and to the right", {0, 0.5f, 0}, 0.4, 0.6},
         {"nothing, as low as is stored", {0.99874922f, 0.05f, 0}, 0.4, 0.6 / 0.05},
-        {"half of it from behind", {0.6f, 0.025f, 0}, 0.4 + 0.6 * 0.75, 0.6 * 0.25 / (0.025 / 0.60052061)},
+        {"half of it from behind", {0.6f, 0.025f, 0}, 0.4 + 0.6 * 0.75, 0.6 * 0.25 / 0.05},
         {"up and down, a little left", {0.1f, 0.025f, 0}, 0.4 + 0.6 * 0.75, 0.6 * 0.25 / (0.025 / 0.10307764)},
         {"at the horizon", {1, 0, 0}, 1.0, 0.0},
         {"behind", {0.8f, -0.6f, 0}, 1.0, 0.0},
