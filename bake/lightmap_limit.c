@@ -53,6 +53,12 @@ static limit_texel *area_limit(const limit_area *area, int32_t x, int32_t y)
     return &area->texel[(size_t)(y + LMB_REGION_GUTTER) * (size_t)area->stride + (size_t)(x + LMB_REGION_GUTTER)];
 }
 
+static bool area_has(const limit_area *area, int32_t x, int32_t y)
+{
+    return x >= -LMB_REGION_GUTTER && y >= -LMB_REGION_GUTTER && x < area->region->width + LMB_REGION_GUTTER &&
+           y < area->region->height + LMB_REGION_GUTTER;
+}
+
 static lmb_irradz *area_texel(const limit_area *area, int32_t x, int32_t y)
 {
     const int32_t column = area->region->x + x;
@@ -118,8 +124,7 @@ static lmb_rgb piece_brightest(const limit_area *area, const lmb_texel_piece *pi
     lmb_rgb brightest = {{0.0f, 0.0f, 0.0f}};
     for (int32_t y = piece->y - AROUND; y <= piece->y + 1 + AROUND; ++y) {
         for (int32_t x = piece->x - AROUND; x <= piece->x + 1 + AROUND; ++x) {
-            if (x < -LMB_REGION_GUTTER || y < -LMB_REGION_GUTTER || x >= area->region->width + LMB_REGION_GUTTER ||
-                y >= area->region->height + LMB_REGION_GUTTER) {
+            if (!area_has(area, x, y)) {
                 continue;
             }
             const float peak = area_limit(area, x, y)->peak;
@@ -181,6 +186,23 @@ static void directional_lower(limit_area *area, const lmb_texel_piece *piece, co
     }
 }
 
+/* A d is shortened as if its height were at most this often the lowest around it: among much longer ones it would no
+ * longer count in what they give together. */
+#define EVEN_HEIGHTS 1.5f
+
+/* The lowest n_v.d of a texel and those around it. */
+static float lowest_height(const limit_area *area, int32_t x, int32_t y)
+{
+    float lowest = 1.0f;
+    for (int k = 0; k < 9; ++k) {
+        const int32_t column = x + k % 3 - 1, row = y + k / 3 - 1;
+        if (area_has(area, column, row)) {
+            lowest = float_smaller(lowest, area_limit(area, column, row)->height);
+        }
+    }
+    return lowest;
+}
+
 /* Shortens d of the texels so that decoding trusts it less for normals as low as this one, down to `share` of C_d
  * there; never so far that it would be trusted less for the texel's own normal. */
 static void directions_shorten(limit_area *area, const lmb_texel_piece *piece, float height, float share)
@@ -188,7 +210,9 @@ static void directions_shorten(limit_area *area, const lmb_texel_piece *piece, f
     const float edge = LMB_IRRADZ_MIN_COS / float_larger(height, LMB_IRRADZ_MIN_COS);
     for (int k = 0; k < 4; ++k) {
         limit_texel *texel = area_limit(area, piece->x + (k & 1), piece->y + (k >> 1));
-        const float least = LMB_IRRADZ_MIN_COS / float_larger(texel->height, LMB_IRRADZ_MIN_COS);
+        const float lowest = lowest_height(area, piece->x + (k & 1), piece->y + (k >> 1));
+        const float least =
+            LMB_IRRADZ_MIN_COS / float_larger(float_smaller(texel->height, EVEN_HEIGHTS * lowest), LMB_IRRADZ_MIN_COS);
         texel->shine = true;
         texel->length = float_smaller(texel->length, float_larger(texel->stored * edge * sqrtf(share), least));
     }
