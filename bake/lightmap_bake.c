@@ -254,6 +254,9 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
         result = lmb_lightmap_dilate(lightmap);
     }
     if (result == LMB_OK) {
+        result = lmb_lightmap_limit(lightmap, transport->tracer, pool);
+    }
+    if (result == LMB_OK) {
         *stats = counts_sum(&work);
     } else {
         images_clear(lightmap);

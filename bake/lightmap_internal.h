@@ -36,6 +36,29 @@ void lmb_texels_cover(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb
 uint32_t lmb_texel_spread(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid, int32_t x,
                           int32_t y, uint32_t triangle, uint64_t stream, uint32_t count, float (*weights)[2]);
 
+/* A point of a triangle in texels, with its barycentric weights. */
+typedef struct lmb_texel_vertex {
+    double x, y;
+    double u, v;
+} lmb_texel_vertex;
+
+/* A triangle cut by four lines has 7 corners, or 13 if rounding has bent every cut polygon to a zigzag. */
+enum { LMB_TEXEL_PIECE_MAX = 13 };
+
+/* What a triangle covers of the square between the centres of four texels, (x, y) to (x + 1, y + 1): a convex polygon
+ * over which bilinear filtering reads these four. Its vertices are relative to the first centre. */
+typedef struct lmb_texel_piece {
+    int32_t x, y; /* -1 to the grid's width and height, less 1 */
+    int count;
+    const lmb_texel_vertex *vertex;
+} lmb_texel_piece;
+
+typedef void (*lmb_texel_piece_function)(void *context, const lmb_texel_piece *piece);
+
+/* Calls `visit` for each piece of a triangle that has one. */
+void lmb_texels_pieces(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid, uint32_t triangle,
+                       lmb_texel_piece_function visit, void *context);
+
 /* The lightmap UV of a corner. `corner_uv` as above. */
 lmb_vec2 lmb_texels_corner_uv(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, uint32_t triangle, int corner);
 
@@ -51,6 +74,11 @@ double lmb_instance_area(const lmb_scene *scene, uint32_t instance);
 /* Fills what no triangle touches, in every region and its gutter, from the nearest texels that have light; marks it
  * LMB_TEXEL_DILATED. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_dilate(lmb_lightmap *lightmap);
+
+/* Shortens d, or lowers the directional share, of texels where filtering would make light: wherever those around a
+ * point of the surface, filtered and decoded at the point's own normal, would give more light than they hold. Texels
+ * around which none does keep their bits. @return LMB_ERROR_MEMORY */
+lmb_result lmb_lightmap_limit(lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_pool *pool);
 
 /* Sets the states that a bake leaves, without its light. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_mark(lmb_lightmap *lightmap);

@@ -16,15 +16,11 @@
 #define EDGE_MARGIN (1.0 / 64.0)
 #define EDGE_PULL 0.125
 
-/* A point of a triangle in texels, with its barycentric weights. */
-typedef struct texel_vertex {
-    double x, y;
-    double u, v;
-} texel_vertex;
+typedef lmb_texel_vertex texel_vertex;
 
-/* A triangle cut by a texel's four sides: 7 vertices, or 13 if rounding has bent every cut polygon to a zigzag. */
+/* A triangle cut by a texel's four sides. */
 typedef struct texel_polygon {
-    texel_vertex vertex[13];
+    texel_vertex vertex[LMB_TEXEL_PIECE_MAX];
     int count;
 } texel_polygon;
 
@@ -254,6 +250,38 @@ static void triangle_in_texels(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, 
         const lmb_vec2 uv = lmb_texels_corner_uv(mesh, corner_uv, t, k);
         corner[k] = (texel_vertex){(double)uv.x * grid->density - grid->shift_x,
                                    (double)uv.y * grid->density - grid->shift_y, k == 1, k == 2};
+    }
+}
+
+void lmb_texels_pieces(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid, uint32_t triangle,
+                       lmb_texel_piece_function visit, void *context)
+{
+    texel_polygon whole = {.count = 3};
+    triangle_in_texels(mesh, corner_uv, grid, triangle, whole.vertex);
+    for (int k = 0; k < 3; ++k) {
+        whole.vertex[k].x -= 0.5;
+        whole.vertex[k].y -= 0.5;
+    }
+    double low, high;
+    polygon_range(&whole, true, &low, &high);
+    const int32_t last_row = clamp_texel(floor(high) + 1.0, grid->height + 1) - 1;
+    for (int32_t y = clamp_texel(floor(low) + 1.0, grid->height + 1) - 1; y <= last_row; ++y) {
+        const texel_polygon row = polygon_strip(&whole, true, y, &low, &high);
+        if (row.count == 0) {
+            continue;
+        }
+        polygon_range(&row, false, &low, &high);
+        const int32_t last = clamp_texel(floor(high) + 1.0, grid->width + 1) - 1;
+        for (int32_t x = clamp_texel(floor(low) + 1.0, grid->width + 1) - 1; x <= last; ++x) {
+            texel_polygon cell = polygon_strip(&row, false, x, &low, &high);
+            for (int i = 0; i < cell.count; ++i) {
+                cell.vertex[i].x -= x;
+                cell.vertex[i].y -= y;
+            }
+            if (cell.count > 0) {
+                visit(context, &(lmb_texel_piece){x, y, cell.count, cell.vertex});
+            }
+        }
     }
 }
 

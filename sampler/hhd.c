@@ -143,13 +143,18 @@ lmb_hhd_rgb lmb_irradz_decode(const lmb_irradz *irradz, lmb_vec3 vertex_normal)
 {
     const lmb_vec3 n = lmb_normal_mended(vertex_normal);
     const float w = lmb_unit_interval_or_one(irradz->ambient_weight);
+    /* Directions that agree are nowhere lower than this, before their mean is made unit. What is lower was mixed from
+     * surfaces that face apart, and tells nothing of where light comes from here. */
+    const float agreed = lmb_unit_interval_or_one(lmb_vec3_dot(irradz->direction, n) * (1.0f / LMB_IRRADZ_MIN_COS));
+    const float directional = (1.0f - w) * agreed * agreed;
+    const float ambient = w + (1.0f - w) * (1.0f - agreed * agreed);
     lmb_hhd_rgb hhd;
     hhd.direction = tilted_above_horizon(lmb_vec3_unit_or(irradz->direction, n), n);
     const float height = lmb_larger(lmb_vec3_dot(hhd.direction, n), LMB_IRRADZ_MIN_COS);
     for (int i = 0; i < 3; ++i) {
         const float i_z = lmb_light_clamped(irradz->irradiance_z.c[i]);
-        hhd.ambient.c[i] = w * i_z;
-        hhd.directional.c[i] = lmb_light_clamped((1.0f - w) * i_z / height);
+        hhd.ambient.c[i] = ambient * i_z;
+        hhd.directional.c[i] = lmb_light_clamped(directional * i_z / height);
     }
     return hhd;
 }

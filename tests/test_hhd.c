@@ -452,6 +452,80 @@ static void test_decode_mends_what_filtering_breaks(void)
     check_light(lmb_hhd_rgb_evaluate(&mended, n_v, n_v).c[2], "infinite I_z", 0);
 }
 
+/* What filtering gives: a d that agrees decodes as it stands; one that was mixed from surfaces facing apart says less
+ * the lower n_v.d is before d is made unit, and nothing at the horizon. */
+static void test_decode_trusts_directions_that_agree(void)
+{
+    static const struct {
+        const char *mixed;
+        lmb_vec3 d;
+        double ambient, directional; /* of I_z = 1, w = 0.4, n_v = +y */
+    } cases[] = {
+        {"nothing", {0.6f, 0.8f, 0}, 0.4, 0.6 / 0.8},
+        {"to the left and to the right", {0, 0.5f, 0}, 0.4, 0.6},
+        {"nothing, as low as is stored", {0.99874922f, 0.05f, 0}, 0.4, 0.6 / 0.05},
+        {"half of it from behind", {0.6f, 0.025f, 0}, 0.4 + 0.6 * 0.75, 0.6 * 0.25 / 0.05},
+        {"up and down, a little left", {0.1f, 0.025f, 0}, 0.4 + 0.6 * 0.75, 0.6 * 0.25 / (0.025 / 0.10307764)},
+        {"at the horizon", {1, 0, 0}, 1.0, 0.0},
+        {"behind", {0.8f, -0.6f, 0}, 1.0, 0.0},
+        {"up and down alike", {0, 0, 0}, 1.0, 0.0},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
+        const lmb_irradz irradz = {{{1.0f, 2.0f, 0.0f}}, 0.4f, cases[k].d};
+        const lmb_hhd_rgb hhd = lmb_irradz_decode(&irradz, (lmb_vec3){0, 1, 0});
+        for (int i = 0; i < 3; ++i) {
+            const double i_z = (double)irradz.irradiance_z.c[i];
+            CHECK_NEAR(hhd.ambient.c[i], i_z * cases[k].ambient, 1e-6, "%s", cases[k].mixed);
+            CHECK_NEAR(hhd.directional.c[i], i_z * cases[k].directional, 2e-5, "%s", cases[k].mixed);
+        }
+    }
+}
+
+/* Two lights over one normal, filtered: C_d is no more than the brighter one's, for the same I_z. From any n_v, however
+ * turned, no more than the guard allows, without a step as n_v turns. */
+static void test_filtered_directions_make_no_light(void)
+{
+    uint64_t random = 42;
+    for (int k = 0; k < 20000; ++k) {
+        lmb_vec3 n_v;
+        const ovec n = oracle_random_normal(&random, &n_v);
+        lmb_irradz texel[2];
+        double directional[2];
+        for (int i = 0; i < 2; ++i) {
+            const double angle = (k % 2 ? 1.52 : 1.0) * oracle_random(&random);
+            const ovec d = direction_at(n, angle, 2 * ORACLE_PI * oracle_random(&random));
+            texel[i] = (lmb_irradz){{{1.0f, 1.0f, 1.0f}}, (float)oracle_random(&random), ovec_float(d)};
+            directional[i] = (double)lmb_irradz_decode(&texel[i], n_v).directional.c[0];
+        }
+        const float t = (float)oracle_random(&random);
+        const ovec mixed =
+            ovec_mix(ovec_of(texel[0].direction), 1.0 - (double)t, ovec_of(texel[1].direction), (double)t);
+        const lmb_irradz filtered = {{{1.0f, 1.0f, 1.0f}},
+                                     (1.0f - t) * texel[0].ambient_weight + t * texel[1].ambient_weight,
+                                     ovec_float(mixed)};
+        const double both = (double)lmb_irradz_decode(&filtered, n_v).directional.c[0];
+        CHECK(both <= 1.00001 * fmax(directional[0], directional[1]), "case %d: %g and %g become %g", k, directional[0],
+              directional[1], both);
+
+        const double length = sqrt(ovec_dot(mixed, mixed));
+        const double most = (1.0 - (double)filtered.ambient_weight) * length / (double)LMB_IRRADZ_MIN_COS;
+        const double turn = 2 * ORACLE_PI * oracle_random(&random);
+        double last = 0.0;
+        for (int step = 0; k % 50 == 0 && step <= 2000; ++step) {
+            const ovec turned = direction_at(n, ORACLE_PI * step / 2000.0, turn);
+            const lmb_vec3 float_turned = ovec_float(turned);
+            const lmb_hhd_rgb hhd = lmb_irradz_decode(&filtered, float_turned);
+            const double now = (double)hhd.directional.c[0];
+            CHECK(now <= 1.001 * most + 1e-5, "case %d, step %d: C_d = %g of %g", k, step, now, most);
+            CHECK(step == 0 || fabs(now - last) <= 0.07 * most + 1e-5, "case %d: C_d steps from %g to %g at %d", k,
+                  last, now, step);
+            const lmb_hhd one = {hhd.ambient.c[0], hhd.directional.c[0], hhd.direction};
+            CHECK_NEAR(lmb_hhd_evaluate(&one, float_turned, float_turned), 1.0, 1e-5, "case %d, step %d", k, step);
+            last = now;
+        }
+    }
+}
+
 static const lmb_vec3 nasty_normals[] = {
     {0, 1, 0},           {0.57735027f, 0.57735027f, 0.57735027f},
     {0, 0, 0},           {0, 2, 0},
@@ -585,6 +659,8 @@ static const test_case cases[] = {
     {"IrradZ round trip keeps I_z", test_irradz_round_trip_keeps_irradiance_z},
     {"IrradZ keeps the split of the luminance", test_irradz_keeps_the_split_of_the_luminance},
     {"decode mends what filtering breaks", test_decode_mends_what_filtering_breaks},
+    {"decode trusts directions that agree", test_decode_trusts_directions_that_agree},
+    {"filtered directions make no light", test_filtered_directions_make_no_light},
     {"solve is never broken", test_solve_is_never_broken},
     {"encoder is never broken", test_encoder_is_never_broken},
     {"broken channel is dark and alone", test_broken_channel_is_dark_and_alone},

@@ -46,7 +46,8 @@ typedef struct lmb_hhd_rgb {
 typedef struct lmb_irradz {
     lmb_rgb irradiance_z;
     float ambient_weight; /* w in [0, 1] */
-    lmb_vec3 direction;   /* unit, world space, at least LMB_IRRADZ_MIN_COS above the horizon of n_v */
+    lmb_vec3 direction;   /* unit, world space, at least LMB_IRRADZ_MIN_COS above the horizon of n_v; a shorter one, as
+                             filtering leaves it, is trusted less by normals that it is low for (lmb_irradz_decode) */
 } lmb_irradz;
 
 /* The lowest n_v.d that IrradZ stores: below it (1 - w) / (n_v.d) is too steep to store and filter. */
@@ -68,7 +69,9 @@ lmb_rgb lmb_hhd_rgb_evaluate(const lmb_hhd_rgb *hhd, lmb_vec3 vertex_normal, lmb
  * `vertex_normal` (cone_cos = 0: the hemisphere) -> moments -> HHD of the luminance -> IrradZ. */
 lmb_irradz lmb_irradz_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos);
 
-/* IrradZ back to HHD. The direction may be filtered and unnormalised, the weight out of range: both are mended. */
+/* IrradZ back to HHD. The direction may be filtered and unnormalised, the weight out of range: both are mended. A
+ * filtered direction that is lower than LMB_IRRADZ_MIN_COS before it is made unit comes from surfaces that face apart:
+ * the directional part fades to nothing until n_v.d = 0, and I(n_v) = I_z stays. */
 lmb_hhd_rgb lmb_irradz_decode(const lmb_irradz *irradz, lmb_vec3 vertex_normal);
 
 /* Light that the surface reflects onto its own bumps: albedo I_z (1 - n.n_v)/2, per channel. */
