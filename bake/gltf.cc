@@ -112,6 +112,7 @@ class loader {
     void visit_scene();
     void visit_node(uint32_t index, bool dynamic);
     bool is_excluded(const std::string &name) const;
+    void warn_of_idle_patterns() const;
     void read_marks(const Value &marks, const lmb_affine &to_world);
     void add_light(uint32_t light, const lmb_affine &to_world, uint32_t node, bool indirect_only);
     void add_mesh_node(uint32_t index, bool dynamic);
@@ -583,6 +584,21 @@ bool loader::is_excluded(const std::string &name) const
     return false;
 }
 
+/* A pattern that leaves out nothing is mistyped, or the level has changed. */
+void loader::warn_of_idle_patterns() const
+{
+    for (size_t i = 0; options_ && i < options_->exclude_count; ++i) {
+        bool matches = false;
+        for (uint32_t node = 0; node < model_.nodes.size() && !matches; ++node) {
+            matches = glob_matches(options_->exclude[i], node_name(node).c_str());
+        }
+        if (!matches) {
+            lmb_warn(&options_->warnings, "%s: no node has a name like '%s': it excludes nothing", file_->path,
+                     options_->exclude[i]);
+        }
+    }
+}
+
 lmb_vec3 origin_of(const lmb_affine &t)
 {
     return {float(t.m[0][3]), float(t.m[1][3]), float(t.m[2][3])};
@@ -890,6 +906,7 @@ void loader::load()
     place_nodes();
     shared_meshes_.assign(model_.meshes.size(), NONE);
     visit_scene();
+    warn_of_idle_patterns();
     find_bounds();
     finish();
 }

@@ -216,6 +216,7 @@ static char *json_print(const lmb_lightmap *lightmap)
                 cJSON_AddStringToObject(root, "encoding", ENCODING) &&
                 cJSON_AddNumberToObject(root, "texels_per_m", (double)lightmap->settings.texels_per_m) &&
                 cJSON_AddNumberToObject(root, "max_image_size", lightmap->settings.max_image_size) &&
+                cJSON_AddNumberToObject(root, "padding", lightmap->settings.padding) &&
                 (any_charts(lightmap) ? cJSON_AddStringToObject(root, "uv_level", UV_LEVEL_NAME)
                                       : cJSON_AddNullToObject(root, "uv_level"));
     cJSON *channels = cJSON_AddObjectToObject(root, "channels");
