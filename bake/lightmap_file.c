@@ -211,14 +211,15 @@ static bool any_charts(const lmb_lightmap *lightmap)
 static char *json_print(const lmb_lightmap *lightmap)
 {
     cJSON *root = cJSON_CreateObject();
-    bool good = cJSON_AddStringToObject(root, "format", FORMAT_NAME) &&
-                cJSON_AddNumberToObject(root, "version", FORMAT_VERSION) &&
-                cJSON_AddStringToObject(root, "encoding", ENCODING) &&
-                cJSON_AddNumberToObject(root, "texels_per_m", (double)lightmap->settings.texels_per_m) &&
-                cJSON_AddNumberToObject(root, "max_image_size", lightmap->settings.max_image_size) &&
-                cJSON_AddNumberToObject(root, "padding", lightmap->settings.padding) &&
-                (any_charts(lightmap) ? cJSON_AddStringToObject(root, "uv_level", UV_LEVEL_NAME)
-                                      : cJSON_AddNullToObject(root, "uv_level"));
+    bool good =
+        cJSON_AddStringToObject(root, "format", FORMAT_NAME) &&
+        cJSON_AddNumberToObject(root, "version", FORMAT_VERSION) &&
+        cJSON_AddStringToObject(root, "encoding", ENCODING) &&
+        cJSON_AddNumberToObject(root, "texels_per_m", (double)lightmap->settings.texels_per_m) &&
+        cJSON_AddNumberToObject(root, "max_image_size", lightmap->settings.max_image_size) &&
+        (lightmap->settings.padding == 1 || cJSON_AddNumberToObject(root, "padding", lightmap->settings.padding)) &&
+        (any_charts(lightmap) ? cJSON_AddStringToObject(root, "uv_level", UV_LEVEL_NAME)
+                              : cJSON_AddNullToObject(root, "uv_level"));
     cJSON *channels = cJSON_AddObjectToObject(root, "channels");
     good = good && cJSON_AddItemToObject(channels, "irradiance", cJSON_CreateStringArray(&CHANNELS[0], 3)) &&
            cJSON_AddItemToObject(channels, "ambient_weight", cJSON_CreateStringArray(&CHANNELS[3], 1)) &&

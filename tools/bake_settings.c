@@ -126,7 +126,9 @@ cJSON *bake_settings_json(const lmb_bake_settings *settings, const lmb_level *le
     if (lightmap) {
         cJSON_AddNumberToObject(json, "texels_per_m", (double)lightmap->texels_per_m);
         cJSON_AddNumberToObject(json, "max_image_size", lightmap->max_image_size);
-        cJSON_AddNumberToObject(json, "padding", lightmap->padding);
+        if (lightmap->padding != 1) { /* what a record without it has */
+            cJSON_AddNumberToObject(json, "padding", lightmap->padding);
+        }
     }
     return json;
 }
