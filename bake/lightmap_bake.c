@@ -230,6 +230,9 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
     };
     lmb_result result = LMB_ERROR_MEMORY;
     images_clear(lightmap);
+    for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
+        lightmap->region[i].back = lmb_tracer_is_turned(transport->tracer, i);
+    }
     if (work.texels && work.counts) {
         result = texels_list(&work);
     }

@@ -37,6 +37,7 @@ typedef struct lmb_lightmap_region {
     lmb_vec2 offset;
     lmb_vec2 scale;
     float texel_size; /* metres, the mean over the instance; 0 without a lightmap */
+    bool back; /* baked on the side that the winding calls back: lmb_tracer_is_turned. Known once baked or read */
 } lmb_lightmap_region;
 
 /* One image of texels. */
