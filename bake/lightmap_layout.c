@@ -275,7 +275,7 @@ static lmb_result regions_size(const layout_work *work, lmb_texel_grid *grids)
     if (texels > MAX_TEXELS) {
         const double fewer = 0.9 * (double)lightmap->settings.texels_per_m * sqrt((double)MAX_TEXELS / (double)texels);
         return lmb_error_set(work->error, LMB_ERROR_UNSUPPORTED,
-                             "the lightmap would have %llu texels at %g a metre, more than %llu: ask for %.2g a metre",
+                             "the lightmap would have %llu texels at %g a metre, more than %llu: ask for %.4g a metre",
                              (unsigned long long)texels, (double)lightmap->settings.texels_per_m,
                              (unsigned long long)MAX_TEXELS, fewer);
     }

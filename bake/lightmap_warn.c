@@ -64,7 +64,7 @@ static void densities_warn(const lmb_lightmap *lightmap, const double *share)
             continue;
         }
         lmb_warn(&lightmap->settings.warnings,
-                 "node '%s' gets %.3g texels a metre, not %.3g: it fills an image of %d x %d texels as it is",
+                 "node '%s' gets %.4g texels a metre, not %g: it fills an image of %d x %d texels as it is",
                  lightmap->scene->instances[i].name, share[i] * asked, asked, (int)lightmap->settings.max_image_size,
                  (int)lightmap->settings.max_image_size);
     }
