@@ -17,6 +17,9 @@ typedef struct chart_mesh {
     double *area;            /* [triangle] 0 for triangles without area */
 } chart_mesh;
 
+/* Finds for each vertex the first at the same position. False: no memory. */
+bool chart_vertices_weld(const lmb_mesh *mesh, uint32_t *weld);
+
 /* @return LMB_ERROR_MEMORY; then, too, chart_mesh_free is to be called */
 lmb_result chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out);
 void chart_mesh_free(chart_mesh *mesh);

@@ -37,7 +37,7 @@ static uint32_t position_hash(lmb_vec3 p)
     return hash;
 }
 
-static bool vertices_weld(const lmb_mesh *mesh, uint32_t *weld)
+bool chart_vertices_weld(const lmb_mesh *mesh, uint32_t *weld)
 {
     size_t size = 16;
     while (size < 2 * (size_t)mesh->vertex_count) {
@@ -202,7 +202,7 @@ lmb_result chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out)
     half_edge *const edges = malloc((3 * triangles + 1) * sizeof *edges);
     size_t *const firsts = malloc((mesh->vertex_count + (size_t)1) * sizeof *firsts);
     if (!out->weld || !out->neighbour || !out->normal || !out->area || !edges || !firsts ||
-        !vertices_weld(mesh, out->weld)) {
+        !chart_vertices_weld(mesh, out->weld)) {
         free(edges);
         free(firsts);
         return LMB_ERROR_MEMORY;

@@ -2,6 +2,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -118,6 +119,45 @@ static uint64_t float_hash(uint64_t hash, float value)
     return lmb_hash(hash, bytes, sizeof bytes);
 }
 
+/* Shapes that other pictures of surroundings have. */
+static const struct {
+    int32_t across, down;
+    const char *what;
+} OTHER_SHAPES[] = {
+    {1, 1, "one face of a cube, or a mirror ball"},
+    {4, 3, "a horizontal cross of cube faces"},
+    {3, 4, "a vertical cross of cube faces"},
+    {6, 1, "a strip of cube faces"},
+    {1, 6, "a strip of cube faces"},
+    {1, 2, "two pictures above each other, or one that was turned"},
+};
+
+/* Whether a picture is across : down, within 1 % of its height: renderers and resizing round. */
+static bool shape_is(const lmb_image *image, int32_t across, int32_t down)
+{
+    const int64_t difference = (int64_t)image->width * down - (int64_t)image->height * across;
+    return 100 * (difference < 0 ? -difference : difference) <= (int64_t)image->height * down;
+}
+
+/* A picture of another shape than an equirectangular one's would be stretched over the sphere all the same. */
+static lmb_result shape_check(const char *place, const lmb_image *image, lmb_error *error)
+{
+    if (shape_is(image, 2, 1)) {
+        return LMB_OK;
+    }
+    char found[96] = "";
+    for (size_t i = 0; i < sizeof OTHER_SHAPES / sizeof OTHER_SHAPES[0]; ++i) {
+        if (shape_is(image, OTHER_SHAPES[i].across, OTHER_SHAPES[i].down)) {
+            snprintf(found, sizeof found, "; %d : %d is %s", OTHER_SHAPES[i].across, OTHER_SHAPES[i].down,
+                     OTHER_SHAPES[i].what);
+            break;
+        }
+    }
+    return lmb_error_set(error, LMB_ERROR_UNSUPPORTED,
+                         "%s: an environment is an equirectangular picture, twice as wide as high, not %d x %d%s",
+                         place, image->width, image->height, found);
+}
+
 /* Fills what depends on the place; `hash` is continued with what was read. */
 static lmb_result place_read(const char *place, lmb_environment *environment, uint64_t *hash, lmb_error *error)
 {
@@ -138,6 +178,12 @@ static lmb_result place_read(const char *place, lmb_environment *environment, ui
         result = lmb_image_decode(place, data, size, &environment->image, &environment->axes, NULL, error);
         *hash = lmb_hash(*hash, data, size);
         free(data);
+    }
+    if (result == LMB_OK) {
+        result = shape_check(place, &environment->image, error);
+        if (result != LMB_OK) {
+            lmb_image_free(&environment->image);
+        }
     }
     return result;
 }

@@ -1,4 +1,4 @@
-/* OpenEXR through OpenEXRCore, from and to memory. */
+/* Reading OpenEXR from memory, through OpenEXRCore. */
 #include "image_internal.h"
 
 #include <assert.h>
@@ -10,7 +10,6 @@
 
 #include <lambent/file.h>
 
-#include <Imath/half.h>
 #include <OpenEXR/openexr.h>
 
 static const char SCALE_ATTRIBUTE[] = "lambent:scale";
@@ -22,13 +21,6 @@ typedef struct exr_source {
     size_t size;
     char message[256]; /* the library's first, or empty */
 } exr_source;
-
-/* Where a channel's pixels go: value (x, y) at base[(y width + x) stride]. */
-typedef struct exr_target {
-    const char *channel;
-    float *base;
-    int32_t stride;
-} exr_target;
 
 bool lmb_exr_is(const unsigned char *data, size_t size)
 {
@@ -45,13 +37,6 @@ static void message_keep(exr_const_context_t context, exr_result_t code, const c
             snprintf(source->message, sizeof source->message, "%s", message);
         }
     }
-}
-
-static void message_drop(exr_const_context_t context, exr_result_t code, const char *message)
-{
-    (void)context;
-    (void)code;
-    (void)message;
 }
 
 static int64_t source_read(exr_const_context_t context, void *user, void *buffer, uint64_t size, uint64_t offset,
@@ -81,14 +66,24 @@ static const char *compression_name(exr_compression_t compression)
     return (size_t)compression < sizeof NAMES / sizeof NAMES[0] ? NAMES[compression] : "unknown";
 }
 
+/* More than the library needs beside the pixels, for which there is memory already, to decode them. */
+enum { DECODER_BYTES = 64 << 20 };
+
+/* Whether memory has run out indeed. The library also says so of broken files: of tables that do not fit their place,
+ * and of sizes that no memory has. */
+static bool memory_is_out(void)
+{
+    void *const probe = malloc(DECODER_BYTES);
+    free(probe);
+    return probe == NULL;
+}
+
 /* Names a failure of the library. */
 static lmb_result source_fail(const exr_source *source, exr_result_t code, const char *doing, lmb_error *error)
 {
-    const lmb_result result = code == EXR_ERR_OUT_OF_MEMORY             ? LMB_ERROR_MEMORY
-                              : code == EXR_ERR_FEATURE_NOT_IMPLEMENTED ? LMB_ERROR_UNSUPPORTED
-                                                                        : LMB_ERROR_FORMAT;
-    return lmb_error_set(error, result, "%s: %s: %s", source->name, doing,
-                         source->message[0] ? source->message : exr_get_default_error_message(code));
+    const lmb_result result = code == EXR_ERR_OUT_OF_MEMORY && memory_is_out() ? LMB_ERROR_MEMORY : LMB_ERROR_FORMAT;
+    const char *const reason = source->message[0] ? source->message : exr_get_default_error_message(code);
+    return lmb_error_set(error, result, "%s: %s: %s", source->name, doing, reason);
 }
 
 static lmb_result source_open(exr_source *source, exr_context_t *context, lmb_error *error)
@@ -171,8 +166,8 @@ static bool channel_exists(exr_const_context_t context, const char *name)
 }
 
 /* Points the chunk's channels at pixel (x, y) of their targets; channels that nobody wants are skipped. */
-static void chunk_aim(exr_decode_pipeline_t *decoder, const exr_target *targets, size_t count, int32_t width, int32_t x,
-                      int32_t y)
+static void chunk_aim(exr_decode_pipeline_t *decoder, const lmb_exr_target *targets, size_t count, int32_t width,
+                      int32_t x, int32_t y)
 {
     for (int i = 0; i < decoder->channel_count; ++i) {
         exr_coding_channel_info_t *const channel = &decoder->channels[i];
@@ -206,8 +201,8 @@ static void buffer_free(exr_transcoding_pipeline_buffer_id_t id, void *buffer)
 
 /* Decodes one chunk that starts at pixel (x, y); the first sets the pipeline up. */
 static exr_result_t chunk_decode(exr_const_context_t context, const exr_chunk_info_t *chunk,
-                                 exr_decode_pipeline_t *decoder, const exr_target *targets, size_t count, int32_t width,
-                                 int32_t x, int32_t y)
+                                 exr_decode_pipeline_t *decoder, const lmb_exr_target *targets, size_t count,
+                                 int32_t width, int32_t x, int32_t y)
 {
     const bool first = decoder->context == NULL;
     exr_result_t code =
@@ -221,7 +216,7 @@ static exr_result_t chunk_decode(exr_const_context_t context, const exr_chunk_in
     return code == EXR_ERR_SUCCESS ? exr_decoding_run(context, 0, decoder) : code;
 }
 
-static exr_result_t scanlines_decode(exr_const_context_t context, const exr_target *targets, size_t count,
+static exr_result_t scanlines_decode(exr_const_context_t context, const lmb_exr_target *targets, size_t count,
                                      int32_t width, int32_t height, exr_decode_pipeline_t *decoder)
 {
     int32_t step = 0;
@@ -245,8 +240,8 @@ static exr_result_t scanlines_decode(exr_const_context_t context, const exr_targ
     return code;
 }
 
-static exr_result_t tiles_decode(exr_const_context_t context, const exr_target *targets, size_t count, int32_t width,
-                                 int32_t height, exr_decode_pipeline_t *decoder)
+static exr_result_t tiles_decode(exr_const_context_t context, const lmb_exr_target *targets, size_t count,
+                                 int32_t width, int32_t height, exr_decode_pipeline_t *decoder)
 {
     int32_t tile_width = 0;
     int32_t tile_height = 0;
@@ -268,12 +263,30 @@ static exr_result_t tiles_decode(exr_const_context_t context, const exr_target *
     return code;
 }
 
-static lmb_result pixels_decode(const exr_source *source, exr_const_context_t context, const exr_target *targets,
+/* DWAA and DWAB need OpenEXR's C++ library. */
+static lmb_result dwa_decode(const exr_source *source, const lmb_exr_target *targets, size_t count, int32_t width,
+                             lmb_error *error)
+{
+    const lmb_result result =
+        lmb_exr_decode_dwa(source->name, source->data, source->size, targets, count, width, error);
+    return result == LMB_ERROR_MEMORY && !memory_is_out()
+               ? lmb_error_set(error, LMB_ERROR_FORMAT, "%s: the EXR's pixels are broken", source->name)
+               : result;
+}
+
+static lmb_result pixels_decode(const exr_source *source, exr_const_context_t context, const lmb_exr_target *targets,
                                 size_t count, int32_t width, int32_t height, lmb_error *error)
 {
-    exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
+    exr_compression_t compression = EXR_COMPRESSION_LAST_TYPE;
     exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
-    exr_result_t code = exr_get_storage(context, 0, &storage);
+    exr_result_t code = exr_get_compression(context, 0, &compression);
+    if (code == EXR_ERR_SUCCESS && (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB)) {
+        return dwa_decode(source, targets, count, width, error);
+    }
+    exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
+    if (code == EXR_ERR_SUCCESS) {
+        code = exr_get_storage(context, 0, &storage);
+    }
     if (code == EXR_ERR_SUCCESS) {
         code = storage == EXR_STORAGE_TILED ? tiles_decode(context, targets, count, width, height, &decoder)
                                             : scanlines_decode(context, targets, count, width, height, &decoder);
@@ -282,18 +295,93 @@ static lmb_result pixels_decode(const exr_source *source, exr_const_context_t co
     if (code == EXR_ERR_SUCCESS) {
         return LMB_OK;
     }
-    exr_compression_t compression = EXR_COMPRESSION_LAST_TYPE;
-    (void)exr_get_compression(context, 0, &compression);
-    if (code == EXR_ERR_FEATURE_NOT_IMPLEMENTED) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: this OpenEXR does not decode %s compression",
-                             source->name, compression_name(compression));
-    }
     char doing[64];
     snprintf(doing, sizeof doing, "cannot decode the EXR's %s pixels", compression_name(compression));
     return source_fail(source, code, doing, error);
 }
 
-/* R, G, B, or Y three times over. */
+/* The channels of a picture: three, or one for all colours. */
+typedef struct exr_colour {
+    const char *channel[3];
+    size_t count;
+} exr_colour;
+
+/* The name in `channels` that is `prefix`, which need not end, followed by `suffix`; NULL: none. */
+static const char *channel_find(const exr_attr_chlist_t *channels, const char *prefix, size_t prefix_length,
+                                const char *suffix)
+{
+    for (int i = 0; i < channels->num_channels; ++i) {
+        const char *const name = channels->entries[i].name.str;
+        if (strncmp(name, prefix, prefix_length) == 0 && strcmp(name + prefix_length, suffix) == 0) {
+            return name;
+        }
+    }
+    return NULL;
+}
+
+static bool layer_is_combined(const char *name, size_t length)
+{
+    static const char COMBINED[] = "Combined";
+    const size_t own = sizeof COMBINED - 1;
+    return length >= own && strncmp(name + length - own, COMBINED, own) == 0 &&
+           (length == own || name[length - own - 1] == '.');
+}
+
+/* The layer that is the picture: the first `Combined` one, as Blender calls what it rendered, or the only one. Returns
+ * how many there are to choose from; 0 when none has R, G and B. */
+static int layer_choose(const exr_attr_chlist_t *channels, exr_colour *colour)
+{
+    int layers = 0;
+    for (int i = 0; i < channels->num_channels; ++i) {
+        const char *const name = channels->entries[i].name.str;
+        const char *const dot = strrchr(name, '.');
+        const size_t length = dot ? (size_t)(dot - name) : 0;
+        if (!dot || strcmp(dot, ".R") != 0) {
+            continue;
+        }
+        const exr_colour found = {
+            {name, channel_find(channels, name, length, ".G"), channel_find(channels, name, length, ".B")}, 3};
+        if (!found.channel[1] || !found.channel[2]) {
+            continue;
+        }
+        *colour = found;
+        if (layer_is_combined(name, length)) {
+            return 1;
+        }
+        ++layers;
+    }
+    return layers;
+}
+
+/* R, G and B; or Y; or those of a layer. */
+static lmb_result colour_choose(const exr_source *source, exr_const_context_t context, exr_colour *colour,
+                                lmb_error *error)
+{
+    const char *const name = source->name;
+    if (channel_exists(context, "R") && channel_exists(context, "G") && channel_exists(context, "B")) {
+        *colour = (exr_colour){{"R", "G", "B"}, 3};
+        return LMB_OK;
+    }
+    if (channel_exists(context, "Y")) {
+        *colour = (exr_colour){{"Y", NULL, NULL}, 1};
+        return channel_exists(context, "RY") || channel_exists(context, "BY")
+                   ? lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: luminance-chroma EXRs are not supported", name)
+                   : LMB_OK;
+    }
+    const exr_attr_chlist_t *channels = NULL;
+    const int layers =
+        exr_get_channels(context, 0, &channels) == EXR_ERR_SUCCESS && channels ? layer_choose(channels, colour) : 0;
+    if (layers > 1) {
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED,
+                             "%s: neither channels R, G, B nor Y, and %d layers that could be meant ('%s' is of one)",
+                             name, layers, colour->channel[0]);
+    }
+    return layers == 1 ? LMB_OK
+                       : lmb_error_set(error, LMB_ERROR_UNSUPPORTED,
+                                       "%s: neither channels R, G, B nor Y in the file's first part", name);
+}
+
+/* Three channels, or one three times over. */
 static lmb_result colour_decode(const exr_source *source, exr_const_context_t context, lmb_image *image,
                                 lmb_latlong_axes *axes, lmb_error *error)
 {
@@ -301,17 +389,16 @@ static lmb_result colour_decode(const exr_source *source, exr_const_context_t co
     exr_envmap_t kind;
     const bool marked = exr_attr_get_envmap(context, 0, "envmap", &kind) == EXR_ERR_SUCCESS;
     if (marked && kind != EXR_ENVMAP_LATLONG) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: cube-map EXRs are not supported (only lat-long)", name);
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED,
+                             "%s: cube-map EXRs are not supported (OpenEXR's `exrenvmap -l` makes a lat-long one)",
+                             name);
     }
-    const bool rgb = channel_exists(context, "R") && channel_exists(context, "G") && channel_exists(context, "B");
-    if (!rgb && !channel_exists(context, "Y")) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: neither channels R, G, B nor Y", name);
-    }
-    if (!rgb && (channel_exists(context, "RY") || channel_exists(context, "BY"))) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: luminance-chroma EXRs are not supported", name);
-    }
+    exr_colour colour = {{NULL, NULL, NULL}, 0};
     lmb_image decoded = {0, 0, NULL};
-    lmb_result result = part_check(source, context, &decoded.width, &decoded.height, error);
+    lmb_result result = colour_choose(source, context, &colour, error);
+    if (result == LMB_OK) {
+        result = part_check(source, context, &decoded.width, &decoded.height, error);
+    }
     if (result != LMB_OK) {
         return result;
     }
@@ -321,14 +408,15 @@ static lmb_result colour_decode(const exr_source *source, exr_const_context_t co
         return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels", name, decoded.width,
                              decoded.height);
     }
-    const exr_target targets[3] = {
-        {rgb ? "R" : "Y", decoded.rgb, 3}, {"G", decoded.rgb + 1, 3}, {"B", decoded.rgb + 2, 3}};
-    result = pixels_decode(source, context, targets, rgb ? 3 : 1, decoded.width, decoded.height, error);
+    const lmb_exr_target targets[3] = {{colour.channel[0], decoded.rgb, 3},
+                                       {colour.channel[1], decoded.rgb + 1, 3},
+                                       {colour.channel[2], decoded.rgb + 2, 3}};
+    result = pixels_decode(source, context, targets, colour.count, decoded.width, decoded.height, error);
     if (result != LMB_OK) {
         lmb_image_free(&decoded);
         return result;
     }
-    for (size_t i = 0; i < pixels && !rgb; ++i) {
+    for (size_t i = 0; i < pixels && colour.count == 1; ++i) {
         decoded.rgb[3 * i + 1] = decoded.rgb[3 * i + 2] = decoded.rgb[3 * i];
     }
     *image = decoded;
@@ -361,10 +449,10 @@ static lmb_result channels_decode(const exr_source *source, exr_const_context_t 
     if (result != LMB_OK) {
         return result;
     }
-    exr_target *const targets = calloc(count > 0 ? count : 1, sizeof *targets);
+    lmb_exr_target *const targets = calloc(count > 0 ? count : 1, sizeof *targets);
     bool memory = targets != NULL;
     for (size_t i = 0; i < count && memory; ++i) {
-        targets[i] = (exr_target){names[i], malloc(sizeof(float) * (size_t)*width * (size_t)*height), 1};
+        targets[i] = (lmb_exr_target){names[i], malloc(sizeof(float) * (size_t)*width * (size_t)*height), 1};
         memory = targets[i].base != NULL;
     }
     result = memory ? pixels_decode(source, context, targets, count, *width, *height, error)
@@ -413,179 +501,5 @@ lmb_result lmb_exr_read_channels(const char *path, const char *const *names, siz
         exr_finish(&context);
     }
     free(data);
-    return result;
-}
-
-/* The file being written. */
-typedef struct exr_sink {
-    unsigned char *data;
-    size_t size;
-    size_t capacity;
-} exr_sink;
-
-static int64_t sink_write(exr_const_context_t context, void *user, const void *buffer, uint64_t size, uint64_t offset,
-                          exr_stream_error_func_ptr_t on_error)
-{
-    exr_sink *const sink = user;
-    if (size > SIZE_MAX / 4 || offset > SIZE_MAX / 4) {
-        on_error(context, EXR_ERR_OUT_OF_MEMORY, "no memory for the file");
-        return -1;
-    }
-    const size_t end = (size_t)(offset + size);
-    if (end > sink->capacity) {
-        const size_t capacity = end > 2 * sink->capacity ? end : 2 * sink->capacity;
-        unsigned char *const larger = realloc(sink->data, capacity);
-        if (!larger) {
-            on_error(context, EXR_ERR_OUT_OF_MEMORY, "no memory for the file");
-            return -1;
-        }
-        memset(larger + sink->capacity, 0, capacity - sink->capacity);
-        sink->data = larger;
-        sink->capacity = capacity;
-    }
-    memcpy(sink->data + offset, buffer, (size_t)size);
-    sink->size = end > sink->size ? end : sink->size;
-    return (int64_t)size;
-}
-
-/* All channels as halfs, one after the other, clamped to the largest finite one. NULL: no memory. */
-static uint16_t *halfs_make(const lmb_exr_channel *channels, size_t channel_count, size_t pixels, size_t *overflows)
-{
-    if (pixels > SIZE_MAX / sizeof(uint16_t) / (channel_count > 0 ? channel_count : 1)) {
-        return NULL;
-    }
-    uint16_t *const halfs = malloc(sizeof(uint16_t) * pixels * channel_count);
-    for (size_t k = 0; k < channel_count && halfs; ++k) {
-        for (size_t i = 0; i < pixels; ++i) {
-            float value = channels[k].values[i];
-            if (fabsf(value) > 65504.0f) {
-                value = copysignf(65504.0f, value);
-                ++*overflows;
-            }
-            halfs[k * pixels + i] = imath_float_to_half(value);
-        }
-    }
-    return halfs;
-}
-
-static exr_result_t header_write(exr_context_t context, int32_t width, int32_t height, const lmb_exr_channel *channels,
-                                 size_t channel_count, const lmb_exr_attribute *attributes, size_t attribute_count)
-{
-    int part = 0;
-    exr_result_t code = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
-    if (code == EXR_ERR_SUCCESS) {
-        code = exr_initialize_required_attr_simple(context, part, width, height, EXR_COMPRESSION_ZIP);
-    }
-    if (code == EXR_ERR_SUCCESS) {
-        code = exr_set_zip_compression_level(context, part, 6);
-    }
-    for (size_t i = 0; i < channel_count && code == EXR_ERR_SUCCESS; ++i) {
-        code = exr_add_channel(context, part, channels[i].name, EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
-    }
-    for (size_t i = 0; i < attribute_count && code == EXR_ERR_SUCCESS; ++i) {
-        code = attributes[i].text ? exr_attr_set_string(context, part, attributes[i].name, attributes[i].text)
-                                  : exr_attr_set_float(context, part, attributes[i].name, attributes[i].number);
-    }
-    return code == EXR_ERR_SUCCESS ? exr_write_header(context) : code;
-}
-
-static exr_result_t pixels_write(exr_context_t context, int32_t width, int32_t height, const lmb_exr_channel *channels,
-                                 size_t channel_count, const uint16_t *halfs)
-{
-    exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
-    const size_t pixels = (size_t)width * (size_t)height;
-    int32_t step = 0;
-    exr_result_t code = exr_get_scanlines_per_chunk(context, 0, &step);
-    for (int32_t y = 0; y < height && code == EXR_ERR_SUCCESS; y += step) {
-        exr_chunk_info_t chunk;
-        code = exr_write_scanline_chunk_info(context, 0, y, &chunk);
-        if (code == EXR_ERR_SUCCESS) {
-            code = y == 0 ? exr_encoding_initialize(context, 0, &chunk, &encoder)
-                          : exr_encoding_update(context, 0, &chunk, &encoder);
-        }
-        for (int i = 0; i < encoder.channel_count && code == EXR_ERR_SUCCESS; ++i) {
-            exr_coding_channel_info_t *const channel = &encoder.channels[i];
-            size_t k = 0;
-            while (k < channel_count && strcmp(channels[k].name, channel->channel_name) != 0) {
-                ++k;
-            }
-            assert(k < channel_count);
-            channel->encode_from_ptr = (const uint8_t *)(halfs + k * pixels + (size_t)y * (size_t)width);
-            channel->user_pixel_stride = sizeof(uint16_t);
-            channel->user_line_stride = width * (int32_t)sizeof(uint16_t);
-        }
-        if (code == EXR_ERR_SUCCESS && y == 0) {
-            code = exr_encoding_choose_default_routines(context, 0, &encoder);
-        }
-        if (code == EXR_ERR_SUCCESS) {
-            code = exr_encoding_run(context, 0, &encoder);
-        }
-    }
-    exr_encoding_destroy(context, &encoder);
-    return code;
-}
-
-static lmb_result write_arguments_check(const char *path, int32_t width, int32_t height,
-                                        const lmb_exr_channel *channels, size_t channel_count, lmb_error *error)
-{
-    if (width < 1 || height < 1 || width > LMB_IMAGE_MAX_SIDE || height > LMB_IMAGE_MAX_SIDE ||
-        (int64_t)width * height > LMB_IMAGE_MAX_PIXELS || channel_count < 1) {
-        return lmb_error_set(error, LMB_ERROR_ARGUMENT, "%s: cannot write %d x %d pixels of %zu channels", path, width,
-                             height, channel_count);
-    }
-    const size_t pixels = (size_t)width * (size_t)height;
-    for (size_t k = 0; k < channel_count; ++k) {
-        for (size_t i = 0; i < pixels; ++i) {
-            if (isnan(channels[k].values[i])) {
-                return lmb_error_set(error, LMB_ERROR_ARGUMENT,
-                                     "%s: channel '%s' is not a number at column %zu, row %zu", path, channels[k].name,
-                                     i % (size_t)width, i / (size_t)width);
-            }
-        }
-    }
-    return LMB_OK;
-}
-
-lmb_result lmb_exr_write(const char *path, int32_t width, int32_t height, const lmb_exr_channel *channels,
-                         size_t channel_count, const lmb_exr_attribute *attributes, size_t attribute_count,
-                         size_t *overflow_count, lmb_error *error)
-{
-    assert(path && channels && (attributes || attribute_count == 0));
-    lmb_result result = write_arguments_check(path, width, height, channels, channel_count, error);
-    if (result != LMB_OK) {
-        return result;
-    }
-    size_t overflows = 0;
-    exr_sink sink = {NULL, 0, 0};
-    uint16_t *const halfs = halfs_make(channels, channel_count, (size_t)width * (size_t)height, &overflows);
-    if (!halfs) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels of %zu channels", path, width,
-                             height, channel_count);
-    }
-    exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    settings.error_handler_fn = message_drop;
-    settings.user_data = &sink;
-    settings.write_fn = sink_write;
-    exr_context_t context = NULL;
-    exr_result_t code = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &settings);
-    if (code == EXR_ERR_SUCCESS) {
-        code = header_write(context, width, height, channels, channel_count, attributes, attribute_count);
-        if (code == EXR_ERR_SUCCESS) {
-            code = pixels_write(context, width, height, channels, channel_count, halfs);
-        }
-        const exr_result_t finished = exr_finish(&context);
-        code = code == EXR_ERR_SUCCESS ? finished : code;
-    }
-    if (code == EXR_ERR_SUCCESS) {
-        result = lmb_file_write(path, sink.data, sink.size, error);
-    } else {
-        result = lmb_error_set(error, code == EXR_ERR_OUT_OF_MEMORY ? LMB_ERROR_MEMORY : LMB_ERROR_ARGUMENT,
-                               "%s: cannot write the EXR: %s", path, exr_get_default_error_message(code));
-    }
-    if (result == LMB_OK && overflow_count) {
-        *overflow_count = overflows;
-    }
-    free(halfs);
-    free(sink.data);
     return result;
 }

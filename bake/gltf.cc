@@ -645,20 +645,12 @@ const char *loader::light_fault(const tinygltf::Light &source, const lmb_affine 
                                                              : nullptr;
 }
 
-/* Of an orthographic camera, or one that does not exist, the angle of view is not told. */
 void loader::add_camera(uint32_t index)
 {
-    const cJSON *const list = cJSON_GetObjectItemCaseSensitive(file_->root, "cameras");
-    const cJSON *const camera =
-        model_.nodes[index].camera >= 0 ? cJSON_GetArrayItem(list, model_.nodes[index].camera) : nullptr;
-    const cJSON *const angle =
-        cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(camera, "perspective"), "yfov");
     lmb_scene_camera &added = append(scene_->cameras, scene_->camera_count);
     added.name = copy_string(node_name(index));
     added.to_world = nodes_[index].to_world;
-    added.vertical_fov_rad = cJSON_IsNumber(angle) && angle->valuedouble > 0.0 && angle->valuedouble < 3.14
-                                 ? float(angle->valuedouble)
-                                 : 0.0f;
+    added.vertical_fov_rad = lmb_gltf_view_angle(file_, model_.nodes[index].camera);
 }
 
 void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node, bool indirect_only)
@@ -981,6 +973,7 @@ void loader::load()
     check(lmb_gltf_marks_read(file_, warnings_, &marks, error_));
     marks_.reset(marks);
     lmb_gltf_blender_warn_area_lamps(file_, warnings_);
+    lmb_gltf_excludes_warn(file_, options_, warnings_);
     parse();
     list_items();
     read_materials();

@@ -172,6 +172,11 @@ typedef struct lmb_gltf_primitive {
     size_t target_count;
 } lmb_gltf_primitive;
 
+/* gltf_nodes.c: the vertical angle of view of a camera in radians; 0 of an orthographic one, or none (negative). And a
+ * warning for each pattern of the options that matches no node: it is mistyped, or the level has changed. */
+float lmb_gltf_view_angle(const lmb_gltf_file *file, int32_t camera);
+void lmb_gltf_excludes_warn(const lmb_gltf_file *file, const lmb_gltf_options *options, const lmb_warnings *warnings);
+
 /* How a mesh stands at rest. */
 typedef struct lmb_gltf_pose {
     const double *weights; /* [target], NULL: none */

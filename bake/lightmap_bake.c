@@ -244,6 +244,9 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
     };
     lmb_result result = LMB_ERROR_MEMORY;
     images_clear(lightmap);
+    for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
+        lightmap->region[i].back = lmb_tracer_is_turned(transport->tracer, i);
+    }
     if (work.texels && work.counts && work.points) {
         result = texels_list(&work);
     }
@@ -282,8 +285,9 @@ lmb_result lmb_lightmap_mark(lmb_lightmap *lightmap)
         const uint32_t mesh = lightmap->scene->instances[i].mesh;
         const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, i);
         lmb_texels_cover(&lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh], &grid, source);
-        for (int32_t y = -LMB_REGION_GUTTER; y < grid.height + LMB_REGION_GUTTER; ++y) {
-            for (int32_t x = -LMB_REGION_GUTTER; x < grid.width + LMB_REGION_GUTTER; ++x) {
+        const int32_t padding = lightmap->settings.padding;
+        for (int32_t y = -padding; y < grid.height + padding; ++y) {
+            for (int32_t x = -padding; x < grid.width + padding; ++x) {
                 const bool covered = x >= 0 && y >= 0 && x < grid.width && y < grid.height &&
                                      source[(size_t)y * (size_t)grid.width + (size_t)x].triangle != LMB_TEXEL_UNCOVERED;
                 const size_t at = (size_t)(region->y + y) * (size_t)image->width + (size_t)(region->x + x);

@@ -9,7 +9,7 @@
 /* State of a texel that waits for its ring; no texel has it when the work is done. */
 enum { TEXEL_QUEUED = LMB_TEXEL_DILATED + 1 };
 
-/* A region with its gutter, in an image's texels. */
+/* A region with its padding, in an image's texels. */
 typedef struct dilate_area {
     lmb_lightmap_image *image;
     int32_t left, top, right, bottom; /* right and bottom are just outside */
@@ -106,8 +106,9 @@ static void area_dilate(const dilate_area *area, dilate_ring ring, dilate_ring n
 
 static dilate_area region_area(const lmb_lightmap *lightmap, const lmb_lightmap_region *region)
 {
-    return (dilate_area){&lightmap->image[region->image], region->x - LMB_REGION_GUTTER, region->y - LMB_REGION_GUTTER,
-                         region->x + region->width + LMB_REGION_GUTTER, region->y + region->height + LMB_REGION_GUTTER};
+    const int32_t padding = lightmap->settings.padding;
+    return (dilate_area){&lightmap->image[region->image], region->x - padding, region->y - padding,
+                         region->x + region->width + padding, region->y + region->height + padding};
 }
 
 lmb_result lmb_lightmap_dilate(lmb_lightmap *lightmap)
@@ -115,8 +116,8 @@ lmb_result lmb_lightmap_dilate(lmb_lightmap *lightmap)
     size_t largest = 1;
     for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
         const lmb_lightmap_region *region = &lightmap->region[i];
-        const size_t texels =
-            (size_t)(region->width + 2 * LMB_REGION_GUTTER) * (size_t)(region->height + 2 * LMB_REGION_GUTTER);
+        const size_t padding = 2 * (size_t)lightmap->settings.padding;
+        const size_t texels = ((size_t)region->width + padding) * ((size_t)region->height + padding);
         largest = texels > largest ? texels : largest;
     }
     const dilate_ring ring = {malloc(largest * sizeof(uint32_t)), 0};

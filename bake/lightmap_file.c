@@ -194,7 +194,8 @@ static bool json_add_node(cJSON *nodes, const lmb_lightmap *lightmap, uint32_t n
            json_add_pair(object, "scale", (double)region->scale.x, (double)region->scale.y) &&
            json_add_pair(object, "texel", region->x, region->y) &&
            json_add_pair(object, "texels", region->width, region->height) &&
-           cJSON_AddStringToObject(object, "uv", charts ? "charts" : "TEXCOORD_1");
+           cJSON_AddStringToObject(object, "uv", charts ? "charts" : "TEXCOORD_1") &&
+           (!region->back || cJSON_AddStringToObject(object, "side", "back"));
 }
 
 static bool any_charts(const lmb_lightmap *lightmap)
@@ -211,13 +212,15 @@ static bool any_charts(const lmb_lightmap *lightmap)
 static char *json_print(const lmb_lightmap *lightmap)
 {
     cJSON *root = cJSON_CreateObject();
-    bool good = cJSON_AddStringToObject(root, "format", FORMAT_NAME) &&
-                cJSON_AddNumberToObject(root, "version", FORMAT_VERSION) &&
-                cJSON_AddStringToObject(root, "encoding", ENCODING) &&
-                cJSON_AddNumberToObject(root, "texels_per_m", (double)lightmap->settings.texels_per_m) &&
-                cJSON_AddNumberToObject(root, "max_image_size", lightmap->settings.max_image_size) &&
-                (any_charts(lightmap) ? cJSON_AddStringToObject(root, "uv_level", UV_LEVEL_NAME)
-                                      : cJSON_AddNullToObject(root, "uv_level"));
+    bool good =
+        cJSON_AddStringToObject(root, "format", FORMAT_NAME) &&
+        cJSON_AddNumberToObject(root, "version", FORMAT_VERSION) &&
+        cJSON_AddStringToObject(root, "encoding", ENCODING) &&
+        cJSON_AddNumberToObject(root, "texels_per_m", (double)lightmap->settings.texels_per_m) &&
+        cJSON_AddNumberToObject(root, "max_image_size", lightmap->settings.max_image_size) &&
+        (lightmap->settings.padding == 1 || cJSON_AddNumberToObject(root, "padding", lightmap->settings.padding)) &&
+        (any_charts(lightmap) ? cJSON_AddStringToObject(root, "uv_level", UV_LEVEL_NAME)
+                              : cJSON_AddNullToObject(root, "uv_level"));
     cJSON *channels = cJSON_AddObjectToObject(root, "channels");
     good = good && cJSON_AddItemToObject(channels, "irradiance", cJSON_CreateStringArray(&CHANNELS[0], 3)) &&
            cJSON_AddItemToObject(channels, "ambient_weight", cJSON_CreateStringArray(&CHANNELS[3], 1)) &&
@@ -393,7 +396,19 @@ static bool json_layout_matches(const cJSON *root, const lmb_lightmap *lightmap)
     return item == NULL;
 }
 
-static lmb_result json_check(const lmb_lightmap *lightmap, const char *path, lmb_error *error)
+/* Of a JSON that matches. */
+static void json_sides_take(const cJSON *root, lmb_lightmap *lightmap)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(root, "nodes")->child;
+    for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
+        if (lightmap->region[i].image >= 0) {
+            lightmap->region[i].back = json_text_is(item, "side", "back");
+            item = item->next;
+        }
+    }
+}
+
+static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error *error)
 {
     unsigned char *data = NULL;
     size_t size = 0;
@@ -412,6 +427,8 @@ static lmb_result json_check(const lmb_lightmap *lightmap, const char *path, lmb
     } else if (!json_layout_matches(root, lightmap)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT,
                                "%s: describes another layout than this level and these settings have", path);
+    } else {
+        json_sides_take(root, lightmap);
     }
     cJSON_Delete(root);
     return result;

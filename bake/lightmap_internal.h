@@ -4,9 +4,6 @@
 
 #include <lambent/lightmap.h>
 
-/* Texels around each region that only padding uses: bilinear filtering at a region's border reads them. */
-enum { LMB_REGION_GUTTER = 1 };
-
 /* A region's texels in UV space: UV (u, v) is at ((u, v) density - (shift_x, shift_y)) texels from the region's corner.
  * Whole numbers, so that texel centres of charts stay texel centres of the image. */
 typedef struct lmb_texel_grid {
@@ -62,6 +59,33 @@ void lmb_texels_pieces(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lm
 /* The lightmap UV of a corner. `corner_uv` as above. */
 lmb_vec2 lmb_texels_corner_uv(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, uint32_t triangle, int corner);
 
+/* The islands of a mesh's lightmap UVs: triangles that hang together. */
+typedef struct lmb_uv_islands {
+    uint32_t count;
+    uint32_t small_count; /* of less than the area asked for */
+    double small_share;   /* of all area in UV */
+} lmb_uv_islands;
+
+/* Counts the islands of the mesh's TEXCOORD_1. @return LMB_ERROR_MEMORY */
+lmb_result lmb_uv_islands_find(const lmb_mesh *mesh, double small_uv_area, lmb_uv_islands *islands);
+
+/* The same of charts that were made for it. */
+lmb_result lmb_uv_islands_of_charts(const lmb_charts *charts, uint32_t triangle_count, double small_uv_area,
+                                    lmb_uv_islands *islands);
+
+/* An island of less than this many texels shows its border: all of them are on it. */
+#define LMB_SMALL_ISLAND_TEXELS 16.0
+
+/* What the layout says of those that do not get what they have asked for. */
+typedef struct lmb_layout_losses {
+    double *density_share;    /* [instance] of the texels per metre asked for that its image can hold, at most 1 */
+    lmb_uv_islands *islands;  /* [mesh] at the density of its largest instance */
+    uint32_t *first_instance; /* [mesh] that has a region; UINT32_MAX: none */
+} lmb_layout_losses;
+
+/* Says it, a few of each kind by name. */
+void lmb_lightmap_warn(const lmb_lightmap *lightmap, const lmb_layout_losses *losses);
+
 /* Places every region that has a size into images, and makes those. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_pack(lmb_lightmap *lightmap);
 
@@ -71,8 +95,8 @@ lmb_texel_grid lmb_lightmap_grid(const lmb_lightmap *lightmap, uint32_t instance
 /* Area of an instance's triangles, in square metres. */
 double lmb_instance_area(const lmb_scene *scene, uint32_t instance);
 
-/* Fills what no triangle touches, in every region and its gutter, from the nearest texels that have light; marks it
- * LMB_TEXEL_DILATED. @return LMB_ERROR_MEMORY */
+/* Fills what no triangle touches, in every region and the padding around it, from the nearest texels that have light;
+ * marks it LMB_TEXEL_DILATED. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_dilate(lmb_lightmap *lightmap);
 
 /* Shortens d, or lowers the directional share, of texels where filtering would make light: wherever those around a

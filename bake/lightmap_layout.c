@@ -7,9 +7,6 @@
 
 #include "bake_internal.h"
 
-/* Space between charts, in texels: each side needs one that bilinear filtering may read. */
-enum { CHART_GUTTER_TEXELS = 2 };
-
 /* TEXCOORD_1 gets at least this many texels for one unit of UV, however small the instance. */
 enum { MIN_DENSITY = 8 };
 
@@ -81,7 +78,7 @@ static bool instance_has_region(const lmb_scene *scene, uint32_t instance)
 
 lmb_lightmap_settings lmb_lightmap_settings_default(const lmb_scene *scene)
 {
-    lmb_lightmap_settings settings = {.texels_per_m = 1.0f, .max_image_size = 2048};
+    lmb_lightmap_settings settings = {.texels_per_m = 1.0f, .max_image_size = 2048, .padding = 1};
     double area = 0.0;
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         area += instance_has_region(scene, i) ? lmb_instance_area(scene, i) : 0.0;
@@ -103,6 +100,8 @@ typedef struct layout_work {
     double *largest_area;  /* [mesh] of its static instances; < 0: it has none */
     double *uv_area;       /* [mesh] of the UVs that it uses */
     int32_t *resolution;   /* [mesh] of its charts; 0: it has none */
+    double *chart_share;   /* [mesh] of the density asked for that its charts have */
+    lmb_layout_losses losses;
     lmb_error *error;
 } layout_work;
 
@@ -118,26 +117,58 @@ static int32_t uv_density(const layout_work *work, double world_area, double uv_
     return density >= MAX_DENSITY ? MAX_DENSITY : density > MIN_DENSITY ? (int32_t)density : MIN_DENSITY;
 }
 
+/* Islands that are small at a density of texels for one unit of UV. Nobody asks where nobody listens. */
+static double small_uv_area(double density)
+{
+    return LMB_SMALL_ISLAND_TEXELS / (density * density);
+}
+
+static lmb_result charts_islands_find(layout_work *work, uint32_t number, const lmb_charts *charts)
+{
+    const lmb_lightmap *lightmap = work->lightmap;
+    return lightmap->settings.warnings.warn
+               ? lmb_uv_islands_of_charts(charts, lightmap->scene->meshes[number].triangle_count,
+                                          small_uv_area(charts->resolution), &work->losses.islands[number])
+               : LMB_OK;
+}
+
+static lmb_result own_islands_find(layout_work *work, uint32_t number)
+{
+    const lmb_lightmap *lightmap = work->lightmap;
+    const double density = uv_density(work, work->largest_area[number], work->uv_area[number]);
+    return !lightmap->settings.warnings.warn ||
+                   lmb_uv_islands_find(&lightmap->scene->meshes[number], small_uv_area(density),
+                                       &work->losses.islands[number]) == LMB_OK
+               ? LMB_OK
+               : out_of_memory(work->error);
+}
+
 static lmb_result mesh_make_charts(layout_work *work, uint32_t number)
 {
     lmb_lightmap *lightmap = work->lightmap;
     const lmb_mesh *mesh = &lightmap->scene->meshes[number];
     const lmb_affine identity = {{{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}}};
     const double own_area = mesh_area(mesh, &identity);
-    const double room = lightmap->settings.max_image_size - 2 * LMB_REGION_GUTTER;
-    double density = (double)lightmap->settings.texels_per_m * sqrt(work->largest_area[number] / own_area);
-    density = fmin(density, room / sqrt(own_area));
+    const int32_t padding = lightmap->settings.padding;
+    const double room = lightmap->settings.max_image_size - 2 * padding;
+    const double asked = (double)lightmap->settings.texels_per_m * sqrt(work->largest_area[number] / own_area);
+    double density = fmin(asked, room / sqrt(own_area));
     for (int attempt = 0; attempt < CHART_ATTEMPTS && density > 0.0 && isfinite(density); ++attempt) {
         lmb_charts charts;
-        const lmb_result result = lmb_charts_make(mesh, (float)density, CHART_GUTTER_TEXELS, &charts);
+        const lmb_result result = lmb_charts_make(mesh, (float)density, 2 * padding, &charts);
         if (result != LMB_OK) {
             return lmb_error_set(work->error, result, "cannot make lightmap charts for mesh '%s': %s", mesh->name,
                                  lmb_result_text(result));
         }
         if (charts.resolution <= (int32_t)room) {
+            if (charts_islands_find(work, number, &charts) != LMB_OK) {
+                lmb_charts_free(&charts);
+                return out_of_memory(work->error);
+            }
             lightmap->corner_uv[number] = charts.corner_uv;
             charts.corner_uv = NULL;
             work->resolution[number] = charts.resolution;
+            work->chart_share[number] = density / asked;
             lmb_charts_free(&charts);
             return LMB_OK;
         }
@@ -173,7 +204,7 @@ static lmb_result mesh_choose_uv(layout_work *work, uint32_t number)
     }
     lightmap->fault[number] = fault;
     work->uv_area[number] = uv_area;
-    return fault == LMB_UV_GOOD ? LMB_OK : mesh_make_charts(work, number);
+    return fault == LMB_UV_GOOD ? own_islands_find(work, number) : mesh_make_charts(work, number);
 }
 
 /* The whole texels around a mesh's UVs. */
@@ -198,15 +229,18 @@ static lmb_texel_grid mesh_grid(const lmb_lightmap *lightmap, uint32_t number, i
     return (lmb_texel_grid){density, x, y, width > 0 ? width : 1, height > 0 ? height : 1};
 }
 
-/* The grid of one instance: as dense as asked for, or as an image holds. */
+/* The grid of one instance: as dense as asked for, or as an image holds, and then it says so. */
 static lmb_texel_grid instance_grid(const layout_work *work, uint32_t instance)
 {
     const lmb_lightmap *lightmap = work->lightmap;
     const uint32_t mesh = lightmap->scene->instances[instance].mesh;
+    double *share = &work->losses.density_share[instance];
     if (work->resolution[mesh] > 0) {
+        const double smaller = sqrt(work->largest_area[mesh] / work->instance_area[instance]);
+        *share = fmin(work->chart_share[mesh] * smaller, 1.0);
         return mesh_grid(lightmap, mesh, work->resolution[mesh]);
     }
-    const int32_t room = lightmap->settings.max_image_size - 2 * LMB_REGION_GUTTER;
+    const int32_t room = lightmap->settings.max_image_size - 2 * lightmap->settings.padding;
     int32_t density = uv_density(work, work->instance_area[instance], work->uv_area[mesh]);
     lmb_texel_grid grid = mesh_grid(lightmap, mesh, density);
     while (grid.width > room || grid.height > room) {
@@ -216,6 +250,9 @@ static lmb_texel_grid instance_grid(const layout_work *work, uint32_t instance)
         density = lower < density ? lower : density - 1;
         grid = mesh_grid(lightmap, mesh, density);
     }
+    const double asked =
+        (double)lightmap->settings.texels_per_m * sqrt(work->instance_area[instance] / work->uv_area[mesh]);
+    *share = fmin(density / asked, 1.0);
     return grid;
 }
 
@@ -232,13 +269,15 @@ static lmb_result regions_size(const layout_work *work, lmb_texel_grid *grids)
         grids[i] = instance_grid(work, i);
         lightmap->region[i].width = grids[i].width;
         lightmap->region[i].height = grids[i].height;
-        texels +=
-            (uint64_t)(grids[i].width + 2 * LMB_REGION_GUTTER) * (uint64_t)(grids[i].height + 2 * LMB_REGION_GUTTER);
+        const int32_t padding = 2 * lightmap->settings.padding;
+        texels += (uint64_t)(grids[i].width + padding) * (uint64_t)(grids[i].height + padding);
     }
     if (texels > MAX_TEXELS) {
+        const double fewer = 0.9 * (double)lightmap->settings.texels_per_m * sqrt((double)MAX_TEXELS / (double)texels);
         return lmb_error_set(work->error, LMB_ERROR_UNSUPPORTED,
-                             "the lightmap would have %llu texels, more than %llu: ask for fewer per metre",
-                             (unsigned long long)texels, (unsigned long long)MAX_TEXELS);
+                             "the lightmap would have %llu texels at %g a metre, more than %llu: ask for %.4g a metre",
+                             (unsigned long long)texels, (double)lightmap->settings.texels_per_m,
+                             (unsigned long long)MAX_TEXELS, fewer);
     }
     return LMB_OK;
 }
@@ -347,12 +386,15 @@ static lmb_result layout_run(layout_work *work, lmb_texel_grid *grids)
     const lmb_scene *scene = lightmap->scene;
     for (uint32_t m = 0; m < scene->mesh_count; ++m) {
         work->largest_area[m] = -1.0;
+        work->losses.first_instance[m] = UINT32_MAX;
     }
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         if (instance_has_region(scene, i)) {
             const uint32_t mesh = scene->instances[i].mesh;
             work->instance_area[i] = lmb_instance_area(scene, i);
             work->largest_area[mesh] = fmax(work->largest_area[mesh], work->instance_area[i]);
+            uint32_t *first = &work->losses.first_instance[mesh];
+            *first = *first < i ? *first : i;
         }
     }
     lmb_result result = LMB_OK;
@@ -372,15 +414,20 @@ static lmb_result layout_run(layout_work *work, lmb_texel_grid *grids)
     }
     regions_place(lightmap, grids);
     texel_sizes_find(work);
+    if (covered_count(lightmap) != LMB_OK) {
+        return out_of_memory(work->error);
+    }
     lmb_lightmap_warn_of_steps(lightmap);
-    return covered_count(lightmap) == LMB_OK ? LMB_OK : out_of_memory(work->error);
+    lmb_lightmap_warn(lightmap, &work->losses);
+    return LMB_OK;
 }
 
 static bool settings_are_valid(const lmb_lightmap_settings *settings)
 {
     const int32_t size = settings->max_image_size;
     return settings->texels_per_m > 0.0f && isfinite(settings->texels_per_m) && size >= MIN_IMAGE_SIZE &&
-           size <= MAX_IMAGE_SIZE && (size & (size - 1)) == 0;
+           size <= MAX_IMAGE_SIZE && (size & (size - 1)) == 0 && settings->padding >= 0 &&
+           settings->padding <= LMB_LIGHTMAP_MAX_PADDING && settings->padding < size / 4;
 }
 
 lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settings *settings, lmb_lightmap **lightmap,
@@ -388,8 +435,9 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
 {
     if (!settings_are_valid(settings)) {
         return lmb_error_set(error, LMB_ERROR_ARGUMENT,
-                             "lightmaps need texels per metre > 0 and images of a power of two from %d to %d texels",
-                             MIN_IMAGE_SIZE, MAX_IMAGE_SIZE);
+                             "lightmaps need texels per metre > 0, images of a power of two from %d to %d texels, and "
+                             "padding of up to %d texels and less than a quarter of an image",
+                             MIN_IMAGE_SIZE, MAX_IMAGE_SIZE, (int)LMB_LIGHTMAP_MAX_PADDING);
     }
     const size_t instances = (size_t)scene->instance_count + 1u;
     const size_t meshes = (size_t)scene->mesh_count + 1u;
@@ -401,18 +449,23 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
         .largest_area = calloc(meshes, sizeof(double)),
         .uv_area = calloc(meshes, sizeof(double)),
         .resolution = calloc(meshes, sizeof(int32_t)),
+        .chart_share = calloc(meshes, sizeof(double)),
+        .losses = {calloc(instances, sizeof(double)), calloc(meshes, sizeof(lmb_uv_islands)),
+                   calloc(meshes, sizeof(uint32_t))},
         .error = error,
     };
     lmb_result result = LMB_ERROR_MEMORY;
     if (created) {
         created->scene = scene;
         created->settings = *settings;
+        created->settings.padding = settings->padding > 0 ? settings->padding : 1;
         created->region = calloc(instances, sizeof *created->region);
         created->corner_uv = calloc(meshes, sizeof *created->corner_uv);
         created->fault = calloc(meshes, sizeof *created->fault);
     }
     if (created && created->region && created->corner_uv && created->fault && grids && work.instance_area &&
-        work.largest_area && work.uv_area && work.resolution) {
+        work.largest_area && work.uv_area && work.resolution && work.chart_share && work.losses.density_share &&
+        work.losses.islands && work.losses.first_instance) {
         result = layout_run(&work, grids);
     } else {
         out_of_memory(error);
@@ -422,6 +475,10 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
     free(work.largest_area);
     free(work.uv_area);
     free(work.resolution);
+    free(work.chart_share);
+    free(work.losses.density_share);
+    free(work.losses.islands);
+    free(work.losses.first_instance);
     if (result != LMB_OK) {
         lmb_lightmap_destroy(created);
         return result;

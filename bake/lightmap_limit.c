@@ -39,6 +39,7 @@ typedef struct limit_area {
     const lmb_lightmap_image *image;
     const lmb_lightmap_region *region;
     uint32_t instance;
+    int32_t padding; /* texels of the region's rim */
     int32_t stride;
     limit_texel *texel;
     limit_stage stage;
@@ -50,13 +51,13 @@ typedef struct limit_area {
 
 static limit_texel *area_limit(const limit_area *area, int32_t x, int32_t y)
 {
-    return &area->texel[(size_t)(y + LMB_REGION_GUTTER) * (size_t)area->stride + (size_t)(x + LMB_REGION_GUTTER)];
+    return &area->texel[(size_t)(y + area->padding) * (size_t)area->stride + (size_t)(x + area->padding)];
 }
 
 static bool area_has(const limit_area *area, int32_t x, int32_t y)
 {
-    return x >= -LMB_REGION_GUTTER && y >= -LMB_REGION_GUTTER && x < area->region->width + LMB_REGION_GUTTER &&
-           y < area->region->height + LMB_REGION_GUTTER;
+    return x >= -area->padding && y >= -area->padding && x < area->region->width + area->padding &&
+           y < area->region->height + area->padding;
 }
 
 static lmb_irradz *area_texel(const limit_area *area, int32_t x, int32_t y)
@@ -393,10 +394,10 @@ static void dilated_start(const limit_area *area, const lmb_texel_source *source
 
 static void area_start(const limit_area *area, const lmb_texel_source *source)
 {
-    const int32_t right = area->region->width + LMB_REGION_GUTTER;
-    const int32_t bottom = area->region->height + LMB_REGION_GUTTER;
-    for (int32_t y = -LMB_REGION_GUTTER; y < bottom; ++y) {
-        for (int32_t x = -LMB_REGION_GUTTER; x < right; ++x) {
+    const int32_t right = area->region->width + area->padding;
+    const int32_t bottom = area->region->height + area->padding;
+    for (int32_t y = -area->padding; y < bottom; ++y) {
+        for (int32_t x = -area->padding; x < right; ++x) {
             *area_limit(area, x, y) = (limit_texel){.height = 1.0f, .peak = 1.0f, .stored = 1.0f, .length = 1.0f};
             const lmb_vec3 normal = covered_normal(area, source, x, y);
             if (has_direction(normal)) {
@@ -404,8 +405,8 @@ static void area_start(const limit_area *area, const lmb_texel_source *source)
             }
         }
     }
-    for (int32_t y = -LMB_REGION_GUTTER; y < bottom; ++y) {
-        for (int32_t x = -LMB_REGION_GUTTER; x < right; ++x) {
+    for (int32_t y = -area->padding; y < bottom; ++y) {
+        for (int32_t x = -area->padding; x < right; ++x) {
             if (!has_direction(covered_normal(area, source, x, y))) {
                 dilated_start(area, source, x, y);
             }
@@ -416,8 +417,8 @@ static void area_start(const limit_area *area, const lmb_texel_source *source)
 /* Does what the stage has found. */
 static void area_change(const limit_area *area)
 {
-    for (int32_t y = -LMB_REGION_GUTTER; y < area->region->height + LMB_REGION_GUTTER; ++y) {
-        for (int32_t x = -LMB_REGION_GUTTER; x < area->region->width + LMB_REGION_GUTTER; ++x) {
+    for (int32_t y = -area->padding; y < area->region->height + area->padding; ++y) {
+        for (int32_t x = -area->padding; x < area->region->width + area->padding; ++x) {
             limit_texel *limit = area_limit(area, x, y);
             lmb_irradz *texel = area_texel(area, x, y);
             if (area->stage != LIMIT_WEIGHTS && limit->length < limit->stored) {
@@ -452,8 +453,9 @@ static void limit_task(void *context, size_t task, int worker)
                        .image = &lightmap->image[region->image],
                        .region = region,
                        .instance = (uint32_t)task,
-                       .stride = grid.width + 2 * LMB_REGION_GUTTER};
-    const size_t count = (size_t)area.stride * (size_t)(grid.height + 2 * LMB_REGION_GUTTER);
+                       .padding = lightmap->settings.padding,
+                       .stride = grid.width + 2 * lightmap->settings.padding};
+    const size_t count = (size_t)area.stride * (size_t)(grid.height + 2 * area.padding);
     lmb_texel_source *source = malloc((size_t)grid.width * (size_t)grid.height * sizeof *source);
     area.texel = malloc(count * sizeof *area.texel);
     if (source && area.texel) {

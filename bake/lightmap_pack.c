@@ -20,7 +20,7 @@ enum { PACK_BATCH = 256 };
 /* Trimmed images are a multiple of this many texels, which block compression asks for. */
 enum { IMAGE_MULTIPLE = 4 };
 
-/* One region with its gutter. */
+/* One region with its padding. */
 typedef struct pack_item {
     int32_t width, height;
     uint32_t instance;
@@ -65,8 +65,8 @@ static size_t batch_pack(stbrp_context *context, const pack_item *items, size_t 
         }
         lmb_lightmap_region *place = &region[item.instance];
         place->image = image;
-        place->x = rects[i].x + LMB_REGION_GUTTER;
-        place->y = rects[i].y + LMB_REGION_GUTTER;
+        place->x = rects[i].x + (item.width - place->width) / 2;
+        place->y = rects[i].y + (item.height - place->height) / 2;
     }
     return left_count;
 }
@@ -100,8 +100,8 @@ static size_t items_collect(const lmb_lightmap *lightmap, pack_item *items)
     for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
         const lmb_lightmap_region *region = &lightmap->region[i];
         if (region->width > 0) {
-            items[count++] =
-                (pack_item){region->width + 2 * LMB_REGION_GUTTER, region->height + 2 * LMB_REGION_GUTTER, i};
+            const int32_t padding = 2 * lightmap->settings.padding;
+            items[count++] = (pack_item){region->width + padding, region->height + padding, i};
         }
     }
     qsort(items, count, sizeof *items, item_compare);
@@ -137,8 +137,8 @@ static lmb_result images_make(lmb_lightmap *lightmap, int32_t count)
         const lmb_lightmap_region *region = &lightmap->region[i];
         if (region->image >= 0) {
             lmb_lightmap_image *image = &lightmap->image[region->image];
-            const int32_t right = region->x + region->width + LMB_REGION_GUTTER;
-            const int32_t bottom = region->y + region->height + LMB_REGION_GUTTER;
+            const int32_t right = region->x + region->width + lightmap->settings.padding;
+            const int32_t bottom = region->y + region->height + lightmap->settings.padding;
             image->width = right > image->width ? right : image->width;
             image->height = bottom > image->height ? bottom : image->height;
         }

@@ -11,8 +11,17 @@ typedef struct reader {
     const char *name;
     const unsigned char *at;
     const unsigned char *end;
+    const char *line; /* what a scanline is: "row" or "column" */
     lmb_error *error;
 } reader;
+
+/* How the file's scanlines lie in the picture, as the size says: "-Y 512 +X 1024" are 512 rows from the top, each from
+ * the left. X grows to the right and Y upwards; the axis that is named first is the one that scanlines follow. */
+typedef struct scan_order {
+    int32_t lines, length; /* scanlines, and pixels in each */
+    bool columns;          /* scanlines are columns, not rows */
+    bool backwards[2];     /* the first scanline, the first pixel is the picture's last */
+} scan_order;
 
 bool lmb_radiance_is(const unsigned char *data, size_t size)
 {
@@ -37,22 +46,32 @@ static bool line_next(reader *in, char *line, size_t capacity)
     return true;
 }
 
-/* A decimal number of at most 9 digits after `prefix`; NULL when there is none, else what follows it. */
-static const char *size_parse(const char *text, const char *prefix, int32_t *value)
+/* "+X 1024" or the like: a decimal number of at most 9 digits. NULL when it is none, else what follows it. */
+static const char *axis_parse(const char *text, char *axis, bool *backwards, int32_t *value)
 {
-    const size_t length = strlen(prefix);
-    if (strncmp(text, prefix, length) != 0) {
+    if ((text[0] != '+' && text[0] != '-') || (text[1] != 'X' && text[1] != 'Y') || text[2] != ' ') {
         return NULL;
     }
-    const char *at = text + length;
+    *axis = text[1];
+    *backwards = (text[0] == '-') == (text[1] == 'X'); /* row 0 is the top */
+    const char *at = text + 3;
     *value = 0;
-    while (*at >= '0' && *at <= '9' && at - text < (ptrdiff_t)length + 9) {
+    while (*at >= '0' && *at <= '9' && at - text < 3 + 9) {
         *value = *value * 10 + (*at++ - '0');
     }
     return *value > 0 ? at : NULL;
 }
 
-static lmb_result header_read(reader *in, int32_t *width, int32_t *height)
+static bool order_parse(const char *line, scan_order *order)
+{
+    char first = '\0', second = '\0';
+    const char *rest = axis_parse(line, &first, &order->backwards[0], &order->lines);
+    rest = rest && *rest == ' ' ? axis_parse(rest + 1, &second, &order->backwards[1], &order->length) : NULL;
+    order->columns = first == 'X';
+    return rest && *rest == '\0' && first != second;
+}
+
+static lmb_result header_read(reader *in, scan_order *order)
 {
     char line[256];
     bool more = line_next(in, line, sizeof line);
@@ -66,47 +85,45 @@ static lmb_result header_read(reader *in, int32_t *width, int32_t *height)
     if (!more || !line_next(in, line, sizeof line)) {
         return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: the file ends in its header", in->name);
     }
-    const char *rest = size_parse(line, "-Y ", height);
-    rest = rest ? size_parse(rest, " +X ", width) : NULL;
-    if (!rest || *rest != '\0') {
-        const bool other_order = strpbrk(line, "XY") != NULL && strncmp(line, "-Y ", 3) != 0;
-        return other_order
-                   ? lmb_error_set(in->error, LMB_ERROR_UNSUPPORTED,
-                                   "%s: pixel order '%s' is not supported (only -Y height +X width)", in->name, line)
-                   : lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: '%s' is no picture size", in->name, line);
+    if (!order_parse(line, order)) {
+        return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: '%s' is no picture size (-Y height +X width)", in->name,
+                             line);
     }
-    if (*width > LMB_IMAGE_MAX_SIDE || *height > LMB_IMAGE_MAX_SIDE ||
-        (int64_t)*width * *height > LMB_IMAGE_MAX_PIXELS) {
-        return lmb_error_set(in->error, LMB_ERROR_UNSUPPORTED, "%s: %d x %d pixels are too many", in->name, *width,
-                             *height);
+    if (order->lines > LMB_IMAGE_MAX_SIDE || order->length > LMB_IMAGE_MAX_SIDE ||
+        (int64_t)order->lines * order->length > LMB_IMAGE_MAX_PIXELS) {
+        return lmb_error_set(in->error, LMB_ERROR_UNSUPPORTED, "%s: '%s' are too many pixels", in->name, line);
     }
+    in->line = order->columns ? "column" : "row";
     return LMB_OK;
 }
 
-static bool is_run_length_coded(const unsigned char *at, int32_t width)
+static bool is_run_length_coded(const unsigned char *at, int32_t length)
 {
-    return width >= 8 && width < 32768 && at[0] == 2 && at[1] == 2 && at[2] < 128;
+    return length >= 8 && length < 32768 && at[0] == 2 && at[1] == 2 && at[2] < 128;
 }
 
 /* Each of the four bytes of the scanline's pixels in turn, as runs (128 + n, value) and literals (n, n values). */
-static lmb_result scanline_unpack(reader *in, int32_t row, int32_t width, unsigned char *rgbe)
+static lmb_result scanline_unpack(reader *in, int32_t number, int32_t length, unsigned char *rgbe)
 {
-    if ((in->at[2] << 8 | in->at[3]) != width) {
-        return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: row %d is not as wide as the picture", in->name, row);
+    if ((in->at[2] << 8 | in->at[3]) != length) {
+        return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: %s %d is not as long as the picture", in->name, in->line,
+                             number);
     }
     in->at += 4;
     for (int c = 0; c < 4; ++c) {
         int32_t x = 0;
-        while (x < width) {
+        while (x < length) {
             const ptrdiff_t left = in->end - in->at;
             const int code = left > 0 ? in->at[0] : 0;
             const bool run = code > 128;
             const int count = run ? code - 128 : code;
             if (left < 1 || left < 1 + (run ? 1 : count)) {
-                return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: the file ends in row %d", in->name, row);
+                return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: the file ends in %s %d", in->name, in->line,
+                                     number);
             }
-            if (count == 0 || count > width - x) {
-                return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: row %d has a bad run length", in->name, row);
+            if (count == 0 || count > length - x) {
+                return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: %s %d has a bad run length", in->name, in->line,
+                                     number);
             }
             ++in->at;
             for (int i = 0; i < count; ++i) {
@@ -118,13 +135,13 @@ static lmb_result scanline_unpack(reader *in, int32_t row, int32_t width, unsign
     return LMB_OK;
 }
 
-static lmb_result scanline_read(reader *in, int32_t row, int32_t width, unsigned char *rgbe)
+static lmb_result scanline_read(reader *in, int32_t number, int32_t length, unsigned char *rgbe)
 {
     const size_t left = (size_t)(in->end - in->at);
-    if (left >= 4 && is_run_length_coded(in->at, width)) {
-        return scanline_unpack(in, row, width, rgbe);
+    if (left >= 4 && is_run_length_coded(in->at, length)) {
+        return scanline_unpack(in, number, length, rgbe);
     }
-    const size_t flat = 4 * (size_t)width;
+    const size_t flat = 4 * (size_t)length;
     const size_t whole = left < flat ? left / 4 * 4 : flat;
     for (size_t i = 0; i < whole; i += 4) {
         if (in->at[i] == 1 && in->at[i + 1] == 1 && in->at[i + 2] == 1) {
@@ -133,16 +150,22 @@ static lmb_result scanline_read(reader *in, int32_t row, int32_t width, unsigned
         }
     }
     if (left < flat) {
-        return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: the file ends in row %d", in->name, row);
+        return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: the file ends in %s %d", in->name, in->line, number);
     }
     memcpy(rgbe, in->at, flat);
     in->at += flat;
     return LMB_OK;
 }
 
-static void scanline_convert(const unsigned char *rgbe, int32_t width, float *rgb)
+/* Puts a scanline's pixels where they are in the picture. */
+static void scanline_place(const unsigned char *rgbe, const scan_order *order, int32_t number, lmb_image *image)
 {
-    for (int32_t x = 0; x < width; ++x, rgbe += 4, rgb += 3) {
+    const int32_t line = order->backwards[0] ? order->lines - 1 - number : number;
+    for (int32_t i = 0; i < order->length; ++i, rgbe += 4) {
+        const int32_t along = order->backwards[1] ? order->length - 1 - i : i;
+        const int32_t x = order->columns ? line : along;
+        const int32_t y = order->columns ? along : line;
+        float *const rgb = image->rgb + 3 * ((size_t)y * (size_t)image->width + (size_t)x);
         const float scale = rgbe[3] > 0 ? ldexpf(1.0f, rgbe[3] - (128 + 8)) : 0.0f;
         for (int c = 0; c < 3; ++c) {
             rgb[c] = scale * (float)rgbe[c];
@@ -153,35 +176,37 @@ static void scanline_convert(const unsigned char *rgbe, int32_t width, float *rg
 lmb_result lmb_radiance_decode(const char *name, const unsigned char *data, size_t size, lmb_image *image,
                                lmb_error *error)
 {
-    reader in = {name, data, data + size, error};
-    int32_t width = 0;
-    int32_t height = 0;
-    lmb_result result = header_read(&in, &width, &height);
+    reader in = {.name = name, .at = data, .end = data + size, .error = error};
+    scan_order order = {0, 0, false, {false, false}};
+    lmb_result result = header_read(&in, &order);
     if (result != LMB_OK) {
         return result;
     }
-    /* The least that a row takes, so that a small file cannot ask for gigabytes: runs of 127, else flat pixels. */
-    const size_t row_least = width >= 8 && width < 32768 ? 4 + 8 * (((size_t)width + 126) / 127) : 4 * (size_t)width;
-    if ((size_t)(in.end - in.at) / row_least < (size_t)height) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: the file is too short for %d x %d pixels", name, width,
-                             height);
+    const size_t length = (size_t)order.length;
+    lmb_image decoded = {order.columns ? order.lines : order.length, order.columns ? order.length : order.lines, NULL};
+    /* The least that a scanline takes, so that a small file cannot ask for gigabytes: runs of 127, else flat pixels. */
+    const size_t line_least = length >= 8 && length < 32768 ? 4 + 8 * ((length + 126) / 127) : 4 * length;
+    if ((size_t)(in.end - in.at) / line_least < (size_t)order.lines) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: the file is too short for %d x %d pixels", name,
+                             decoded.width, decoded.height);
     }
-    unsigned char *const rgbe = malloc(4 * (size_t)width);
-    float *const rgb = malloc(3 * sizeof(float) * (size_t)width * (size_t)height);
-    if (!rgbe || !rgb) {
-        result = lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels", name, width, height);
+    unsigned char *const rgbe = malloc(4 * length);
+    decoded.rgb = malloc(3 * sizeof(float) * length * (size_t)order.lines);
+    if (!rgbe || !decoded.rgb) {
+        result = lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels", name, decoded.width,
+                               decoded.height);
     }
-    for (int32_t y = 0; y < height && result == LMB_OK; ++y) {
-        result = scanline_read(&in, y, width, rgbe);
+    for (int32_t i = 0; i < order.lines && result == LMB_OK; ++i) {
+        result = scanline_read(&in, i, order.length, rgbe);
         if (result == LMB_OK) {
-            scanline_convert(rgbe, width, rgb + 3 * (size_t)y * (size_t)width);
+            scanline_place(rgbe, &order, i, &decoded);
         }
     }
     free(rgbe);
     if (result != LMB_OK) {
-        free(rgb);
+        free(decoded.rgb);
         return result;
     }
-    *image = (lmb_image){width, height, rgb};
+    *image = decoded;
     return LMB_OK;
 }

@@ -72,7 +72,7 @@ lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, ui
     place.rounding = corners_rounding(corner);
     place.position = corners_position(corner, u, v, place.rounding);
     lmb_vec3 facing = vec3_normalize_or(vec3_cross(edge_u, edge_v), vec3(0.0f, 1.0f, 0.0f));
-    if (instance->mirrored) {
+    if (instance->mirrored != lmb_tracer_is_turned(tracer, instance_number)) {
         facing = vec3_scale(facing, -1.0f);
     }
     place.geometric_normal = facing;

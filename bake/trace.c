@@ -10,6 +10,7 @@
 #include <lambent/ray_record.h>
 
 #include "bake_internal.h"
+#include "inside_out.h"
 #include "trace_internal.h"
 
 /* Up to this many placed triangles every instance becomes geometry of its own in world space, which traces faster;
@@ -23,7 +24,8 @@ struct lmb_tracer {
     RTCScene *mesh_scene;    /* [mesh] for meshes that are instanced, else NULL */
     lmb_vec3 **world_vertex; /* [instance] Embree's own vertex buffer when flattened, else NULL */
     bool *is_see_through;    /* [material] lets some light straight through */
-    bool *is_mirrored;       /* [instance] the scene's, where one cache line holds many */
+    bool *is_mirrored;       /* [instance] winding is the other way round in world space, or counts as if it were */
+    uint8_t *facing;         /* [instance] lmb_facing */
     bool any_see_through;
     lmb_ray_recorder *recorder; /* NULL: rays are not recorded */
     long long bytes;
@@ -150,6 +152,19 @@ static bool isa_is_known(const char *isa)
     return false;
 }
 
+/* From here on, the fronts of what is inside out are those that are seen. */
+static bool inside_out_turn(lmb_tracer *tracer)
+{
+    uint8_t *const facing = calloc(tracer->scene->instance_count + 1u, sizeof *facing);
+    const bool good = facing && lmb_inside_out_find(tracer, facing) == LMB_OK;
+    for (uint32_t i = 0; good && i < tracer->scene->instance_count; ++i) {
+        tracer->facing[i] = facing[i];
+        tracer->is_mirrored[i] = tracer->is_mirrored[i] != (facing[i] == LMB_FACING_TURNED);
+    }
+    free(facing);
+    return good;
+}
+
 lmb_result lmb_tracer_create(const lmb_scene *scene, const char *isa, int threads, lmb_tracer **tracer,
                              lmb_error *error)
 {
@@ -168,7 +183,9 @@ lmb_result lmb_tracer_create(const lmb_scene *scene, const char *isa, int thread
     created->world_vertex = calloc(scene->instance_count + 1u, sizeof *created->world_vertex);
     created->is_see_through = calloc(scene->material_count + 1u, sizeof *created->is_see_through);
     created->is_mirrored = calloc(scene->instance_count + 1u, sizeof *created->is_mirrored);
-    if (!created->mesh_scene || !created->world_vertex || !created->is_see_through || !created->is_mirrored) {
+    created->facing = calloc(scene->instance_count + 1u, sizeof *created->facing);
+    if (!created->mesh_scene || !created->world_vertex || !created->is_see_through || !created->is_mirrored ||
+        !created->facing) {
         lmb_tracer_destroy(created);
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
@@ -191,7 +208,7 @@ lmb_result lmb_tracer_create(const lmb_scene *scene, const char *isa, int thread
     }
     rtcSetDeviceMemoryMonitorFunction(created->device, count_bytes, created);
     created->world = scene_new(created);
-    if (!created->world || !geometry_build(created)) {
+    if (!created->world || !geometry_build(created) || !inside_out_turn(created)) {
         lmb_tracer_destroy(created);
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory while building the BVH");
     }
@@ -219,12 +236,23 @@ void lmb_tracer_destroy(lmb_tracer *tracer)
     free(tracer->world_vertex);
     free(tracer->is_see_through);
     free(tracer->is_mirrored);
+    free(tracer->facing);
     free(tracer);
 }
 
 const lmb_scene *lmb_tracer_scene(const lmb_tracer *tracer)
 {
     return tracer->scene;
+}
+
+lmb_facing lmb_tracer_facing(const lmb_tracer *tracer, uint32_t instance)
+{
+    return (lmb_facing)tracer->facing[instance];
+}
+
+bool lmb_tracer_is_turned(const lmb_tracer *tracer, uint32_t instance)
+{
+    return tracer->facing[instance] == LMB_FACING_TURNED;
 }
 
 const lmb_vec3 *lmb_tracer_world_vertices(const lmb_tracer *tracer, uint32_t instance)
@@ -287,7 +315,8 @@ static bool hit_is_front(const lmb_tracer *tracer, const struct RTCHit *hit, lmb
     const uint32_t instance = hit_instance(hit);
     if (hit_is_instanced(hit)) {
         const lmb_affine *to_world = &tracer->scene->instances[instance].normal_to_world;
-        return vec3_dot(affine_vector(to_world, normal), direction) <= 0.0f;
+        return (vec3_dot(affine_vector(to_world, normal), direction) <= 0.0f) !=
+               (tracer->facing[instance] == LMB_FACING_TURNED);
     }
     return (vec3_dot(normal, direction) <= 0.0f) != tracer->is_mirrored[instance];
 }

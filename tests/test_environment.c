@@ -9,7 +9,7 @@
 
 #define OUT(name) LMB_TEST_OUTPUT_DIR "/environment_" name
 
-static const float PIXELS[2 * 3] = {1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f};
+static const float PIXELS[4 * 2] = {1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f, 8.0f};
 static const double PI = 3.14159265358979323846;
 
 static void pictures_write(void)
@@ -17,7 +17,7 @@ static void pictures_write(void)
     const lmb_exr_channel grey = {"Y", PIXELS};
     static const char HDR[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x20\x81\x10\x20\x80\x82";
     lmb_error error = {""};
-    CHECK(lmb_exr_write(OUT("a,b.exr"), 3, 2, &grey, 1, NULL, 0, NULL, &error) == LMB_OK, "%s", error.message);
+    CHECK(lmb_exr_write(OUT("a,b.exr"), 4, 2, &grey, 1, NULL, 0, NULL, &error) == LMB_OK, "%s", error.message);
     CHECK(lmb_file_write(OUT("sky.hdr"), HDR, sizeof HDR - 1, &error) == LMB_OK, "%s", error.message);
 }
 
@@ -57,7 +57,7 @@ static void pictures_and_none(void)
     lmb_error error = {""};
     CHECK(lmb_scene_set_environment(&scene, OUT("a,b.exr") ",rotation=30", &error) == LMB_OK, "%s", error.message);
     const lmb_environment *const e = &scene.environment;
-    CHECK(e->present && e->image.width == 3 && e->image.height == 2 && e->axes == LMB_LATLONG_GLTF, "exr");
+    CHECK(e->present && e->image.width == 4 && e->image.height == 2 && e->axes == LMB_LATLONG_GLTF, "exr");
     CHECK(e->image.rgb && e->image.rgb[3 * 5] == 6.0f && e->image.rgb[3 * 5 + 2] == 6.0f, "last pixel");
     CHECK_NEAR(e->rotation_rad, PI / 6.0, 1e-6, "rotation");
 
@@ -141,11 +141,59 @@ static void bad_descriptions_are_refused(void)
     }
 }
 
+/* Black pictures of a shape. */
+static void only_equirectangular_shapes_are_taken(void)
+{
+    static const struct {
+        int32_t width, height;
+        const char *refused; /* part of the message; NULL: taken */
+    } cases[] = {
+        {2, 1, NULL},
+        {4, 2, NULL},
+        {1000, 500, NULL},
+        {1001, 500, NULL}, /* an odd side */
+        {1000, 501, NULL},
+        {1024, 510, NULL}, /* within 1 % */
+        {255, 128, NULL},
+        {1024, 500, "twice as wide as high, not 1024 x 500"},
+        {3, 2, "not 3 x 2"},
+        {8, 2, "not 8 x 2"},
+        {1, 1, "one face of a cube"},
+        {256, 256, "1 : 1 is one face of a cube"},
+        {256, 192, "4 : 3 is a horizontal cross"},
+        {192, 256, "3 : 4 is a vertical cross"},
+        {384, 64, "6 : 1 is a strip"},
+        {64, 384, "1 : 6 is a strip"},
+        {100, 200, "1 : 2"},
+        {640, 360, "not 640 x 360"},
+    };
+    static float black[1024 * 1024];
+    const lmb_exr_channel grey = {"Y", black};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        lmb_scene scene = {.content_hash = 5};
+        lmb_error error = {""};
+        CHECK(lmb_exr_write(OUT("shape.exr"), cases[i].width, cases[i].height, &grey, 1, NULL, 0, NULL, &error) ==
+                  LMB_OK,
+              "%s", error.message);
+        const lmb_result result = lmb_scene_set_environment(&scene, OUT("shape.exr"), &error);
+        if (cases[i].refused) {
+            CHECK(result == LMB_ERROR_UNSUPPORTED && strstr(error.message, cases[i].refused) &&
+                      strstr(error.message, "shape.exr"),
+                  "%d x %d: %d, %s", (int)cases[i].width, (int)cases[i].height, (int)result, error.message);
+            CHECK(!scene.environment.present && scene.content_hash == 5, "scene touched");
+        } else {
+            CHECK(result == LMB_OK && scene.environment.image.width == cases[i].width, "%s", error.message);
+        }
+        lmb_image_free(&scene.environment.image);
+    }
+}
+
 static const test_case CASES[] = {
     {"constant colours", constant_colours},
     {"pictures and none", pictures_and_none},
     {"hash tells environments apart", hash_tells_environments_apart},
     {"bad descriptions are refused", bad_descriptions_are_refused},
+    {"only equirectangular shapes are taken", only_equirectangular_shapes_are_taken},
 };
 
 TEST_MAIN(CASES)

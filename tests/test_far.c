@@ -356,7 +356,10 @@ static void coarse_floats_are_named(void)
         if (!floor_data("floor.bin", 1e6f) || !floor_write("coarse", nodes, path)) {
             return;
         }
-        const lmb_lightmap_settings settings = {table[i].texels_per_m, 256, {warning_keep, said}};
+        const lmb_lightmap_settings settings = {.texels_per_m = table[i].texels_per_m,
+                                                .max_image_size = 256,
+                                                .padding = 1,
+                                                .warnings = {warning_keep, said}};
         const bool made = lmb_gltf_load(path, NULL, &scene, &error) == LMB_OK &&
                           lmb_lightmap_create(scene, &settings, &lightmap, &error) == LMB_OK;
         CHECK(made, "%s: %s", table[i].what, error.message);

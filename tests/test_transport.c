@@ -494,12 +494,12 @@ static double moments_apart(const lmb_gathered *a, const lmb_gathered *b)
 static const char *sky_with_a_window(void)
 {
     static const char path[] = LMB_TEST_OUTPUT_DIR "/transport_window.hdr";
-    static const char header[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 4\n";
-    unsigned char file[sizeof header - 1 + 8 * 4 * 4];
+    static const char header[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
+    unsigned char file[sizeof header - 1 + 8 * 16 * 4];
     memcpy(file, header, sizeof header - 1);
-    for (int pixel = 0; pixel < 8 * 4; ++pixel) {
+    for (int pixel = 0; pixel < 8 * 16; ++pixel) { /* the window is the last four of the third row */
         const unsigned char even[4] = {40, 60, 90, 128}, bright[4] = {200, 180, 120, 134};
-        memcpy(file + sizeof header - 1 + 4 * pixel, pixel == 11 ? bright : even, 4);
+        memcpy(file + sizeof header - 1 + 4 * pixel, pixel / 4 == 11 ? bright : even, 4);
     }
     lmb_error error = {{0}};
     CHECK(lmb_file_write(path, file, sizeof file, &error) == LMB_OK, "%s", error.message);

@@ -69,6 +69,9 @@ lmb_result bake_layout(lmb_bake *bake, lmb_error *error)
     if (bake->settings->texels_per_m > 0.0f) {
         settings.texels_per_m = bake->settings->texels_per_m;
     }
+    if (bake->settings->padding > 0) {
+        settings.padding = bake->settings->padding;
+    }
     settings.warnings = bake->level->options.gltf.warnings;
     const double start = seconds_now();
     const lmb_result result = lmb_lightmap_create(bake->level->scene, &settings, &bake->lightmap, error);

@@ -74,6 +74,8 @@ bool bake_settings_argument(lmb_bake_settings *settings, lmb_arguments *argument
         settings->tolerance = arguments_number(arguments, argument, 1e-6, 1.0);
     } else if (strcmp(argument, "--texels-per-m") == 0) {
         settings->texels_per_m = (float)arguments_number(arguments, argument, 1e-6, 1e6);
+    } else if (strcmp(argument, "--padding") == 0) {
+        settings->padding = (int32_t)arguments_integer(arguments, argument, 1, LMB_LIGHTMAP_MAX_PADDING);
     } else if (argument[0] != '-' && !settings->level.options.path) {
         settings->level.options.path = argument;
     } else {
@@ -128,6 +130,9 @@ cJSON *bake_settings_json(const lmb_bake_settings *settings, const lmb_level *le
     if (lightmap) {
         cJSON_AddNumberToObject(json, "texels_per_m", (double)lightmap->texels_per_m);
         cJSON_AddNumberToObject(json, "max_image_size", lightmap->max_image_size);
+        if (lightmap->padding != 1) { /* what a record without it has */
+            cJSON_AddNumberToObject(json, "padding", lightmap->padding);
+        }
     }
     return json;
 }

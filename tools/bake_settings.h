@@ -22,6 +22,7 @@ typedef struct lmb_bake_settings {
     lmb_estimator estimator;
     bool lightmaps;
     float texels_per_m; /* 0: lmb_lightmap_settings_default */
+    int32_t padding;    /* 0: likewise */
     bool dry_run;
     bool json_progress;
 } lmb_bake_settings;
@@ -37,6 +38,7 @@ bool bake_settings_argument(lmb_bake_settings *settings, struct lmb_arguments *a
     "  --max-probes N        the spacing grows until there are no more (default 262144)\n"                             \
     "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"                              \
     "  --texels-per-m N      lightmap density (default: from the level's size)\n"                                      \
+    "  --padding N           texels filled around lightmap charts and nodes, for mip levels (default 1)\n"             \
     "  --quality NAME        draft, medium or high: noise of 12, 6 or 3 %, by at most 256, 1024 or\n"                  \
     "                        4096 samples at each probe and texel (default medium)\n"                                  \
     "  --tolerance E         the noise as a share of the light, in place of the quality's\n"                           \

@@ -61,8 +61,10 @@ static lmb_result lightmap_open(const char *directory, const cJSON *settings, lm
     if (!cJSON_IsNumber(density) || !cJSON_IsNumber(size)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s/bake.json: no lightmap settings", directory);
     }
+    const cJSON *padding = cJSON_GetObjectItemCaseSensitive(settings, "padding"); /* none: 1 */
     const lmb_lightmap_settings lightmap = {.texels_per_m = (float)density->valuedouble,
-                                            .max_image_size = size->valueint};
+                                            .max_image_size = size->valueint,
+                                            .padding = cJSON_IsNumber(padding) ? padding->valueint : 0};
     lmb_result result = lmb_lightmap_create(opened->level.scene, &lightmap, &opened->lightmap, error);
     char *path = result == LMB_OK ? path_join(directory, "lightmap") : NULL;
     if (result == LMB_OK) {

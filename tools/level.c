@@ -118,6 +118,7 @@ lmb_result level_open(const lmb_level_options *options, lmb_level *opened, lmb_e
         level_close(opened);
         return result;
     }
+    lmb_tracer_warn(opened->tracer, &opened->options.gltf.warnings);
     opened->transport = (lmb_transport){
         .tracer = opened->tracer, .emitters = opened->emitters, .bounces = options->bounces, .seed = options->seed};
     return LMB_OK;

@@ -24,12 +24,13 @@ typedef enum lmb_latlong_axes {
     LMB_LATLONG_OPENEXR /* the axes of OpenEXR's `envmap` attribute: row 0 is +Y, u = 0.5 is +Z, u = 0.25 is +X */
 } lmb_latlong_axes;
 
-/* Reads a Radiance .hdr or an OpenEXR .exr (scanline or tiled, level 0, half/float/uint, R G B or Y
- * channels, any compression that OpenEXRCore decodes; others are refused by name). Told apart by content, not by
- * extension. NaN, infinite and negative values are set to 0; pixels that had one are counted in `*bad_pixels` (may be
- * NULL). An EXR's data window must be its display window; chromaticities and EXPOSURE are not applied.
+/* Reads a Radiance .hdr (scanlines in any order) or an OpenEXR .exr (the first part, scanline or tiled, level 0,
+ * half/float/uint, any compression; channels R G B, else Y, else those of the first layer `Combined`, else those of the
+ * only layer that has R G B). Told apart by content, not by extension. NaN, infinite and negative values are set to 0;
+ * pixels that had one are counted in `*bad_pixels` (may be NULL). An EXR's data window must be its display window;
+ * chromaticities and EXPOSURE are not applied.
  * `*axes` (may be NULL) is set from the `envmap` attribute. A cube-map EXR is refused.
- * @return LMB_ERROR_IO, _FORMAT, _UNSUPPORTED, _MEMORY */
+ * @return LMB_ERROR_IO, _FORMAT (broken, whatever the decoder calls it), _UNSUPPORTED, _MEMORY */
 lmb_result lmb_image_read(const char *path, lmb_image *image, lmb_latlong_axes *axes, size_t *bad_pixels,
                           lmb_error *error);
 

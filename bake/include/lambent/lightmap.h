@@ -15,13 +15,18 @@
 extern "C" {
 #endif
 
+enum { LMB_LIGHTMAP_MAX_PADDING = 64 };
+
 typedef struct lmb_lightmap_settings {
     float texels_per_m;     /* > 0; lowered for instances that would not fit an image */
     int32_t max_image_size; /* texels along a side, a power of two */
-    lmb_warnings warnings;
+    int32_t padding;        /* texels around each region and each chart made here that are filled from within, up to
+                               LMB_LIGHTMAP_MAX_PADDING: one is what bilinear filtering reads, each mip level doubles
+                               that. 0 counts as 1 */
+    lmb_warnings warnings;  /* UVs that are not used, densities that do not fit, islands of a few texels */
 } lmb_lightmap_settings;
 
-/* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048. */
+/* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048, padding 1. */
 lmb_lightmap_settings lmb_lightmap_settings_default(const lmb_scene *scene);
 
 /* One instance's place. A corner at (u, v) of the mesh's lightmap UVs lies at (u, v) * scale + offset of the image,
@@ -32,6 +37,7 @@ typedef struct lmb_lightmap_region {
     lmb_vec2 offset;
     lmb_vec2 scale;
     float texel_size; /* metres, the mean over the instance; 0 without a lightmap */
+    bool back; /* baked on the side that the winding calls back: lmb_tracer_is_turned. Known once baked or read */
 } lmb_lightmap_region;
 
 /* One image of texels. */

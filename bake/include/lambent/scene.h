@@ -182,7 +182,8 @@ lmb_result lmb_scene_validate(const lmb_scene *scene, lmb_error *error);
 
 /* Sets the environment from a description:
  *     a path to .hdr or .exr, or #rrggbb (sRGB constant colour), or "none";
- * each may be followed by options, ",rotation=DEG" and ",strength=X". Continues scene->content_hash.
+ * each may be followed by options, ",rotation=DEG" and ",strength=X". A picture must be twice as wide as high, within
+ * 1 % of its height. Continues scene->content_hash.
  * @return LMB_ERROR_FORMAT, _IO, _UNSUPPORTED, _MEMORY */
 lmb_result lmb_scene_set_environment(lmb_scene *scene, const char *description, lmb_error *error);
 

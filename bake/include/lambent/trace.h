@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include <lambent/scene.h>
+#include <lambent/warning.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -25,6 +26,15 @@ void lmb_tracer_destroy(lmb_tracer *tracer);
 /* The scene that it was made for. */
 const lmb_scene *lmb_tracer_scene(const lmb_tracer *tracer);
 
+/* Whether an instance is wound inside out, and is seen from the side that its winding calls back: a closed, opaque and
+ * double-sided object with nothing in it, in free space. Its back then counts as its front everywhere: for hits,
+ * places, texels, and for telling solids from free space. */
+bool lmb_tracer_is_turned(const lmb_tracer *tracer, uint32_t instance);
+
+/* Says what of the level looks like a mistake: objects wound inside out that are not double-sided, and point and spot
+ * lights that opaque surfaces shut in. */
+void lmb_tracer_warn(const lmb_tracer *tracer, const lmb_warnings *warnings);
+
 /* Bytes that Embree holds for geometry and BVH. */
 size_t lmb_tracer_bytes(const lmb_tracer *tracer);
 
@@ -33,7 +43,7 @@ typedef struct lmb_hit {
     uint32_t triangle; /* of the instance's mesh */
     float u, v;        /* barycentric weights of the triangle's second and third corner */
     float distance;    /* along the ray, in units of its direction's length */
-    bool front;        /* the ray meets the side that the triangle's winding calls front */
+    bool front;        /* the ray meets the side that the triangle's winding calls front, or the other: is_turned */
 } lmb_hit;
 
 /* The nearest triangle between the two distances along the ray, whatever it is made of. */
@@ -61,7 +71,7 @@ void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch
 /* Where a hit is and how it faces. */
 typedef struct lmb_place {
     lmb_vec3 position;         /* world space, from the triangle's corners: accurate to a few ulps of its coordinates */
-    lmb_vec3 geometric_normal; /* unit, towards the side that the triangle's winding calls front */
+    lmb_vec3 geometric_normal; /* unit, on the front's side, as lmb_hit has it */
     lmb_vec3 shading_normal;   /* unit, interpolated vertex normal, turned to the geometric normal's side */
     float rounding;            /* metres: how far rounding can have moved the position off its triangle */
 } lmb_place;

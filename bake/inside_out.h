@@ -1,0 +1,24 @@
+/* Objects that are wound inside out, and what to say of them. */
+#ifndef LMB_INSIDE_OUT_H
+#define LMB_INSIDE_OUT_H
+
+#include <lambent/trace.h>
+
+typedef enum lmb_facing {
+    LMB_FACING_AS_WOUND,
+    LMB_FACING_TURNED, /* inside out and double-sided: what the winding calls its back is its front */
+    LMB_FACING_WRONG   /* inside out, but not double-sided: nothing helps but turning its winding */
+} lmb_facing;
+
+/* Finds out how each instance of the tracer's scene faces, from a tracer that believes all windings.
+ *
+ * A mesh may be inside out when it is closed and all its parts enclose a negative volume. That is a room, too. It is no
+ * room when nothing is in it: no light, no other object, no seed or path point; then no light can be there either, as
+ * it is opaque, and its texels could only be black. And it is an object when those outside see it in good surroundings:
+ * rays from its outer side meet fronts of others more often than backs. @return LMB_ERROR_MEMORY */
+lmb_result lmb_inside_out_find(const lmb_tracer *tracer, uint8_t *facing);
+
+/* What was found. */
+lmb_facing lmb_tracer_facing(const lmb_tracer *tracer, uint32_t instance);
+
+#endif
