@@ -7,15 +7,12 @@
 #include <lambent/sequence.h>
 
 #include "bake_internal.h"
-#include "chart_internal.h"
 #include "directions.h"
+#include "double3.h"
 #include "trace_internal.h"
 
 /* Points all over an object, and rays from each of them; fewer points where there are very many objects. */
 enum { MOST_POINTS = 16, LEAST_POINTS = 2, POINTS_OF_ALL = 1 << 16, RAYS_PER_POINT = LMB_RAY_BATCH };
-
-/* Volumes within this part of (area)^(3/2) are those of sheets; a sphere has 0.094. */
-#define LEAST_VOLUME 1e-4
 
 /* Of the rays outwards that meet other objects or leave the level, so many must meet fronts. */
 #define LEAST_FRONTS 0.05f
@@ -23,147 +20,21 @@ enum { MOST_POINTS = 16, LEAST_POINTS = 2, POINTS_OF_ALL = 1 << 16, RAYS_PER_POI
 /* How many of an object's vertices are looked at, to tell whether it is within another. */
 enum { SAMPLE_VERTICES = 16 };
 
+/* Larger meshes are levels rather than objects, and take long to take apart. */
+enum { MOST_TRIANGLES = 1 << 18 };
+
 /* Other objects that are seen from inside of one. */
 enum { MOST_SEEN = 64 };
 
-typedef struct vector {
-    double x, y, z;
-} vector;
-
-static vector vector_between(vector from, vector to)
-{
-    return (vector){to.x - from.x, to.y - from.y, to.z - from.z};
-}
-
-static vector vector_of(lmb_vec3 v)
-{
-    return (vector){(double)v.x, (double)v.y, (double)v.z};
-}
-
-static vector cross(vector a, vector b)
-{
-    return (vector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-static double dot(vector a, vector b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static void triangle_corners(const lmb_mesh *mesh, uint32_t triangle, vector corner[3])
-{
-    for (int k = 0; k < 3; ++k) {
-        corner[k] = vector_of(mesh->position[mesh->triangle[triangle][k]]);
-    }
-}
-
-/* Six times the volume of the tetrahedron to `apex`, positive where the triangle faces away from it. */
-static double triangle_volume(const lmb_mesh *mesh, uint32_t triangle, vector apex)
-{
-    vector corner[3];
-    triangle_corners(mesh, triangle, corner);
-    return dot(vector_between(apex, corner[0]),
-               cross(vector_between(apex, corner[1]), vector_between(apex, corner[2])));
-}
-
-static double triangle_area(const lmb_mesh *mesh, uint32_t triangle)
-{
-    vector corner[3];
-    triangle_corners(mesh, triangle, corner);
-    const vector normal = cross(vector_between(corner[0], corner[1]), vector_between(corner[0], corner[2]));
-    return 0.5 * sqrt(dot(normal, normal));
-}
-
-/* Triangles that hang together. */
-typedef struct part {
-    double volume; /* six times it */
-    double area;
-    uint64_t edges; /* 0 (almost surely) if each edge is walked as often one way as the other: then it is closed */
-} part;
-
-static uint32_t root_find(uint32_t *parent, uint32_t item)
-{
-    while (parent[item] != item) {
-        parent[item] = parent[parent[item]];
-        item = parent[item];
-    }
-    return item;
-}
-
-static uint64_t edge_sum(uint32_t from, uint32_t to)
-{
-    const uint64_t hash = lmb_mix(from < to ? from : to, from < to ? to : from);
-    return from < to ? hash : from > to ? UINT64_C(0) - hash : 0;
-}
-
-/* Sums up all parts; `parts` [vertex] is that of the root. */
-static void parts_sum(const lmb_mesh *mesh, vector apex, const uint32_t *weld, uint32_t *parent, part *parts)
-{
-    memcpy(parent, weld, mesh->vertex_count * sizeof *parent);
-    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-        const uint32_t root = root_find(parent, mesh->triangle[t][0]);
-        for (int k = 1; k < 3; ++k) {
-            parent[root_find(parent, mesh->triangle[t][k])] = root;
-        }
-    }
-    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-        const uint32_t *const v = mesh->triangle[t];
-        part *const sum = &parts[root_find(parent, v[0])];
-        sum->volume += triangle_volume(mesh, t, apex);
-        sum->area += triangle_area(mesh, t);
-        for (int k = 0; k < 3; ++k) {
-            sum->edges += edge_sum(weld[v[k]], weld[v[(k + 1) % 3]]);
-        }
-    }
-}
-
-static vector mesh_middle(const lmb_mesh *mesh)
-{
-    lmb_vec3 low = mesh->position[mesh->triangle[0][0]], high = low;
-    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-        low = vec3_smaller(low, mesh->position[v]);
-        high = vec3_larger(high, mesh->position[v]);
-    }
-    return (vector){0.5 * ((double)low.x + (double)high.x), 0.5 * ((double)low.y + (double)high.y),
-                    0.5 * ((double)low.z + (double)high.z)};
-}
-
-/* Whether all parts of a mesh are closed and face inwards. */
-static lmb_result mesh_is_inward(const lmb_mesh *mesh, bool *inward)
-{
-    *inward = false;
-    const vector middle = mesh_middle(mesh);
-    double volume = 0.0;
-    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-        volume += triangle_volume(mesh, t, middle);
-    }
-    if (!(volume < 0.0)) {
-        return LMB_OK; /* most meshes: nothing more to look at */
-    }
-    uint32_t *const weld = malloc(mesh->vertex_count * sizeof *weld);
-    uint32_t *const parent = malloc(mesh->vertex_count * sizeof *parent);
-    part *const parts = calloc(mesh->vertex_count, sizeof *parts);
-    const bool enough = weld && parent && parts && chart_vertices_weld(mesh, weld);
-    if (enough) {
-        parts_sum(mesh, middle, weld, parent, parts);
-        *inward = true;
-    }
-    for (uint32_t v = 0; enough && v < mesh->vertex_count; ++v) {
-        const part *sum = &parts[v];
-        *inward = *inward && (sum->area == 0.0 ||
-                              (sum->edges == 0 && sum->volume < -6.0 * LEAST_VOLUME * sum->area * sqrt(sum->area)));
-    }
-    free(weld);
-    free(parent);
-    free(parts);
-    return enough ? LMB_OK : LMB_ERROR_MEMORY;
-}
-
-/* Whether no light comes from or through a mesh, and whether all of it is double-sided. */
-static bool mesh_is_dark(const lmb_scene *scene, const lmb_mesh *mesh, bool *double_sided)
+/* Whether no light comes from or through the object, and whether all of it is double-sided. `marks` NULL: all of the
+ * mesh, else its marked triangles. */
+static bool object_is_dark(const lmb_scene *scene, const lmb_mesh *mesh, const uint8_t *marks, bool *double_sided)
 {
     *double_sided = true;
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+        if (marks && !marks[t]) {
+            continue;
+        }
         const lmb_material *material = &scene->materials[mesh->material[t]];
         if (material->alpha_mode != LMB_ALPHA_OPAQUE || material->transmission > 0.0f ||
             rgb_max(material->emissive) > 0.0f) {
@@ -190,8 +61,9 @@ typedef struct candidate {
     const lmb_tracer *tracer;
     const lmb_scene *scene;
     uint32_t instance;
-    lmb_vec3 low, high;  /* world bounds */
-    double *area_before; /* [triangle + 1] in world space */
+    const uint8_t *marks; /* [triangle] what belongs to it; NULL: all */
+    lmb_vec3 low, high;   /* world bounds */
+    double *area_before;  /* [triangle + 1] in world space */
 } candidate;
 
 static const lmb_mesh *instance_mesh(const lmb_scene *scene, uint32_t instance)
@@ -199,13 +71,19 @@ static const lmb_mesh *instance_mesh(const lmb_scene *scene, uint32_t instance)
     return &scene->meshes[scene->instances[instance].mesh];
 }
 
-static lmb_result candidate_make(const facing_work *work, uint32_t instance, candidate *made)
+static bool object_has(const candidate *object, uint32_t triangle)
+{
+    return !object->marks || object->marks[triangle];
+}
+
+static lmb_result candidate_make(const facing_work *work, uint32_t instance, const uint8_t *marks, candidate *made)
 {
     const lmb_mesh *mesh = instance_mesh(work->scene, instance);
     *made = (candidate){.work = work,
                         .tracer = work->tracer,
                         .scene = work->scene,
                         .instance = instance,
+                        .marks = marks,
                         .low = {FLT_MAX, FLT_MAX, FLT_MAX},
                         .high = {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
     made->area_before = malloc(((size_t)mesh->triangle_count + 1) * sizeof *made->area_before);
@@ -215,12 +93,15 @@ static lmb_result candidate_make(const facing_work *work, uint32_t instance, can
     double area = 0.0;
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         lmb_vec3 corner[3];
+        made->area_before[t] = area;
+        if (!object_has(made, t)) {
+            continue;
+        }
         lmb_trace_corners(work->tracer, instance, t, corner);
         for (int k = 0; k < 3; ++k) {
             made->low = vec3_smaller(made->low, corner[k]);
             made->high = vec3_larger(made->high, corner[k]);
         }
-        made->area_before[t] = area;
         area += (double)vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
     }
     made->area_before[mesh->triangle_count] = area;
@@ -270,26 +151,29 @@ static void surface_rays(const candidate *object, uint32_t number, float side, l
 }
 
 /* Signed crossings of the object's triangles from a point on, exact but for rays that meet an edge. */
-static int crossings_along(const candidate *object, vector from, vector direction)
+static int crossings_along(const candidate *object, double3 from, double3 direction)
 {
     int crossings = 0;
     const uint32_t count = instance_mesh(object->scene, object->instance)->triangle_count;
     for (uint32_t t = 0; t < count; ++t) {
         lmb_vec3 corner[3];
+        if (!object_has(object, t)) {
+            continue;
+        }
         lmb_trace_corners(object->tracer, object->instance, t, corner);
-        const vector a = vector_of(corner[0]);
-        const vector u = vector_between(a, vector_of(corner[1]));
-        const vector v = vector_between(a, vector_of(corner[2]));
-        const vector across = cross(direction, v);
-        const double facing = dot(u, across);
+        const double3 a = double3_of(corner[0]);
+        const double3 u = double3_between(a, double3_of(corner[1]));
+        const double3 v = double3_between(a, double3_of(corner[2]));
+        const double3 across = double3_cross(direction, v);
+        const double facing = double3_dot(u, across);
         if (facing == 0.0) {
             continue;
         }
-        const vector to = vector_between(a, from);
-        const double at_u = dot(to, across) / facing;
-        const vector turned = cross(to, u);
-        const double at_v = dot(direction, turned) / facing;
-        if (at_u >= 0.0 && at_v >= 0.0 && at_u + at_v <= 1.0 && dot(v, turned) / facing > 0.0) {
+        const double3 to = double3_between(a, from);
+        const double at_u = double3_dot(to, across) / facing;
+        const double3 turned = double3_cross(to, u);
+        const double at_v = double3_dot(direction, turned) / facing;
+        if (at_u >= 0.0 && at_v >= 0.0 && at_u + at_v <= 1.0 && double3_dot(v, turned) / facing > 0.0) {
             crossings += facing > 0.0 ? 1 : -1;
         }
     }
@@ -299,14 +183,14 @@ static int crossings_along(const candidate *object, vector from, vector directio
 static bool point_is_within(const candidate *object, lmb_vec3 point)
 {
     /* Rays along these meet no edge of what stands straight. */
-    static const vector DIRECTIONS[3] = {{0.683, 0.571, 0.455}, {-0.433, 0.749, -0.502}, {0.291, -0.397, 0.870}};
+    static const double3 DIRECTIONS[3] = {{0.683, 0.571, 0.455}, {-0.433, 0.749, -0.502}, {0.291, -0.397, 0.870}};
     if (!(point.x > object->low.x && point.y > object->low.y && point.z > object->low.z && point.x < object->high.x &&
           point.y < object->high.y && point.z < object->high.z)) {
         return false;
     }
     int within = 0;
     for (int k = 0; k < 3; ++k) {
-        within += crossings_along(object, vector_of(point), DIRECTIONS[k]) != 0;
+        within += crossings_along(object, double3_of(point), DIRECTIONS[k]) != 0;
     }
     return within >= 2;
 }
@@ -374,6 +258,23 @@ static bool seen_add(const candidate *object, const lmb_hit *hit, uint32_t seen[
     return true;
 }
 
+static bool hit_is_own(const candidate *object, const lmb_hit *hit)
+{
+    return hit->instance == object->instance && object_has(object, hit->triangle);
+}
+
+/* Whether what a ray from inside has met is something in the object for sure, or is noted among `seen`. */
+static bool hit_is_within(const candidate *object, const lmb_hit *hit, uint32_t seen[MOST_SEEN], uint32_t *count)
+{
+    if (hit->instance != object->instance) {
+        return !seen_add(object, hit, seen, count);
+    }
+    lmb_vec3 corner[3];
+    lmb_trace_corners(object->tracer, hit->instance, hit->triangle, corner);
+    return point_is_within(object, corner[0]) && point_is_within(object, corner[1]) &&
+           point_is_within(object, corner[2]);
+}
+
 /* Whether something is in the object: what merely reaches into it, as a floor does into what stands on it, is not. */
 static bool holds_objects(const candidate *object)
 {
@@ -383,8 +284,8 @@ static bool holds_objects(const candidate *object)
         lmb_hit hit[RAYS_PER_POINT];
         surface_rays(object, k, 1.0f, hit);
         for (uint32_t i = 0; i < RAYS_PER_POINT; ++i) {
-            if (hit[i].instance != LMB_HIT_NOTHING && hit[i].instance != object->instance &&
-                !seen_add(object, &hit[i], seen, &count)) {
+            if (hit[i].instance != LMB_HIT_NOTHING && !hit_is_own(object, &hit[i]) &&
+                hit_is_within(object, &hit[i], seen, &count)) {
                 return true;
             }
         }
@@ -407,7 +308,8 @@ static bool outside_is_free(const candidate *object)
         surface_rays(object, k, -1.0f, hit);
         for (uint32_t i = 0; i < RAYS_PER_POINT; ++i) {
             const bool met = hit[i].instance != LMB_HIT_NOTHING;
-            if (met && object->work->mesh_inward[object->scene->instances[hit[i].instance].mesh]) {
+            if (met && (hit_is_own(object, &hit[i]) ||
+                        object->work->mesh_inward[object->scene->instances[hit[i].instance].mesh])) {
                 continue;
             }
             open += !met;
@@ -418,14 +320,14 @@ static bool outside_is_free(const candidate *object)
     return fronts > backs && (float)fronts >= LEAST_FRONTS * (float)(fronts + backs + open);
 }
 
-static lmb_result instance_judge(const facing_work *work, uint32_t instance, uint8_t *facing)
+static lmb_result instance_judge(const facing_work *work, uint32_t instance, const uint8_t *marks, uint8_t *facing)
 {
     bool double_sided;
-    if (!mesh_is_dark(work->scene, instance_mesh(work->scene, instance), &double_sided)) {
+    if (!object_is_dark(work->scene, instance_mesh(work->scene, instance), marks, &double_sided)) {
         return LMB_OK;
     }
     candidate object;
-    const lmb_result result = candidate_make(work, instance, &object);
+    const lmb_result result = candidate_make(work, instance, marks, &object);
     if (result == LMB_OK && outside_is_free(&object) && !holds_marks(&object) && !holds_objects(&object)) {
         *facing = double_sided ? LMB_FACING_TURNED : LMB_FACING_WRONG;
     }
@@ -439,13 +341,33 @@ static bool instance_is_inward(const facing_work *work, uint32_t instance)
     return !placed->dynamic && work->mesh_inward[placed->mesh];
 }
 
-/* Looks at all meshes, and lists what moves. */
-static lmb_result work_prepare(facing_work *work)
+static lmb_result work_make(const lmb_tracer *tracer, facing_work *work)
+{
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    *work = (facing_work){.tracer = tracer, .scene = scene, .points = MOST_POINTS};
+    work->mesh_inward = calloc((size_t)scene->mesh_count + 1, sizeof *work->mesh_inward);
+    work->dynamic = malloc(((size_t)scene->instance_count + 1) * sizeof *work->dynamic);
+    for (uint32_t i = 0; work->dynamic && i < scene->instance_count; ++i) {
+        if (scene->instances[i].dynamic) {
+            work->dynamic[work->dynamic_count++] = i;
+        }
+    }
+    return work->mesh_inward && work->dynamic ? LMB_OK : LMB_ERROR_MEMORY;
+}
+
+static void work_free(facing_work *work)
+{
+    free(work->mesh_inward);
+    free(work->dynamic);
+}
+
+/* Looks at all meshes. */
+static lmb_result meshes_look_at(facing_work *work)
 {
     const lmb_scene *scene = work->scene;
     for (uint32_t m = 0; m < scene->mesh_count; ++m) {
         bool inward = false;
-        if (scene->meshes[m].triangle_count > 0 && mesh_is_inward(&scene->meshes[m], &inward) != LMB_OK) {
+        if (scene->meshes[m].triangle_count > 0 && lmb_mesh_is_inward(&scene->meshes[m], &inward) != LMB_OK) {
             return LMB_ERROR_MEMORY;
         }
         work->mesh_inward[m] = inward;
@@ -453,9 +375,6 @@ static lmb_result work_prepare(facing_work *work)
     uint32_t inward_count = 0;
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         inward_count += instance_is_inward(work, i);
-        if (scene->instances[i].dynamic) {
-            work->dynamic[work->dynamic_count++] = i;
-        }
     }
     const uint32_t affordable = POINTS_OF_ALL / (inward_count + 1);
     work->points = affordable > MOST_POINTS ? MOST_POINTS : affordable < LEAST_POINTS ? LEAST_POINTS : affordable;
@@ -464,18 +383,51 @@ static lmb_result work_prepare(facing_work *work)
 
 lmb_result lmb_inside_out_find(const lmb_tracer *tracer, uint8_t *facing)
 {
-    const lmb_scene *scene = lmb_tracer_scene(tracer);
-    facing_work work = {.tracer = tracer, .scene = scene};
-    work.mesh_inward = calloc((size_t)scene->mesh_count + 1, sizeof *work.mesh_inward);
-    work.dynamic = malloc(((size_t)scene->instance_count + 1) * sizeof *work.dynamic);
-    lmb_result result = work.mesh_inward && work.dynamic ? work_prepare(&work) : LMB_ERROR_MEMORY;
-    for (uint32_t i = 0; i < scene->instance_count && result == LMB_OK; ++i) {
+    facing_work work;
+    lmb_result result = work_make(tracer, &work);
+    if (result == LMB_OK) {
+        result = meshes_look_at(&work);
+    }
+    for (uint32_t i = 0; i < work.scene->instance_count && result == LMB_OK; ++i) {
         facing[i] = LMB_FACING_AS_WOUND;
         if (instance_is_inward(&work, i)) {
-            result = instance_judge(&work, i, &facing[i]);
+            result = instance_judge(&work, i, NULL, &facing[i]);
         }
     }
-    free(work.mesh_inward);
-    free(work.dynamic);
+    work_free(&work);
+    return result;
+}
+
+/* Judges the first instance of a mesh by its inward parts. */
+static lmb_result mesh_parts_judge(const facing_work *work, uint32_t instance, uint8_t *facing)
+{
+    const lmb_mesh *mesh = instance_mesh(work->scene, instance);
+    uint8_t *const marks = malloc(mesh->triangle_count);
+    uint32_t others = 0;
+    lmb_result result = marks ? lmb_mesh_mark_inward(mesh, marks, &others) : LMB_ERROR_MEMORY;
+    if (result == LMB_OK && others > 0 && memchr(marks, 1, mesh->triangle_count)) {
+        result = instance_judge(work, instance, marks, facing);
+    }
+    free(marks);
+    return result;
+}
+
+lmb_result lmb_inside_out_parts_find(const lmb_tracer *tracer, uint8_t *facing)
+{
+    facing_work work;
+    lmb_result result = work_make(tracer, &work);
+    uint8_t *const looked_at = calloc((size_t)work.scene->mesh_count + 1, sizeof *looked_at);
+    result = looked_at ? result : LMB_ERROR_MEMORY;
+    for (uint32_t i = 0; i < work.scene->instance_count && result == LMB_OK; ++i) {
+        const lmb_instance *placed = &work.scene->instances[i];
+        const uint32_t triangles = work.scene->meshes[placed->mesh].triangle_count;
+        facing[i] = LMB_FACING_AS_WOUND;
+        if (!placed->dynamic && triangles > 0 && triangles <= MOST_TRIANGLES && !looked_at[placed->mesh]) {
+            looked_at[placed->mesh] = 1;
+            result = mesh_parts_judge(&work, i, &facing[i]);
+        }
+    }
+    free(looked_at);
+    work_free(&work);
     return result;
 }

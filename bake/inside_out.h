@@ -18,6 +18,18 @@ typedef enum lmb_facing {
  * rays from its outer side meet fronts of others more often than backs. @return LMB_ERROR_MEMORY */
 lmb_result lmb_inside_out_find(const lmb_tracer *tracer, uint8_t *facing);
 
+/* The same of instances of which some closed parts face inwards and others do not, judged by the former, for the first
+ * instance of each mesh: facing[instance] is not LMB_FACING_AS_WOUND for those that are reversed in part. The tracer
+ * may have turned others. @return LMB_ERROR_MEMORY */
+lmb_result lmb_inside_out_parts_find(const lmb_tracer *tracer, uint8_t *facing);
+
+/* Marks the triangles of a mesh's closed parts that face inwards, [triangle]. `*others`: how many triangles with area
+ * there are besides. @return LMB_ERROR_MEMORY */
+lmb_result lmb_mesh_mark_inward(const lmb_mesh *mesh, uint8_t *inward, uint32_t *others);
+
+/* Whether all parts of a mesh are closed and face inwards. @return LMB_ERROR_MEMORY */
+lmb_result lmb_mesh_is_inward(const lmb_mesh *mesh, bool *inward);
+
 /* What was found. */
 lmb_facing lmb_tracer_facing(const lmb_tracer *tracer, uint32_t instance);
 

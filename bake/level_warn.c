@@ -1,5 +1,5 @@
 /* What of a level looks like a mistake, once rays can be traced. */
-#include <float.h>
+#include <stdlib.h>
 
 #include <lambent/sequence.h>
 #include <lambent/trace.h>
@@ -35,6 +35,27 @@ static void inside_out_warn(const lmb_tracer *tracer, const lmb_warnings *warnin
         }
     }
     others_warn(warnings, count, "nodes are wound inside out");
+}
+
+static void partly_inside_out_warn(const lmb_tracer *tracer, const lmb_warnings *warnings)
+{
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    uint8_t *const facing = calloc((size_t)scene->instance_count + 1, sizeof *facing);
+    if (!facing || lmb_inside_out_parts_find(tracer, facing) != LMB_OK) {
+        free(facing); /* a warning less; the work itself will say that memory is short */
+        return;
+    }
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        if (facing[i] != LMB_FACING_AS_WOUND && count++ < MOST_NAMED) {
+            lmb_warn(warnings,
+                     "node '%s' is wound inside out in parts: their texels are on the inner side, where no light is; "
+                     "turn their triangles round",
+                     scene->instances[i].name);
+        }
+    }
+    others_warn(warnings, count, "nodes are wound inside out in parts");
+    free(facing);
 }
 
 /* Directions in which a lamp shines. */
@@ -115,5 +136,6 @@ void lmb_tracer_warn(const lmb_tracer *tracer, const lmb_warnings *warnings)
         return;
     }
     inside_out_warn(tracer, warnings);
+    partly_inside_out_warn(tracer, warnings);
     lamps_warn(tracer, warnings);
 }

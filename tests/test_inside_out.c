@@ -18,6 +18,8 @@ typedef struct stage {
     bool emissive;
     bool leafy; /* see-through */
     bool lamp_inside, seed_inside, moving_inside;
+    bool joined;     /* one mesh with a box that stands beside it, wound as it should be */
+    bool furnished;  /* one mesh with such a box inside */
     float vase;      /* height of a small box's bottom; 0: none. The block's top is at 1 */
     bool turned;     /* what is right */
     bool complained; /* one warning with the block's name */
@@ -39,6 +41,10 @@ static const stage STAGES[] = {
     {.name = "open", .lid_missing = true},
     {.name = "a lamp itself", .emissive = true},
     {.name = "of leaves", .leafy = true},
+    {.name = "joined with another", .joined = true, .complained = true},
+    {.name = "joined as it should be", .joined = true, .outward = true},
+    {.name = "a furnished room", .furnished = true},
+    {.name = "a furnished room, joined with another", .furnished = true, .joined = true},
 };
 
 static int stage_material(lmb_level_builder *builder, const stage *s)
@@ -59,6 +65,14 @@ static void block_add(lmb_level_builder *builder, const stage *s)
     box.inward = !s->outward;
     box.material[3] = s->lid_missing ? LMB_LEVEL_NONE : material;
     lmb_level_builder_add_box(builder, block, &box);
+    if (s->joined) {
+        box = lmb_level_box_of((lmb_vec3){1, 0, -0.5f}, (lmb_vec3){2, 1, 0.5f}, material);
+        lmb_level_builder_add_box(builder, block, &box);
+    }
+    if (s->furnished) {
+        box = lmb_level_box_of((lmb_vec3){-0.2f, 0.2f, -0.2f}, (lmb_vec3){0.2f, 0.4f, 0.2f}, material);
+        lmb_level_builder_add_box(builder, block, &box);
+    }
     lmb_level_node node = lmb_level_node_default("block");
     node.mesh = block;
     node.scale.x = s->mirrored ? -1.0f : 1.0f;
