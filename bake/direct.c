@@ -14,10 +14,14 @@ void lmb_sample_numbers(const lmb_transport *transport, uint64_t stream, uint32_
         return;
     }
     for (uint32_t i = 0; i < count; ++i) {
-        /* Counted from the far end: leg.c counts layers from 0. */
         x[i] = lmb_random(stream, first + i, pair, UINT32_MAX);
         y[i] = lmb_random(stream, first + i, pair, UINT32_MAX - 1);
     }
+}
+
+uint64_t lmb_layer_chance(uint64_t stream, uint32_t sample, int32_t vertex)
+{
+    return lmb_mix(lmb_mix(stream ^ UINT64_C(0x5851f42d4c957f2d), sample), (uint32_t)vertex);
 }
 
 void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2])

@@ -37,6 +37,10 @@ void lmb_sample_numbers(const lmb_transport *transport, uint64_t stream, uint32_
 /* Two numbers in [0, 1) of the path's present vertex. */
 void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2]);
 
+/* What decides which layers let pass a sample's ray (lmb_trace_through): of its path's vertex, or a ray of its own. */
+enum { LMB_CHANCE_OF_AIM = -1 };
+uint64_t lmb_layer_chance(uint64_t stream, uint32_t sample, int32_t vertex);
+
 /* A point that light is collected at: a gather point or a reflection. */
 typedef struct lmb_receiver {
     lmb_vec3 position;         /* on the surface, or in space */

@@ -33,6 +33,8 @@ typedef struct gather_batch {
     uint32_t per_receiver;      /* samples that one place has */
     uint64_t *rays_traced;
     lmb_ray_batch rays;
+    bool layers;            /* the level has any */
+    lmb_rgb share[SAMPLES]; /* of each ray's light that they leave */
     lmb_contributions found;
     /* All receivers are near the first point: they choose lights as it would. */
     lmb_triangle_query triangles;
@@ -260,6 +262,22 @@ static void rays_make(gather_batch *batch, float density[SAMPLES])
     }
 }
 
+/* The nearest hits of all rays through layers. A ray joins a sample: its own, or one of every `step`. */
+static void rays_trace(gather_batch *batch, uint32_t step, int32_t vertex, lmb_hit hit[SAMPLES])
+{
+    uint64_t chance[SAMPLES];
+    for (uint32_t i = 0; batch->layers && i < batch->rays.count; ++i) {
+        chance[i] = lmb_layer_chance(batch->stream, batch->first + i * step, vertex);
+    }
+    lmb_trace_through_batch(batch->transport->tracer, &batch->rays, chance, hit, batch->share, batch->rays_traced);
+}
+
+/* What layers leave of a ray's light. */
+static inline lmb_rgb ray_share(const gather_batch *batch, uint32_t ray)
+{
+    return batch->layers ? batch->share[ray] : rgb(1.0f, 1.0f, 1.0f);
+}
+
 /* Radiance along a ray that ends on what takes more than a look at the surface's light. */
 static lmb_rgb radiance_followed(const gather_batch *batch, uint32_t sample, lmb_vec3 direction, const lmb_hit *hit)
 {
@@ -267,7 +285,7 @@ static lmb_rgb radiance_followed(const gather_batch *batch, uint32_t sample, lmb
     lmb_path path = {batch->transport, batch->stream, batch->first + sample, 0, batch->rays_traced};
     const lmb_vec3 origin = vec3(rays->origin[0][sample], rays->origin[1][sample], rays->origin[2][sample]);
     const lmb_receiver receiver = batch_receiver(batch, sample);
-    lmb_leg leg = {&receiver, origin, direction, {{1.0f, 1.0f, 1.0f}}};
+    lmb_leg leg = {&receiver, origin, direction, ray_share(batch, sample)};
     const lmb_landing landing = lmb_leg_land(&path, &leg, hit);
     return lmb_path_radiance(&path, leg, landing);
 }
@@ -304,7 +322,7 @@ static void skies_gather(gather_batch *batch, const lmb_hit *hit, const float *d
     for (uint32_t k = 0; k < count; ++k) {
         const uint32_t i = number[k];
         const lmb_rgb sky = lmb_leg_sky(&batch->receiver, ray_direction(batch, i), &seen[k]);
-        ray_give(batch, i, sky, density[i]);
+        ray_give(batch, i, batch->layers ? rgb_mul(sky, batch->share[i]) : sky, density[i]);
     }
 }
 
@@ -356,8 +374,7 @@ static void gather_bright(gather_batch *batch)
     bright_ray ray[SAMPLES];
     lmb_hit hit[SAMPLES];
     bright_rays_make(batch, ray);
-    lmb_trace_nearest_batch(transport->tracer, &batch->rays, hit);
-    *batch->rays_traced += batch->rays.count;
+    rays_trace(batch, SAMPLES_PER_AIM, LMB_CHANCE_OF_AIM, hit);
     for (uint32_t i = 0; i < batch->rays.count; ++i) {
         const lmb_bright_aim *aim = &ray[i].aim;
         uint32_t side;
@@ -365,7 +382,8 @@ static void gather_bright(gather_batch *batch)
             lmb_surface_light_find(light, &hit[i], transport->bounces < 0, &side) && side == aim->side) {
             const float density = lmb_receiver_density(&batch->receiver, aim->direction) +
                                   aims_per_sample(batch) * lmb_bright_aim_density(light->bright, aim, &hit[i]);
-            contribution_add(&batch->found, aim->direction, rgb_scale(light->radiance[side], 1.0f / density));
+            const lmb_rgb radiance = rgb_mul(light->radiance[side], ray_share(batch, i));
+            contribution_add(&batch->found, aim->direction, rgb_scale(radiance, 1.0f / density));
         }
     }
 }
@@ -410,7 +428,8 @@ static void surfaces_gather(gather_batch *batch, const lmb_hit *hit, const float
             aimed =
                 aims_per_sample(batch) * lmb_bright_cells_density(light, &batch->bright, direction, &hit[i], side[i]);
         }
-        ray_give(batch, i, light->radiance[side[i]], density[i] + aimed);
+        const lmb_rgb radiance = light->radiance[side[i]];
+        ray_give(batch, i, batch->layers ? rgb_mul(radiance, batch->share[i]) : radiance, density[i] + aimed);
     }
 }
 
@@ -419,8 +438,7 @@ static void gather_rays(gather_batch *batch)
     float density[SAMPLES];
     lmb_hit hit[SAMPLES];
     rays_make(batch, density);
-    lmb_trace_nearest_batch(batch->transport->tracer, &batch->rays, hit);
-    *batch->rays_traced += batch->count;
+    rays_trace(batch, 1, 0, hit);
     skies_gather(batch, hit, density);
     surfaces_gather(batch, hit, density);
 }
@@ -433,6 +451,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
     batch.light = transport->bounces != 0 ? transport->surface : NULL;
     batch.stream = replicate_stream(transport, samples);
     batch.rays_traced = rays;
+    batch.layers = lmb_tracer_has_layers(transport->tracer);
     batch.found.count = 0;
     receiver_set(&batch, samples);
     queries_set(&batch, &samples->points[0]);

@@ -138,15 +138,13 @@ static void link_weigh(lmb_link *link, lmb_rgb weight)
     }
 }
 
-static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *hit)
+static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *hit, lmb_rgb share)
 {
     const lmb_ray_batch *rays = &batch->rays;
     const uint32_t i = batch->owner[ray];
     lmb_side_sample *sample = &batch->sample[i];
-    lmb_leg leg = {&batch->receiver[i],
-                   vec3(rays->origin[0][ray], rays->origin[1][ray], rays->origin[2][ray]),
-                   vec3(rays->direction[0][ray], rays->direction[1][ray], rays->direction[2][ray]),
-                   {{1.0f, 1.0f, 1.0f}}};
+    lmb_leg leg = {&batch->receiver[i], vec3(rays->origin[0][ray], rays->origin[1][ray], rays->origin[2][ray]),
+                   vec3(rays->direction[0][ray], rays->direction[1][ray], rays->direction[2][ray]), share};
     const lmb_landing landing = lmb_leg_land(&sample->path, &leg, hit->instance != LMB_HIT_NOTHING ? hit : NULL);
     sample->direct = rgb_add(sample->direct, rgb_mul(leg.throughput, landing.emitted));
     if (landing.on_surface && rgb_max(landing.albedo) > 0.0f) {
@@ -157,7 +155,9 @@ static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *
 
 static void links_find(sample_batch *batch)
 {
+    uint64_t chance[LMB_RAY_BATCH];
     lmb_hit hit[LMB_RAY_BATCH];
+    lmb_rgb share[LMB_RAY_BATCH];
     sample_numbers directions;
     numbers_find(batch, PAIR_DIRECTION, &directions);
     batch->rays.count = 0;
@@ -169,10 +169,15 @@ static void links_find(sample_batch *batch)
             ray_add(batch, i, lmb_receiver_ray_origin(receiver, direction), direction, FLT_MAX);
         }
     }
-    lmb_trace_nearest_batch(batch->transport->tracer, &batch->rays, hit);
-    *batch->rays_traced += batch->rays.count;
+    const lmb_tracer *tracer = batch->transport->tracer;
+    const bool layers = lmb_tracer_has_layers(tracer);
+    for (uint32_t k = 0; layers && k < batch->rays.count; ++k) {
+        const lmb_path *path = &batch->sample[batch->owner[k]].path;
+        chance[k] = lmb_layer_chance(path->stream, path->sample, (int32_t)path->vertex);
+    }
+    lmb_trace_through_batch(tracer, &batch->rays, chance, hit, share, batch->rays_traced);
     for (uint32_t k = 0; k < batch->rays.count; ++k) {
-        sample_land(batch, k, &hit[k]);
+        sample_land(batch, k, &hit[k], layers ? share[k] : rgb(1.0f, 1.0f, 1.0f));
     }
 }
 
