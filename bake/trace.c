@@ -37,8 +37,13 @@ static bool layers_note(lmb_tracer *tracer)
 {
     const lmb_scene *scene = tracer->scene;
     bool *of_mesh = calloc(scene->mesh_count + 1u, sizeof *of_mesh);
-    if (!of_mesh) {
+    tracer->coverage = calloc(scene->material_count + 1u, sizeof *tracer->coverage);
+    if (!of_mesh || !tracer->coverage) {
+        free(of_mesh);
         return false;
+    }
+    for (uint32_t i = 0; i < scene->material_count; ++i) {
+        tracer->coverage[i] = lmb_material_coverage(&scene->materials[i], scene->materials[i].base_color);
     }
     for (uint32_t i = 0; i < scene->mesh_count; ++i) {
         of_mesh[i] = mesh_has_layers(tracer, &scene->meshes[i]);
@@ -231,6 +236,7 @@ void lmb_tracer_destroy(lmb_tracer *tracer)
     free(tracer->mesh_scene);
     free(tracer->world_vertex);
     free(tracer->is_see_through);
+    free(tracer->coverage);
     free(tracer->is_mirrored);
     free(tracer->has_layers);
     free(tracer);

@@ -18,6 +18,7 @@ struct lmb_tracer {
     RTCScene *mesh_scene;    /* [mesh] for meshes that are instanced, else NULL */
     lmb_vec3 **world_vertex; /* [instance] Embree's own vertex buffer when flattened, else NULL */
     bool *is_see_through;    /* [material] lets some light straight through */
+    lmb_coverage *coverage;  /* [material] without texture and vertex colours; only of what is see-through */
     bool *is_mirrored;       /* [instance] the scene's, where one cache line holds many */
     bool *has_layers;        /* [instance] some of its triangles are see-through */
     bool any_see_through;

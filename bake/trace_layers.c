@@ -108,14 +108,15 @@ static uint32_t shown_number(const void *structure, unsigned count, unsigned off
 /* Offsets in rays (RTCRay) and hits (RTCHit). */
 enum { RAY_FAR = 8, RAY_ID = 10, HIT_U = 3, HIT_V = 4, HIT_TRIANGLE = 5, HIT_GEOMETRY = 6, HIT_INSTANCE = 7 };
 
-/* A hit that a filter is shown. False where nothing is see-through. */
+/* A see-through surface that a filter is shown. */
 typedef struct shown_hit {
     uint32_t lane;
     uint32_t instance, triangle;
-    float u, v;
     float distance;
+    lmb_coverage coverage;
 } shown_hit;
 
+/* False where the surface stops all light. */
 static bool shown_read(const struct RTCFilterFunctionNArguments *arguments, unsigned i, shown_hit *shown)
 {
     const lmb_tracer *tracer = ((const layer_walk *)arguments->context)->tracer;
@@ -127,14 +128,21 @@ static bool shown_read(const struct RTCFilterFunctionNArguments *arguments, unsi
         return false;
     }
     shown->triangle = shown_number(arguments->hit, count, HIT_TRIANGLE, i);
-    if (!lmb_tracer_is_see_through(tracer, shown->instance, shown->triangle)) {
+    const lmb_mesh *mesh = &tracer->scene->meshes[tracer->scene->instances[shown->instance].mesh];
+    const uint32_t material = mesh->material[shown->triangle];
+    if (!tracer->is_see_through[material]) {
         return false;
     }
+    if (mesh->color || tracer->scene->materials[material].base_color_texture.image >= 0) {
+        shown->coverage =
+            lmb_trace_coverage(tracer, shown->instance, shown->triangle, shown_float(arguments->hit, count, HIT_U, i),
+                               shown_float(arguments->hit, count, HIT_V, i));
+    } else {
+        shown->coverage = tracer->coverage[material];
+    }
     shown->lane = shown_number(arguments->ray, count, RAY_ID, i);
-    shown->u = shown_float(arguments->hit, count, HIT_U, i);
-    shown->v = shown_float(arguments->hit, count, HIT_V, i);
     shown->distance = shown_float(arguments->ray, count, RAY_FAR, i);
-    return true;
+    return rgb_max(shown->coverage.pass) > 0.0f;
 }
 
 /* Sends shadow rays on through what leaves some of their light. */
@@ -143,13 +151,8 @@ static void shadow_filter(const struct RTCFilterFunctionNArguments *arguments)
     const layer_walk *walk = (const layer_walk *)arguments->context;
     for (unsigned i = 0; i < arguments->N; ++i) {
         shown_hit shown;
-        if (!arguments->valid[i] || !shown_read(arguments, i, &shown)) {
-            continue;
-        }
-        const lmb_coverage coverage =
-            lmb_trace_coverage(walk->tracer, shown.instance, shown.triangle, shown.u, shown.v);
-        if (rgb_max(coverage.pass) > 0.0f) {
-            const layer found = {shown.distance, shown.instance, shown.triangle, coverage.pass};
+        if (arguments->valid[i] && shown_read(arguments, i, &shown)) {
+            const layer found = {shown.distance, shown.instance, shown.triangle, shown.coverage.pass};
             layer_add(&walk->passed[shown.lane], &found);
             arguments->valid[i] = 0;
         }
@@ -173,13 +176,11 @@ static void chance_filter(const struct RTCFilterFunctionNArguments *arguments)
         if (!arguments->valid[i] || !shown_read(arguments, i, &shown)) {
             continue;
         }
-        const lmb_coverage coverage =
-            lmb_trace_coverage(walk->tracer, shown.instance, shown.triangle, shown.u, shown.v);
-        const float pass = rgb_max(coverage.pass);
-        const float all = pass + coverage.opacity;
-        if (pass > 0.0f && chance_number(walk->chance[shown.lane], &shown) * all < pass) {
+        const float pass = rgb_max(shown.coverage.pass);
+        const float all = pass + shown.coverage.opacity;
+        if (chance_number(walk->chance[shown.lane], &shown) * all < pass) {
             const layer found = {shown.distance, shown.instance, shown.triangle,
-                                 rgb_scale(rgb_scale(coverage.pass, 1.0f / pass), all)};
+                                 rgb_scale(rgb_scale(shown.coverage.pass, 1.0f / pass), all)};
             layer_add(&walk->passed[shown.lane], &found);
             arguments->valid[i] = 0;
         }
