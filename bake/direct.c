@@ -45,21 +45,24 @@ lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float point[
     return lmb_direction_make(receiver->kind, receiver->normal, point);
 }
 
-int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,
-                          lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
+lmb_punctual_query lmb_receiver_punctual(const lmb_receiver *receiver)
 {
-    const lmb_punctual_query query = {.position = receiver->position,
-                                      .normal = lmb_receiver_normal(receiver),
-                                      .min_distance = receiver->min_light_distance,
-                                      .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
-    return lmb_emitters_punctual(transport->emitters, &query, choice, max, sample);
+    return (lmb_punctual_query){.position = receiver->position,
+                                .normal = lmb_receiver_normal(receiver),
+                                .min_distance = receiver->min_light_distance,
+                                .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
 }
 
 static int punctual_aim(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
                         lmb_aimed_light aimed[2])
 {
     lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
-    const int found = lmb_receiver_punctual(transport, receiver, start->choice, 1, light);
+    lmb_punctual_query query = lmb_receiver_punctual(receiver);
+    if (lmb_emitters_punctual_are_soft(transport->emitters)) {
+        query.point[0] = start->light[0];
+        query.point[1] = start->light[1];
+    }
+    const int found = lmb_emitters_punctual(transport->emitters, &query, start->choice, 1, light);
     int count = 0;
     for (int i = 0; i < found; ++i) {
         count += lmb_receiver_aim_punctual(receiver, &light[i], &aimed[count]);
@@ -103,6 +106,10 @@ static lmb_direct_start path_start(const lmb_path *path)
     }
     if (triangles) {
         lmb_path_numbers(path, PAIR_TRIANGLE, start.triangle);
+    }
+    if (lmb_emitters_punctual_are_soft(emitters)) {
+        lmb_sample_numbers(path->transport, path->stream, path->sample, 1, lmb_light_pair(path->vertex),
+                           &start.light[0], &start.light[1]);
     }
     if (lmb_emitters_environment_sampled(emitters)) {
         float point[2];

@@ -199,44 +199,101 @@ static void gather_environment(gather_batch *batch)
     lights_trace(batch, light, true);
 }
 
-/* Aims at up to `max` lights of a kind, which count for `samples` samples. */
-static void punctual_aim(gather_batch *batch, aimed_lights *lights, const lmb_receiver *receiver, const float choice[2],
-                         int max, uint32_t samples)
+/* One receiver's share of a batch. */
+typedef struct receiver_samples {
+    lmb_receiver receiver;
+    uint32_t first; /* in the batch */
+    uint32_t count;
+} receiver_samples;
+
+static void punctual_add(gather_batch *batch, aimed_lights *lights, const lmb_receiver *receiver,
+                         const lmb_punctual_sample *light, float samples)
 {
-    lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
-    const int count = lmb_receiver_punctual(batch->transport, receiver, choice, max, light);
-    for (int i = 0; i < count; ++i) {
-        lmb_aimed_light aimed;
-        if (lmb_receiver_aim_punctual(receiver, &light[i], &aimed)) {
-            aimed.weight = rgb_scale(aimed.weight, (float)samples);
-            aimed_add(batch, lights, light[i].direction, &aimed);
-        }
+    lmb_aimed_light aimed;
+    if (lmb_receiver_aim_punctual(receiver, light, &aimed)) {
+        aimed.weight = rgb_scale(aimed.weight, samples);
+        aimed_add(batch, lights, light->direction, &aimed);
     }
 }
 
-/* Lights of no extent are the same for all of a receiver's samples: each is asked once, and counts for all of them. */
+/* Aims at up to `max` lights of a kind. Those of no extent are the same for all of the receiver's samples: each is
+ * asked once, and counts for all of them. Returns how many others `light` is left with. */
+static int punctual_aim(gather_batch *batch, aimed_lights *lights, const receiver_samples *samples,
+                        const float choice[2], int max, lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX])
+{
+    const lmb_punctual_query query = lmb_receiver_punctual(&samples->receiver);
+    const int count = lmb_emitters_punctual(batch->transport->emitters, &query, choice, max, light);
+    int soft = 0;
+    for (int i = 0; i < count; ++i) {
+        if (light[i].soft) {
+            light[soft++] = light[i];
+        } else {
+            punctual_add(batch, lights, &samples->receiver, &light[i], (float)samples->count);
+        }
+    }
+    return soft;
+}
+
+/* Traces what was aimed at, so that there is room again. */
+static void punctual_trace(gather_batch *batch, const aimed_lights *lights, lmb_gather_sink sink, void *context)
+{
+    aimed_trace(batch, lights);
+    found_make_room(batch, sink, context);
+    batch->rays.count = 0;
+}
+
+/* Points of lights of an extent: one for each of the batch's samples. */
+typedef struct soft_points {
+    float x[SAMPLES], y[SAMPLES];
+} soft_points;
+
+/* Soft lights share the receiver's samples among them. */
+static void soft_aim(gather_batch *batch, aimed_lights *lights, const receiver_samples *samples,
+                     lmb_punctual_sample *light, int count, const soft_points *points)
+{
+    const uint32_t share = samples->count / (uint32_t)count;
+    const uint32_t each = share > 0 ? share : 1;
+    lmb_punctual_query query = lmb_receiver_punctual(&samples->receiver);
+    for (uint32_t i = 0; i < (uint32_t)count * each; ++i) {
+        lmb_punctual_sample *sample = &light[i / each];
+        const uint32_t number = samples->first + i % samples->count;
+        query.point[0] = points->x[number];
+        query.point[1] = points->y[number];
+        lmb_emitters_punctual_again(batch->transport->emitters, &query, sample);
+        punctual_add(batch, lights, &samples->receiver, sample, (float)samples->count / (float)each);
+    }
+}
+
 static void gather_punctual(gather_batch *batch, lmb_gather_sink sink, void *context)
 {
     const uint32_t receivers = (batch->count + batch->per_receiver - 1) / batch->per_receiver;
     float x[SAMPLES], y[SAMPLES];
+    soft_points points;
     aimed_lights lights;
     lmb_sample_numbers(batch->transport, batch->stream, batch->first / batch->per_receiver, receivers, PAIR_CHOICE, x,
                        y);
+    if (lmb_emitters_punctual_are_soft(batch->transport->emitters)) {
+        batch_numbers(batch, lmb_light_pair(0), points.x, points.y);
+    }
     batch->rays.count = 0;
     for (uint32_t i = 0; i < receivers; ++i) {
         const uint32_t first = i * batch->per_receiver;
         const uint32_t left = batch->count - first;
-        const uint32_t samples = left < batch->per_receiver ? left : batch->per_receiver;
-        const uint32_t wanted = samples / SAMPLES_PER_PUNCTUAL;
+        const uint32_t count = left < batch->per_receiver ? left : batch->per_receiver;
+        const receiver_samples samples = {batch_receiver(batch, first), first, count};
+        const uint32_t wanted = count / SAMPLES_PER_PUNCTUAL;
         const int max = wanted < 1 ? 1 : wanted < LMB_PUNCTUAL_MAX ? (int)wanted : LMB_PUNCTUAL_MAX;
         const float choice[2] = {x[i], y[i]};
-        const lmb_receiver receiver = batch_receiver(batch, first);
+        lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
         if (batch->rays.count + 2 * LMB_PUNCTUAL_MAX > SAMPLES) {
-            aimed_trace(batch, &lights);
-            found_make_room(batch, sink, context);
-            batch->rays.count = 0;
+            punctual_trace(batch, &lights, sink, context);
         }
-        punctual_aim(batch, &lights, &receiver, choice, max, samples);
+        const int soft = punctual_aim(batch, &lights, &samples, choice, max, light);
+        if (soft > 0) {
+            /* They are no more than their receiver's samples, or one each. */
+            punctual_trace(batch, &lights, sink, context);
+            soft_aim(batch, &lights, &samples, light, soft, &points);
+        }
     }
     aimed_trace(batch, &lights);
 }
@@ -485,15 +542,16 @@ bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point 
     if (!lmb_emitters_punctual_are_few(transport->emitters)) {
         return false;
     }
-    const lmb_receiver receiver = point_receiver(point);
+    const receiver_samples one = {point_receiver(point), 0, 1};
     const float choice[2] = {0.0f, 0.0f};
+    lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
     gather_batch batch; /* large: only what is used is set */
     batch.transport = transport;
     batch.rays_traced = rays;
     batch.found.count = 0;
     batch.rays.count = 0;
     aimed_lights lights;
-    punctual_aim(&batch, &lights, &receiver, choice, LMB_PUNCTUAL_MAX, 1);
+    punctual_aim(&batch, &lights, &one, choice, LMB_PUNCTUAL_MAX, light);
     aimed_trace(&batch, &lights);
     found_give(&batch, sink, context);
     return true;

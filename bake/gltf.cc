@@ -113,6 +113,7 @@ class loader {
     void visit_node(uint32_t index, bool dynamic);
     bool is_excluded(const std::string &name) const;
     void read_marks(const Value &marks, const lmb_affine &to_world);
+    float light_extent(uint32_t node, const char *key, double most) const;
     void add_light(uint32_t light, const lmb_affine &to_world, uint32_t node, bool indirect_only);
     void add_mesh_node(uint32_t index, bool dynamic);
     uint32_t mesh_for(uint32_t node);
@@ -599,6 +600,23 @@ void loader::read_marks(const Value &marks, const lmb_affine &to_world)
     }
 }
 
+/* How large a node's marks say that its light is; 0 where they do not. */
+float loader::light_extent(uint32_t node, const char *key, double most) const
+{
+    const Value &value = member(member(model_.nodes[node].extras, "lambent"), key);
+    const double extent = value.IsNumber()                      ? value.GetNumberAsDouble()
+                          : value.Type() == tinygltf::NULL_TYPE ? 0.0
+                                                                : -1.0;
+    if (!(extent >= 0.0 && extent <= most)) {
+        if (options_) {
+            lmb_warn(&options_->warnings, "%s: nodes[%u].extras.lambent.%s is not a number from 0 to %g: ignored",
+                     file_->path, node, key, most);
+        }
+        return 0.0f;
+    }
+    return float(extent);
+}
+
 void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node, bool indirect_only)
 {
     const tinygltf::Light &source = model_.lights[index];
@@ -607,6 +625,11 @@ void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node
                  : source.type == "directional" ? LMB_LIGHT_DIRECTIONAL
                                                 : LMB_LIGHT_POINT;
     light.indirect_only = indirect_only;
+    if (light.type == LMB_LIGHT_DIRECTIONAL) {
+        light.angle_rad = std::min(light_extent(node, "angle_deg", 180.0) * (LMB_PI_F / 180.0f), LMB_PI_F);
+    } else {
+        light.radius = light_extent(node, "radius_m", 1e18);
+    }
     light.position = origin_of(to_world);
     double away[3], length = 0.0;
     for (int i = 0; i < 3; ++i) {

@@ -79,6 +79,14 @@ static void starts_find(const sample_batch *batch, lmb_direct_start *starts)
                 (lmb_direct_start){.triangle = {triangle.x[i], triangle.y[i]}, .choice = {choice.x[i], choice.y[i]}};
         }
     }
+    if (lmb_emitters_punctual_are_soft(transport->emitters)) {
+        sample_numbers light;
+        numbers_find(batch, lmb_light_pair(0), &light);
+        for (uint32_t i = 0; i < batch->count; ++i) {
+            starts[i].light[0] = light.x[i];
+            starts[i].light[1] = light.y[i];
+        }
+    }
     if (lmb_emitters_environment_sampled(transport->emitters)) {
         skies_sample(batch, starts);
     }
