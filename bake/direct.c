@@ -14,10 +14,14 @@ void lmb_sample_numbers(const lmb_transport *transport, uint64_t stream, uint32_
         return;
     }
     for (uint32_t i = 0; i < count; ++i) {
-        /* Counted from the far end: leg.c counts layers from 0. */
         x[i] = lmb_random(stream, first + i, pair, UINT32_MAX);
         y[i] = lmb_random(stream, first + i, pair, UINT32_MAX - 1);
     }
+}
+
+uint64_t lmb_layer_chance(uint64_t stream, uint32_t sample, int32_t vertex)
+{
+    return lmb_mix(lmb_mix(stream ^ UINT64_C(0x5851f42d4c957f2d), sample), (uint32_t)vertex);
 }
 
 void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2])
@@ -41,21 +45,24 @@ lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float point[
     return lmb_direction_make(receiver->kind, receiver->normal, point);
 }
 
-int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,
-                          lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
+lmb_punctual_query lmb_receiver_punctual(const lmb_receiver *receiver)
 {
-    const lmb_punctual_query query = {.position = receiver->position,
-                                      .normal = lmb_receiver_normal(receiver),
-                                      .min_distance = receiver->min_light_distance,
-                                      .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
-    return lmb_emitters_punctual(transport->emitters, &query, choice, max, sample);
+    return (lmb_punctual_query){.position = receiver->position,
+                                .normal = lmb_receiver_normal(receiver),
+                                .min_distance = receiver->min_light_distance,
+                                .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
 }
 
 static int punctual_aim(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
                         lmb_aimed_light aimed[2])
 {
     lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
-    const int found = lmb_receiver_punctual(transport, receiver, start->choice, 1, light);
+    lmb_punctual_query query = lmb_receiver_punctual(receiver);
+    if (lmb_emitters_punctual_are_soft(transport->emitters)) {
+        query.point[0] = start->light[0];
+        query.point[1] = start->light[1];
+    }
+    const int found = lmb_emitters_punctual(transport->emitters, &query, start->choice, 1, light);
     int count = 0;
     for (int i = 0; i < found; ++i) {
         count += lmb_receiver_aim_punctual(receiver, &light[i], &aimed[count]);
@@ -100,6 +107,10 @@ static lmb_direct_start path_start(const lmb_path *path)
     if (triangles) {
         lmb_path_numbers(path, PAIR_TRIANGLE, start.triangle);
     }
+    if (lmb_emitters_punctual_are_soft(emitters)) {
+        lmb_sample_numbers(path->transport, path->stream, path->sample, 1, lmb_light_pair(path->vertex),
+                           &start.light[0], &start.light[1]);
+    }
     if (lmb_emitters_environment_sampled(emitters)) {
         float point[2];
         lmb_path_numbers(path, PAIR_ENVIRONMENT, point);
@@ -129,8 +140,7 @@ lmb_rgb lmb_direct_collect(const lmb_path *path, const lmb_receiver *receiver)
 lmb_rgb lmb_direct_collect_suns(const lmb_path *path, const lmb_receiver *receiver)
 {
     lmb_aimed_light aimed[LMB_AIMED_MOST];
-    lmb_direct_start start;
-    lmb_path_numbers(path, PAIR_CHOICE, start.choice);
+    const lmb_direct_start start = path_start(path);
     const int count = punctual_aim(path->transport, receiver, &start, aimed);
     int suns = 0;
     for (int i = 0; i < count; ++i) {

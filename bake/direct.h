@@ -30,12 +30,22 @@ typedef struct lmb_path {
     uint64_t *rays;
 } lmb_path;
 
+/* The pair of a vertex that picks points of soft lights: counted from the far end, apart from all others. */
+static inline uint32_t lmb_light_pair(uint32_t vertex)
+{
+    return UINT32_MAX - vertex;
+}
+
 /* Numbers in [0, 1) of `count` samples of a stream. */
 void lmb_sample_numbers(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
                         float *x, float *y);
 
 /* Two numbers in [0, 1) of the path's present vertex. */
 void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2]);
+
+/* What decides which layers let pass a sample's ray (lmb_trace_through): of its path's vertex, or a ray of its own. */
+enum { LMB_CHANCE_OF_AIM = -1 };
+uint64_t lmb_layer_chance(uint64_t stream, uint32_t sample, int32_t vertex);
 
 /* A point that light is collected at: a gather point or a reflection. */
 typedef struct lmb_receiver {
@@ -164,15 +174,15 @@ static inline bool lmb_receiver_aim_punctual(const lmb_receiver *receiver, const
     return true;
 }
 
-/* Punctual lights that a receiver is to look at (lmb_emitters_punctual). */
-int lmb_receiver_punctual(const lmb_transport *transport, const lmb_receiver *receiver, const float choice[2], int max,
-                          lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
+/* What a receiver asks lmb_emitters_punctual, but for the point. */
+lmb_punctual_query lmb_receiver_punctual(const lmb_receiver *receiver);
 
 /* What next-event estimation starts from: the path's numbers, and what those of PAIR_ENVIRONMENT sample. Only what the
  * level has of each kind need be set. */
 typedef struct lmb_direct_start {
     float triangle[2]; /* PAIR_TRIANGLE */
     float choice[2];   /* PAIR_CHOICE */
+    float light[2];    /* lmb_light_pair; of soft lights */
     lmb_light_sample environment;
 } lmb_direct_start;
 

@@ -247,6 +247,17 @@ void lmb_emitters_environment_look(const lmb_emitters *emitters, const float *co
     lmb_sky_look_batch(&emitters->sky, direction, count, seen);
 }
 
+void lmb_emitters_punctual_again(const lmb_emitters *emitters, const lmb_punctual_query *query,
+                                 lmb_punctual_sample *sample)
+{
+    lmb_punctual_again(emitters->punctual, query, sample);
+}
+
+bool lmb_emitters_punctual_are_soft(const lmb_emitters *emitters)
+{
+    return lmb_punctual_are_soft(emitters->punctual);
+}
+
 bool lmb_emitters_punctual_are_few(const lmb_emitters *emitters)
 {
     return lmb_punctual_are_few(emitters->punctual);

@@ -33,6 +33,8 @@ typedef struct gather_batch {
     uint32_t per_receiver;      /* samples that one place has */
     uint64_t *rays_traced;
     lmb_ray_batch rays;
+    bool layers;            /* the level has any */
+    lmb_rgb share[SAMPLES]; /* of each ray's light that they leave */
     lmb_contributions found;
     /* All receivers are near the first point: they choose lights as it would. */
     lmb_triangle_query triangles;
@@ -197,44 +199,101 @@ static void gather_environment(gather_batch *batch)
     lights_trace(batch, light, true);
 }
 
-/* Aims at up to `max` lights of a kind, which count for `samples` samples. */
-static void punctual_aim(gather_batch *batch, aimed_lights *lights, const lmb_receiver *receiver, const float choice[2],
-                         int max, uint32_t samples)
+/* One receiver's share of a batch. */
+typedef struct receiver_samples {
+    lmb_receiver receiver;
+    uint32_t first; /* in the batch */
+    uint32_t count;
+} receiver_samples;
+
+static void punctual_add(gather_batch *batch, aimed_lights *lights, const lmb_receiver *receiver,
+                         const lmb_punctual_sample *light, float samples)
 {
-    lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
-    const int count = lmb_receiver_punctual(batch->transport, receiver, choice, max, light);
-    for (int i = 0; i < count; ++i) {
-        lmb_aimed_light aimed;
-        if (lmb_receiver_aim_punctual(receiver, &light[i], &aimed)) {
-            aimed.weight = rgb_scale(aimed.weight, (float)samples);
-            aimed_add(batch, lights, light[i].direction, &aimed);
-        }
+    lmb_aimed_light aimed;
+    if (lmb_receiver_aim_punctual(receiver, light, &aimed)) {
+        aimed.weight = rgb_scale(aimed.weight, samples);
+        aimed_add(batch, lights, light->direction, &aimed);
     }
 }
 
-/* Lights of no extent are the same for all of a receiver's samples: each is asked once, and counts for all of them. */
+/* Aims at up to `max` lights of a kind. Those of no extent are the same for all of the receiver's samples: each is
+ * asked once, and counts for all of them. Returns how many others `light` is left with. */
+static int punctual_aim(gather_batch *batch, aimed_lights *lights, const receiver_samples *samples,
+                        const float choice[2], int max, lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX])
+{
+    const lmb_punctual_query query = lmb_receiver_punctual(&samples->receiver);
+    const int count = lmb_emitters_punctual(batch->transport->emitters, &query, choice, max, light);
+    int soft = 0;
+    for (int i = 0; i < count; ++i) {
+        if (light[i].soft) {
+            light[soft++] = light[i];
+        } else {
+            punctual_add(batch, lights, &samples->receiver, &light[i], (float)samples->count);
+        }
+    }
+    return soft;
+}
+
+/* Traces what was aimed at, so that there is room again. */
+static void punctual_trace(gather_batch *batch, const aimed_lights *lights, lmb_gather_sink sink, void *context)
+{
+    aimed_trace(batch, lights);
+    found_make_room(batch, sink, context);
+    batch->rays.count = 0;
+}
+
+/* Points of lights of an extent: one for each of the batch's samples. */
+typedef struct soft_points {
+    float x[SAMPLES], y[SAMPLES];
+} soft_points;
+
+/* Soft lights share the receiver's samples among them. */
+static void soft_aim(gather_batch *batch, aimed_lights *lights, const receiver_samples *samples,
+                     lmb_punctual_sample *light, int count, const soft_points *points)
+{
+    const uint32_t share = samples->count / (uint32_t)count;
+    const uint32_t each = share > 0 ? share : 1;
+    lmb_punctual_query query = lmb_receiver_punctual(&samples->receiver);
+    for (uint32_t i = 0; i < (uint32_t)count * each; ++i) {
+        lmb_punctual_sample *sample = &light[i / each];
+        const uint32_t number = samples->first + i % samples->count;
+        query.point[0] = points->x[number];
+        query.point[1] = points->y[number];
+        lmb_emitters_punctual_again(batch->transport->emitters, &query, sample);
+        punctual_add(batch, lights, &samples->receiver, sample, (float)samples->count / (float)each);
+    }
+}
+
 static void gather_punctual(gather_batch *batch, lmb_gather_sink sink, void *context)
 {
     const uint32_t receivers = (batch->count + batch->per_receiver - 1) / batch->per_receiver;
     float x[SAMPLES], y[SAMPLES];
+    soft_points points;
     aimed_lights lights;
     lmb_sample_numbers(batch->transport, batch->stream, batch->first / batch->per_receiver, receivers, PAIR_CHOICE, x,
                        y);
+    if (lmb_emitters_punctual_are_soft(batch->transport->emitters)) {
+        batch_numbers(batch, lmb_light_pair(0), points.x, points.y);
+    }
     batch->rays.count = 0;
     for (uint32_t i = 0; i < receivers; ++i) {
         const uint32_t first = i * batch->per_receiver;
         const uint32_t left = batch->count - first;
-        const uint32_t samples = left < batch->per_receiver ? left : batch->per_receiver;
-        const uint32_t wanted = samples / SAMPLES_PER_PUNCTUAL;
+        const uint32_t count = left < batch->per_receiver ? left : batch->per_receiver;
+        const receiver_samples samples = {batch_receiver(batch, first), first, count};
+        const uint32_t wanted = count / SAMPLES_PER_PUNCTUAL;
         const int max = wanted < 1 ? 1 : wanted < LMB_PUNCTUAL_MAX ? (int)wanted : LMB_PUNCTUAL_MAX;
         const float choice[2] = {x[i], y[i]};
-        const lmb_receiver receiver = batch_receiver(batch, first);
+        lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
         if (batch->rays.count + 2 * LMB_PUNCTUAL_MAX > SAMPLES) {
-            aimed_trace(batch, &lights);
-            found_make_room(batch, sink, context);
-            batch->rays.count = 0;
+            punctual_trace(batch, &lights, sink, context);
         }
-        punctual_aim(batch, &lights, &receiver, choice, max, samples);
+        const int soft = punctual_aim(batch, &lights, &samples, choice, max, light);
+        if (soft > 0) {
+            /* They are no more than their receiver's samples, or one each. */
+            punctual_trace(batch, &lights, sink, context);
+            soft_aim(batch, &lights, &samples, light, soft, &points);
+        }
     }
     aimed_trace(batch, &lights);
 }
@@ -260,6 +319,22 @@ static void rays_make(gather_batch *batch, float density[SAMPLES])
     }
 }
 
+/* The nearest hits of all rays through layers. A ray joins a sample: its own, or one of every `step`. */
+static void rays_trace(gather_batch *batch, uint32_t step, int32_t vertex, lmb_hit hit[SAMPLES])
+{
+    uint64_t chance[SAMPLES];
+    for (uint32_t i = 0; batch->layers && i < batch->rays.count; ++i) {
+        chance[i] = lmb_layer_chance(batch->stream, batch->first + i * step, vertex);
+    }
+    lmb_trace_through_batch(batch->transport->tracer, &batch->rays, chance, hit, batch->share, batch->rays_traced);
+}
+
+/* What layers leave of a ray's light. */
+static inline lmb_rgb ray_share(const gather_batch *batch, uint32_t ray)
+{
+    return batch->layers ? batch->share[ray] : rgb(1.0f, 1.0f, 1.0f);
+}
+
 /* Radiance along a ray that ends on what takes more than a look at the surface's light. */
 static lmb_rgb radiance_followed(const gather_batch *batch, uint32_t sample, lmb_vec3 direction, const lmb_hit *hit)
 {
@@ -267,17 +342,20 @@ static lmb_rgb radiance_followed(const gather_batch *batch, uint32_t sample, lmb
     lmb_path path = {batch->transport, batch->stream, batch->first + sample, 0, batch->rays_traced};
     const lmb_vec3 origin = vec3(rays->origin[0][sample], rays->origin[1][sample], rays->origin[2][sample]);
     const lmb_receiver receiver = batch_receiver(batch, sample);
-    lmb_leg leg = {&receiver, origin, direction, {{1.0f, 1.0f, 1.0f}}};
+    lmb_leg leg = {&receiver, origin, direction, ray_share(batch, sample)};
     const lmb_landing landing = lmb_leg_land(&path, &leg, hit);
     return lmb_path_radiance(&path, leg, landing);
 }
 
-/* Radiance of a patch along a ray that hits it; of an uneven one that of the very hit. */
-static lmb_rgb patch_radiance(const gather_batch *batch, uint32_t sample, lmb_vec3 direction, const lmb_hit *hit,
+/* Radiance of a patch along a ray that hits it, by what layers leave of it; of an uneven one that of the very hit. */
+static lmb_rgb patch_radiance(const gather_batch *batch, uint32_t ray, lmb_vec3 direction, const lmb_hit *hit,
                               uint32_t patch)
 {
-    return lmb_patch_is_uneven(batch->light, patch) ? radiance_followed(batch, sample, direction, hit)
-                                                    : batch->light->radiance[patch];
+    if (lmb_patch_is_uneven(batch->light, patch)) {
+        return radiance_followed(batch, ray, direction, hit);
+    }
+    const lmb_rgb radiance = batch->light->radiance[patch];
+    return batch->layers ? rgb_mul(radiance, batch->share[ray]) : radiance;
 }
 
 static lmb_vec3 ray_direction(const gather_batch *batch, uint32_t sample)
@@ -312,7 +390,7 @@ static void skies_gather(gather_batch *batch, const lmb_hit *hit, const float *d
     for (uint32_t k = 0; k < count; ++k) {
         const uint32_t i = number[k];
         const lmb_rgb sky = lmb_leg_sky(&batch->receiver, ray_direction(batch, i), &seen[k]);
-        ray_give(batch, i, sky, density[i]);
+        ray_give(batch, i, batch->layers ? rgb_mul(sky, batch->share[i]) : sky, density[i]);
     }
 }
 
@@ -364,8 +442,7 @@ static void gather_bright(gather_batch *batch)
     bright_ray ray[SAMPLES];
     lmb_hit hit[SAMPLES];
     bright_rays_make(batch, ray);
-    lmb_trace_nearest_batch(transport->tracer, &batch->rays, hit);
-    *batch->rays_traced += batch->rays.count;
+    rays_trace(batch, SAMPLES_PER_AIM, LMB_CHANCE_OF_AIM, hit);
     for (uint32_t i = 0; i < batch->rays.count; ++i) {
         const lmb_bright_aim *aim = &ray[i].aim;
         uint32_t patch;
@@ -432,8 +509,7 @@ static void gather_rays(gather_batch *batch)
     float density[SAMPLES];
     lmb_hit hit[SAMPLES];
     rays_make(batch, density);
-    lmb_trace_nearest_batch(batch->transport->tracer, &batch->rays, hit);
-    *batch->rays_traced += batch->count;
+    rays_trace(batch, 1, 0, hit);
     skies_gather(batch, hit, density);
     surfaces_gather(batch, hit, density);
 }
@@ -446,6 +522,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
     batch.light = transport->bounces != 0 ? transport->surface : NULL;
     batch.stream = replicate_stream(transport, samples);
     batch.rays_traced = rays;
+    batch.layers = lmb_tracer_has_layers(transport->tracer);
     batch.found.count = 0;
     receiver_set(&batch, samples);
     queries_set(&batch, &samples->points[0]);
@@ -479,15 +556,16 @@ bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point 
     if (!lmb_emitters_punctual_are_few(transport->emitters)) {
         return false;
     }
-    const lmb_receiver receiver = point_receiver(point);
+    const receiver_samples one = {point_receiver(point), 0, 1};
     const float choice[2] = {0.0f, 0.0f};
+    lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
     gather_batch batch; /* large: only what is used is set */
     batch.transport = transport;
     batch.rays_traced = rays;
     batch.found.count = 0;
     batch.rays.count = 0;
     aimed_lights lights;
-    punctual_aim(&batch, &lights, &receiver, choice, LMB_PUNCTUAL_MAX, 1);
+    punctual_aim(&batch, &lights, &one, choice, LMB_PUNCTUAL_MAX, light);
     aimed_trace(&batch, &lights);
     found_give(&batch, sink, context);
     return true;

@@ -668,6 +668,11 @@ void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node
                  : source.type == "directional" ? LMB_LIGHT_DIRECTIONAL
                                                 : LMB_LIGHT_POINT;
     light.indirect_only = indirect_only;
+    if (light.type == LMB_LIGHT_DIRECTIONAL) {
+        light.angle_rad = std::min(float(marks_.get()[node].angle_deg) * (LMB_PI_F / 180.0f), LMB_PI_F);
+    } else {
+        light.radius = float(marks_.get()[node].radius_m);
+    }
     light.position = origin_of(to_world);
     double away[3], length = 0.0;
     for (int i = 0; i < 3; ++i) {

@@ -49,6 +49,17 @@ static lmb_result read_light(const extras_reader *reader, const cJSON *item, uin
                          number);
 }
 
+/* How large the node's light is. */
+static void read_extent(extras_reader *reader, const cJSON *item, const char *name, const char *key, double most,
+                        double *extent)
+{
+    if (cJSON_IsNumber(item) && item->valuedouble >= 0.0 && item->valuedouble <= most) {
+        *extent = item->valuedouble;
+    } else {
+        doubt(reader, name, key, most > 180.0 ? "is not a length: ignored" : "is not an angle from 0 to 180: ignored");
+    }
+}
+
 static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char *name, uint32_t number,
                             lmb_gltf_marks *marks)
 {
@@ -70,6 +81,10 @@ static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char
         if (!marks->has_path) {
             doubt(reader, name, key, "is not a number: ignored");
         }
+    } else if (strcmp(item->string, "angle_deg") == 0) {
+        read_extent(reader, item, name, key, 180.0, &marks->angle_deg);
+    } else if (strcmp(item->string, "radius_m") == 0) {
+        read_extent(reader, item, name, key, 1e18, &marks->radius_m);
     } else if (strcmp(item->string, "light") == 0) {
         if (cJSON_IsString(item)) {
             return read_light(reader, item, number, marks);

@@ -116,6 +116,7 @@ typedef struct lmb_gltf_marks {
     bool seed, has_path;
     bool hidden; /* with all below it; the other marks count all the same */
     double path;
+    double angle_deg, radius_m; /* of the node's light; 0: not told */
 } lmb_gltf_marks;
 
 /* gltf_extras.c: the marks of all nodes, malloc'ed. What is not understood is warned about, but for a wrong `light`. */

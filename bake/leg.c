@@ -1,9 +1,5 @@
 #include "leg.h"
 
-#include <float.h>
-
-#include <lambent/sequence.h>
-
 #include "bake_internal.h"
 #include "surface_light_internal.h"
 
@@ -32,55 +28,36 @@ static float emission_mis(const lmb_transport *transport, const lmb_leg *leg, co
     return lmb_balance(lmb_receiver_density(leg->from, leg->direction), density);
 }
 
-/* Whether the leg goes through the surface. Its throughput takes up either. */
-static bool leg_passes(const lmb_path *path, lmb_leg *leg, const lmb_surface *surface, uint32_t layer)
-{
-    const float pass = rgb_max(surface->pass);
-    if (!(pass > 0.0f)) {
-        return false;
-    }
-    const float probability = pass / (pass + surface->opacity);
-    const bool passes = lmb_random(path->stream, path->sample, path->vertex, layer) < probability;
-    const float stays = surface->opacity / (1.0f - probability);
-    const lmb_rgb share = passes ? rgb_scale(surface->pass, 1.0f / probability) : rgb(stays, stays, stays);
-    leg->throughput = rgb_mul(leg->throughput, share);
-    return passes;
-}
-
-lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *first)
+lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *hit)
 {
     const lmb_transport *transport = path->transport;
-    if (!first) {
+    if (!hit) {
         return sky_landing(transport, leg);
     }
     /* A camera sees texture that light does not. */
     const bool known = transport->surface && leg->from;
-    const lmb_rgb *albedo = known ? lmb_surface_light_albedo(transport->surface, first) : NULL;
+    const lmb_rgb *albedo = known ? lmb_surface_light_albedo(transport->surface, hit) : NULL;
     if (albedo) {
-        return (lmb_landing){.on_surface = true, .hit = *first, .albedo = *albedo};
+        return (lmb_landing){.on_surface = true, .hit = *hit, .albedo = *albedo};
     }
-    lmb_hit hit = *first;
-    for (uint32_t layer = 0;; ++layer) {
-        const lmb_surface surface = lmb_trace_surface(transport->tracer, hit.instance, hit.triangle, hit.u, hit.v);
-        if (!leg_passes(path, leg, &surface, layer)) {
-            const float mis = rgb_max(surface.emission) > 0.0f ? emission_mis(transport, leg, &hit) : 0.0f;
-            return (lmb_landing){
-                .on_surface = true, .hit = hit, .albedo = surface.albedo, .emitted = rgb_scale(surface.emission, mis)};
-        }
-        const float start = nextafterf(hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
-        ++*path->rays;
-        if (!lmb_trace_nearest(transport->tracer, leg->origin, leg->direction, start, FLT_MAX, &hit)) {
-            return sky_landing(transport, leg);
-        }
-    }
+    const lmb_surface surface = lmb_trace_surface(transport->tracer, hit->instance, hit->triangle, hit->u, hit->v);
+    leg->throughput = rgb_scale(leg->throughput, rgb_max(surface.pass) + surface.opacity);
+    const float mis = rgb_max(surface.emission) > 0.0f ? emission_mis(transport, leg, hit) : 0.0f;
+    return (lmb_landing){
+        .on_surface = true, .hit = *hit, .albedo = surface.albedo, .emitted = rgb_scale(surface.emission, mis)};
+}
+
+bool lmb_leg_trace(const lmb_path *path, lmb_leg *leg, lmb_hit *hit)
+{
+    const uint64_t chance = lmb_layer_chance(path->stream, path->sample, (int32_t)path->vertex);
+    return lmb_trace_through(path->transport->tracer, leg->origin, leg->direction, chance, hit, &leg->throughput,
+                             path->rays);
 }
 
 lmb_landing lmb_leg_follow(const lmb_path *path, lmb_leg *leg)
 {
     lmb_hit hit;
-    ++*path->rays;
-    const bool found = lmb_trace_nearest(path->transport->tracer, leg->origin, leg->direction, 0.0f, FLT_MAX, &hit);
-    return lmb_leg_land(path, leg, found ? &hit : NULL);
+    return lmb_leg_land(path, leg, lmb_leg_trace(path, leg, &hit) ? &hit : NULL);
 }
 
 lmb_receiver lmb_landing_receiver(const lmb_path *path, const lmb_landing *landing)

@@ -20,12 +20,16 @@ typedef struct lmb_landing {
     lmb_rgb emitted; /* radiance of the surface or the environment, weighted against next-event estimation */
 } lmb_landing;
 
-/* Follows a leg through see-through surfaces, passing each by chance, to what it ends on. Its throughput takes up the
- * tint of what it passed; no channel of it grows. */
-lmb_landing lmb_leg_follow(const lmb_path *path, lmb_leg *leg);
+/* Finds what a leg ends on, through see-through surfaces, each of which it passes by chance. Its throughput takes up
+ * the tint of what it passed; no channel of it grows. False: on nothing. */
+bool lmb_leg_trace(const lmb_path *path, lmb_leg *leg, lmb_hit *hit);
 
-/* The same where the first thing that the leg meets has been found: `first`, or NULL for nothing. */
-lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *first);
+/* What a leg finds there: at `hit`, or NULL for nothing. Its throughput takes up the share of the surface that it met.
+ */
+lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *hit);
+
+/* Both. */
+lmb_landing lmb_leg_follow(const lmb_path *path, lmb_leg *leg);
 
 /* Radiance of the environment, as seen along a ray that leaves `from` (NULL: a camera), weighted against next-event
  * estimation. */

@@ -6,6 +6,7 @@
 #include "bake_internal.h"
 #include "lanes.h"
 #include "light_tree.h"
+#include "soft_light.h"
 
 /* Point and spot lights, one array for each number. What has no range or cone has neutral numbers there. */
 typedef struct lamp_lanes {
@@ -22,11 +23,13 @@ typedef struct light_set {
     uint32_t *light; /* numbers in the scene */
     uint32_t count;
     lmb_light_tree *tree; /* NULL while they are few enough to look at all */
-    lamp_lanes lanes;     /* of few lamps */
+    bool soft;            /* some have an extent */
+    lamp_lanes lanes;     /* of few lamps, none soft */
 } light_set;
 
 struct lmb_punctual {
     const lmb_scene *scene;
+    float *extent; /* [light] lmb_light_extent */
     light_set lamps;
     light_set suns;
 };
@@ -46,8 +49,9 @@ static lmb_light_bound light_bound(const lmb_light *light)
     const bool sun = light->type == LMB_LIGHT_DIRECTIONAL;
     const bool spot = light->type == LMB_LIGHT_SPOT;
     const lmb_vec3 position = sun ? vec3(0.0f, 0.0f, 0.0f) : light->position;
-    return (lmb_light_bound){.low = position,
-                             .high = position,
+    const float radius = sun ? 0.0f : light->radius;
+    return (lmb_light_bound){.low = vec3_sub(position, vec3(radius, radius, radius)),
+                             .high = vec3_add(position, vec3(radius, radius, radius)),
                              .power = lmb_luminance(light->intensity),
                              .axis = spot ? light->direction : vec3(0.0f, 1.0f, 0.0f),
                              .cos_spread = spot ? 1.0f : -1.0f,
@@ -98,12 +102,14 @@ static void lamp_lanes_make(light_set *set, const lmb_scene *scene)
     }
 }
 
-static bool light_set_make(light_set *set, const lmb_scene *scene, bool suns)
+static bool light_set_make(light_set *set, const lmb_punctual *punctual, bool suns)
 {
+    const lmb_scene *scene = punctual->scene;
     set->light = malloc((scene->light_count + 1u) * sizeof *set->light);
     for (uint32_t i = 0; set->light && i < scene->light_count; ++i) {
         if ((scene->lights[i].type == LMB_LIGHT_DIRECTIONAL) == suns) {
             set->light[set->count++] = i;
+            set->soft |= punctual->extent[i] > 0.0f;
         }
     }
     if (!set->light) {
@@ -125,7 +131,12 @@ lmb_result lmb_punctual_create(const lmb_scene *scene, lmb_punctual **punctual)
         return LMB_ERROR_MEMORY;
     }
     created->scene = scene;
-    if (!light_set_make(&created->lamps, scene, false) || !light_set_make(&created->suns, scene, true)) {
+    created->extent = malloc((scene->light_count + 1u) * sizeof *created->extent);
+    for (uint32_t i = 0; created->extent && i < scene->light_count; ++i) {
+        created->extent[i] = lmb_light_extent(&scene->lights[i]);
+    }
+    if (!created->extent || !light_set_make(&created->lamps, created, false) ||
+        !light_set_make(&created->suns, created, true)) {
         lmb_punctual_destroy(created);
         return LMB_ERROR_MEMORY;
     }
@@ -144,11 +155,29 @@ void lmb_punctual_destroy(lmb_punctual *punctual)
     if (punctual) {
         light_set_free(&punctual->lamps);
         light_set_free(&punctual->suns);
+        free(punctual->extent);
         free(punctual);
     }
 }
 
-/* KHR_lights_punctual: inverse square with the range's window, and the spot's angular fall-off. */
+/* What the range's window and a spot's cones, which are about its middle, leave of `factor`. `direction` is unit,
+ * towards the light. */
+static float lamp_fall(const lmb_light *light, lmb_vec3 direction, float distance, float factor)
+{
+    if (light->range > 0.0f) {
+        const float ratio = distance / light->range;
+        factor *= float_smaller(float_larger(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
+    }
+    if (light->type == LMB_LIGHT_SPOT) {
+        const float cosine = -vec3_dot(direction, light->direction);
+        const float fall = float_smaller(float_larger((cosine - light->cos_outer) / spot_width(light), 0.0f), 1.0f);
+        factor *= fall * fall;
+    }
+    return factor;
+}
+
+/* KHR_lights_punctual: inverse square with the range's window, and the spot's angular fall-off. A light of an extent is
+ * put into its middle, but gives no more than from its surface on. */
 static bool light_evaluate(const lmb_light *light, lmb_vec3 position, float min_distance, lmb_punctual_sample *sample)
 {
     sample->at_infinity = light->type == LMB_LIGHT_DIRECTIONAL;
@@ -159,24 +188,66 @@ static bool light_evaluate(const lmb_light *light, lmb_vec3 position, float min_
     }
     const lmb_vec3 towards = vec3_sub(light->position, position);
     const float distance = vec3_length(towards);
-    if (!(distance > 0.0f) || !isfinite(distance)) {
+    if (!(distance > 0.0f || light->radius > 0.0f) || !isfinite(distance)) {
         return false;
     }
-    sample->direction = vec3_scale(towards, 1.0f / distance);
+    sample->direction = distance > 0.0f ? vec3_scale(towards, 1.0f / distance) : vec3_scale(light->direction, -1.0f);
     sample->end = light->position;
-    const float counted = float_larger(distance, min_distance);
-    float factor = 1.0f / counted / counted;
-    if (light->range > 0.0f) {
-        const float ratio = distance / light->range;
-        factor *= float_smaller(float_larger(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
-    }
-    if (light->type == LMB_LIGHT_SPOT) {
-        const float cosine = -vec3_dot(sample->direction, light->direction);
-        const float fall = float_smaller(float_larger((cosine - light->cos_outer) / spot_width(light), 0.0f), 1.0f);
-        factor *= fall * fall;
-    }
+    const float counted = float_larger(float_larger(distance, min_distance), light->radius);
+    const float factor = lamp_fall(light, sample->direction, distance, 1.0f / counted / counted);
     sample->irradiance = rgb_scale(light->intensity, factor);
     return isfinite(factor) && factor > 0.0f;
+}
+
+/* Numbers of one sample for another of its lights: moved on by steps that keep apart (the plastic number's powers). */
+static void point_of_light(const float point[2], uint32_t light, float moved[2])
+{
+    static const uint32_t step[2] = {UINT32_C(3242174889), UINT32_C(2447445414)}; /* 0.75488, 0.56984 of 2^32 */
+    for (int k = 0; k < 2; ++k) {
+        const float sum = point[k] + (float)(light * step[k] >> 8) * 0x1p-24f;
+        moved[k] = sum < 1.0f ? sum : sum - 1.0f;
+    }
+}
+
+/* light_evaluate at a point of a light of an extent. */
+static bool light_sample(const lmb_punctual *punctual, uint32_t number, const lmb_punctual_query *query,
+                         lmb_punctual_sample *sample)
+{
+    const lmb_light *light = &punctual->scene->lights[number];
+    const float extent = punctual->extent[number];
+    sample->light = number;
+    sample->soft = extent > 0.0f;
+    const bool found = light_evaluate(light, query->position, query->min_distance, sample);
+    if (!found || !sample->soft) {
+        return found;
+    }
+    float numbers[2];
+    point_of_light(query->point, number, numbers);
+    lmb_light_point point;
+    if (sample->at_infinity) {
+        point = lmb_sun_point(sample->direction, extent, numbers);
+    } else {
+        const float distance = vec3_length(vec3_sub(light->position, query->position));
+        point = lmb_lamp_point(light->position, extent, query->position, query->min_distance, numbers);
+        point.factor = lamp_fall(light, sample->direction, distance, point.factor);
+    }
+    sample->direction = point.direction;
+    sample->end = point.end;
+    sample->irradiance = rgb_scale(light->intensity, point.factor);
+    return isfinite(point.factor);
+}
+
+/* Sine of the angle that half the light takes, seen from `position`: what of it may be above the horizon that its
+ * middle is below. 2 from inside, from where some always is. */
+static float light_sine(const lmb_punctual *punctual, uint32_t number, lmb_vec3 position)
+{
+    const lmb_light *light = &punctual->scene->lights[number];
+    const float extent = punctual->extent[number];
+    if (!(extent > 0.0f) || light->type == LMB_LIGHT_DIRECTIONAL) {
+        return extent;
+    }
+    const float distance = vec3_length(vec3_sub(light->position, position));
+    return distance > extent ? extent / distance : 2.0f;
 }
 
 /* Lights to choose from, and their unshadowed weights: what the choice is in proportion to. */
@@ -209,14 +280,15 @@ static inline float weight_of(float luminance, float cosine)
     return cosine > 0.0f ? luminance * (0.5f + cosine) : 0.0f;
 }
 
-static void light_look(const lmb_scene *scene, uint32_t number, const lmb_punctual_query *query, double factor,
+static void light_look(const lmb_punctual *punctual, uint32_t number, const lmb_punctual_query *query, double factor,
                        candidates *found)
 {
-    const lmb_light *light = &scene->lights[number];
+    const lmb_light *light = &punctual->scene->lights[number];
     lmb_punctual_sample sample;
     if (is_asked(light, query) && light_evaluate(light, query->position, query->min_distance, &sample)) {
         const float cosine = query->normal ? vec3_dot(*query->normal, sample.direction) : 1.0f;
-        const double weight = factor * (double)weight_of(lmb_luminance(sample.irradiance), cosine);
+        const float highest = cosine + light_sine(punctual, number, query->position);
+        const double weight = factor * (double)weight_of(lmb_luminance(sample.irradiance), highest);
         candidate_add(found, number, factor, weight);
     }
 }
@@ -247,12 +319,13 @@ static void lamps_weigh(const lamp_lanes *lamps, const lmb_punctual_query *query
     }
 }
 
-static void candidates_of_few(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query,
+static void candidates_of_few(const lmb_punctual *punctual, const light_set *set, const lmb_punctual_query *query,
                               candidates *found)
 {
-    if (set->count > 0 && scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL) {
+    const lmb_scene *scene = punctual->scene;
+    if (set->soft || (set->count > 0 && scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL)) {
         for (uint32_t i = 0; i < set->count; ++i) {
-            light_look(scene, set->light[i], query, 1.0, found);
+            light_look(punctual, set->light[i], query, 1.0, found);
         }
         return;
     }
@@ -265,11 +338,11 @@ static void candidates_of_few(const lmb_scene *scene, const light_set *set, cons
     }
 }
 
-static void candidates_of_many(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query,
+static void candidates_of_many(const lmb_punctual *punctual, const light_set *set, const lmb_punctual_query *query,
                                float choice, int max, candidates *found)
 {
     /* Suns have no place: for them all bounds are their power. */
-    const bool suns = scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL;
+    const bool suns = punctual->scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL;
     const lmb_light_query asked = suns ? (lmb_light_query){.min_distance = 1.0f}
                                        : (lmb_light_query){query->position, query->normal, query->min_distance, NULL};
     uint32_t cluster[LMB_LIGHT_CLUSTERS];
@@ -280,7 +353,7 @@ static void candidates_of_many(const lmb_scene *scene, const light_set *set, con
     for (int k = 0; k < count; ++k) {
         double probability;
         const uint32_t i = lmb_light_tree_choose_in(set->tree, cluster[k], &asked, number, &probability);
-        light_look(scene, set->light[i], query, 1.0 / probability, found);
+        light_look(punctual, set->light[i], query, 1.0 / probability, found);
         number += GOLDEN_RATIO;
         number -= floor(number);
     }
@@ -312,19 +385,19 @@ static void inclusions_find(const candidates *found, int max, double inclusion[L
     }
 }
 
-static bool candidate_take(const lmb_scene *scene, const candidates *found, int number, double inclusion,
+static bool candidate_take(const lmb_punctual *punctual, const candidates *found, int number, double inclusion,
                            const lmb_punctual_query *query, lmb_punctual_sample *sample)
 {
-    const lmb_light *light = &scene->lights[found->light[number]];
-    if (!light_evaluate(light, query->position, query->min_distance, sample)) {
+    sample->weight = (float)(found->factor[number] / inclusion);
+    if (!light_sample(punctual, found->light[number], query, sample)) {
         return false;
     }
-    sample->irradiance = rgb_scale(sample->irradiance, (float)(found->factor[number] / inclusion));
+    sample->irradiance = rgb_scale(sample->irradiance, sample->weight);
     return true;
 }
 
 /* All candidates, or `max` of more, at even steps through the sum of their probabilities. */
-static int candidates_take(const lmb_scene *scene, const candidates *found, const lmb_punctual_query *query,
+static int candidates_take(const lmb_punctual *punctual, const candidates *found, const lmb_punctual_query *query,
                            float choice, int max, lmb_punctual_sample *sample)
 {
     double inclusion[LMB_LIGHT_CLUSTERS];
@@ -338,35 +411,47 @@ static int candidates_take(const lmb_scene *scene, const candidates *found, cons
     for (int i = 0; i < found->count && chosen < max; ++i) {
         passed += all ? 1.0 : inclusion[i];
         if (chosen + (double)choice < passed) {
-            given += candidate_take(scene, found, i, all ? 1.0 : inclusion[i], query, &sample[given]);
+            given += candidate_take(punctual, found, i, all ? 1.0 : inclusion[i], query, &sample[given]);
             ++chosen;
         }
     }
     return given;
 }
 
-static int light_set_choose(const lmb_scene *scene, const light_set *set, const lmb_punctual_query *query,
+static int light_set_choose(const lmb_punctual *punctual, const light_set *set, const lmb_punctual_query *query,
                             const float choice[2], int max, lmb_punctual_sample *sample)
 {
     candidates found;
     found.count = 0;
     found.total = 0.0;
     if (set->tree) {
-        candidates_of_many(scene, set, query, choice[0], max, &found);
+        candidates_of_many(punctual, set, query, choice[0], max, &found);
     } else {
-        candidates_of_few(scene, set, query, &found);
+        candidates_of_few(punctual, set, query, &found);
     }
-    return candidates_take(scene, &found, query, choice[1], max, sample);
+    return candidates_take(punctual, &found, query, choice[1], max, sample);
+}
+
+bool lmb_punctual_are_soft(const lmb_punctual *punctual)
+{
+    return punctual->lamps.soft || punctual->suns.soft;
+}
+
+void lmb_punctual_again(const lmb_punctual *punctual, const lmb_punctual_query *query, lmb_punctual_sample *sample)
+{
+    if (sample->soft && light_sample(punctual, sample->light, query, sample)) {
+        sample->irradiance = rgb_scale(sample->irradiance, sample->weight);
+    }
 }
 
 bool lmb_punctual_are_few(const lmb_punctual *punctual)
 {
-    return !punctual->lamps.tree && !punctual->suns.tree;
+    return !punctual->lamps.tree && !punctual->suns.tree && !lmb_punctual_are_soft(punctual);
 }
 
 int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, const float choice[2], int max,
                         lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
 {
-    const int lamps = light_set_choose(punctual->scene, &punctual->lamps, query, choice, max, sample);
-    return lamps + light_set_choose(punctual->scene, &punctual->suns, query, choice, max, sample + lamps);
+    const int lamps = light_set_choose(punctual, &punctual->lamps, query, choice, max, sample);
+    return lamps + light_set_choose(punctual, &punctual->suns, query, choice, max, sample + lamps);
 }

@@ -10,9 +10,12 @@ typedef struct lmb_punctual lmb_punctual;
 lmb_result lmb_punctual_create(const lmb_scene *scene, lmb_punctual **punctual);
 void lmb_punctual_destroy(lmb_punctual *punctual);
 
+bool lmb_punctual_are_soft(const lmb_punctual *punctual);
 bool lmb_punctual_are_few(const lmb_punctual *punctual);
 
 int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, const float choice[2], int max,
                         lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
+
+void lmb_punctual_again(const lmb_punctual *punctual, const lmb_punctual_query *query, lmb_punctual_sample *sample);
 
 #endif

@@ -274,6 +274,10 @@ static lmb_result validate_light(const lmb_scene *scene, uint32_t number, lmb_er
         fault = "intensity is negative or not finite";
     } else if (!(light->range >= 0.0f && isfinite(light->range))) {
         fault = "range is negative or not finite";
+    } else if (!(light->radius >= 0.0f && isfinite(light->radius))) {
+        fault = "radius is negative or not finite";
+    } else if (!(light->angle_rad >= 0.0f && light->angle_rad <= LMB_PI_F)) {
+        fault = "angle is not between 0 and pi";
     } else if (light->type == LMB_LIGHT_SPOT &&
                !(light->cos_inner >= light->cos_outer && light->cos_inner <= 1.0f && light->cos_outer >= -1.0f)) {
         fault = "cone is inside out";

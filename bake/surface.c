@@ -118,14 +118,8 @@ static void base_color_at(const lmb_scene *scene, const lmb_material *material, 
     }
 }
 
-lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+lmb_coverage lmb_material_coverage(const lmb_material *material, const float base[4])
 {
-    const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_mesh *mesh = &scene->meshes[scene->instances[instance].mesh];
-    const lmb_material *material = &scene->materials[mesh->material[triangle]];
-    const uint32_t *vertex = mesh->triangle[triangle];
-    float base[4];
-    base_color_at(scene, material, mesh, vertex, u, v, base);
     float alpha = 1.0f;
     if (material->alpha_mode == LMB_ALPHA_MASK) {
         alpha = base[3] >= material->alpha_cutoff ? 1.0f : 0.0f;
@@ -134,10 +128,34 @@ lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint3
     }
     /* Of the light that the coat of coverage alpha meets, `transmission` goes on, tinted; the rest is diffuse. */
     const float through = alpha * material->transmission;
-    lmb_surface surface;
-    surface.opacity = alpha - through;
+    lmb_coverage coverage = {.opacity = alpha - through};
     for (int c = 0; c < 3; ++c) {
-        surface.pass.c[c] = (1.0f - alpha) + through * base[c];
+        coverage.pass.c[c] = (1.0f - alpha) + through * base[c];
+    }
+    return coverage;
+}
+
+lmb_coverage lmb_trace_coverage(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+{
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const lmb_mesh *mesh = &scene->meshes[scene->instances[instance].mesh];
+    const lmb_material *material = &scene->materials[mesh->material[triangle]];
+    float base[4];
+    base_color_at(scene, material, mesh, mesh->triangle[triangle], u, v, base);
+    return lmb_material_coverage(material, base);
+}
+
+lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+{
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const lmb_mesh *mesh = &scene->meshes[scene->instances[instance].mesh];
+    const lmb_material *material = &scene->materials[mesh->material[triangle]];
+    const uint32_t *vertex = mesh->triangle[triangle];
+    float base[4];
+    base_color_at(scene, material, mesh, vertex, u, v, base);
+    const lmb_coverage coverage = lmb_material_coverage(material, base);
+    lmb_surface surface = {.opacity = coverage.opacity, .pass = coverage.pass};
+    for (int c = 0; c < 3; ++c) {
         surface.albedo.c[c] = material->unlit ? 0.0f : base[c];
     }
     surface.emission = (lmb_rgb){{0.0f, 0.0f, 0.0f}};

@@ -99,6 +99,14 @@ static void starts_find(const sample_batch *batch, lmb_direct_start *starts)
                 (lmb_direct_start){.triangle = {triangle.x[i], triangle.y[i]}, .choice = {choice.x[i], choice.y[i]}};
         }
     }
+    if (lmb_emitters_punctual_are_soft(transport->emitters)) {
+        sample_numbers light;
+        numbers_find(batch, lmb_light_pair(0), &light);
+        for (uint32_t i = 0; i < batch->count; ++i) {
+            starts[i].light[0] = light.x[i];
+            starts[i].light[1] = light.y[i];
+        }
+    }
     if (lmb_emitters_environment_sampled(transport->emitters)) {
         skies_sample(batch, starts);
     }
@@ -203,15 +211,14 @@ static void sample_correct(const sample_batch *batch, lmb_side_sample *sample, c
     sample->direct = rgb_mul(link_weight_rounded(&sample->link), rgb_add(direct, rgb_scale(mean, -1.0f)));
 }
 
-static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *hit)
+static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *hit, lmb_rgb share)
 {
     const lmb_ray_batch *rays = &batch->rays;
     const lmb_tracer *tracer = batch->transport->tracer;
     lmb_side_sample *sample = &batch->sample[batch->owner[ray]];
     lmb_leg leg = {&batch->receiver[batch->owner[ray]],
                    vec3(rays->origin[0][ray], rays->origin[1][ray], rays->origin[2][ray]),
-                   vec3(rays->direction[0][ray], rays->direction[1][ray], rays->direction[2][ray]),
-                   {{1.0f, 1.0f, 1.0f}}};
+                   vec3(rays->direction[0][ray], rays->direction[1][ray], rays->direction[2][ray]), share};
     lmb_path path = sample->path;
     lmb_landing landing = lmb_leg_land(&path, &leg, hit->instance != LMB_HIT_NOTHING ? hit : NULL);
     sample->direct = rgb_add(sample->direct, rgb_mul(leg.throughput, landing.emitted));
@@ -235,7 +242,9 @@ static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *
 
 static void links_find(sample_batch *batch)
 {
+    uint64_t chance[LMB_RAY_BATCH];
     lmb_hit hit[LMB_RAY_BATCH];
+    lmb_rgb share[LMB_RAY_BATCH];
     sample_numbers directions;
     numbers_find(batch, PAIR_DIRECTION, &directions);
     batch->rays.count = 0;
@@ -247,10 +256,15 @@ static void links_find(sample_batch *batch)
             ray_add(batch, i, lmb_receiver_ray_origin(receiver, direction), direction, FLT_MAX);
         }
     }
-    lmb_trace_nearest_batch(batch->transport->tracer, &batch->rays, hit);
-    *batch->rays_traced += batch->rays.count;
+    const lmb_tracer *tracer = batch->transport->tracer;
+    const bool layers = lmb_tracer_has_layers(tracer);
+    for (uint32_t k = 0; layers && k < batch->rays.count; ++k) {
+        const lmb_path *path = &batch->sample[batch->owner[k]].path;
+        chance[k] = lmb_layer_chance(path->stream, path->sample, (int32_t)path->vertex);
+    }
+    lmb_trace_through_batch(tracer, &batch->rays, chance, hit, share, batch->rays_traced);
     for (uint32_t k = 0; k < batch->rays.count; ++k) {
-        sample_land(batch, k, &hit[k]);
+        sample_land(batch, k, &hit[k], layers ? share[k] : rgb(1.0f, 1.0f, 1.0f));
     }
 }
 

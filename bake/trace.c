@@ -5,31 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <embree3/rtcore.h>
-
-#include <lambent/ray_record.h>
-
 #include "bake_internal.h"
 #include "inside_out.h"
-#include "trace_internal.h"
+#include "trace_embree.h"
 
 /* Up to this many placed triangles every instance becomes geometry of its own in world space, which traces faster;
  * beyond it, meshes that are used more than once become Embree instances. */
 #define FLATTEN_MAX_TRIANGLES 16000000u
-
-struct lmb_tracer {
-    const lmb_scene *scene;
-    RTCDevice device;
-    RTCScene world;
-    RTCScene *mesh_scene;    /* [mesh] for meshes that are instanced, else NULL */
-    lmb_vec3 **world_vertex; /* [instance] Embree's own vertex buffer when flattened, else NULL */
-    bool *is_see_through;    /* [material] lets some light straight through */
-    bool *is_mirrored;       /* [instance] winding is the other way round in world space, or counts as if it were */
-    uint8_t *facing;         /* [instance] lmb_facing */
-    bool any_see_through;
-    lmb_ray_recorder *recorder; /* NULL: rays are not recorded */
-    long long bytes;
-};
 
 static bool count_bytes(void *context, ssize_t bytes, bool post)
 {
@@ -41,6 +23,37 @@ static bool count_bytes(void *context, ssize_t bytes, bool post)
 static bool material_is_see_through(const lmb_material *material)
 {
     return material->alpha_mode != LMB_ALPHA_OPAQUE || material->transmission > 0.0f;
+}
+
+static bool mesh_has_layers(const lmb_tracer *tracer, const lmb_mesh *mesh)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < mesh->triangle_count && !any; ++i) {
+        any = tracer->is_see_through[mesh->material[i]];
+    }
+    return any;
+}
+
+static bool layers_note(lmb_tracer *tracer)
+{
+    const lmb_scene *scene = tracer->scene;
+    bool *of_mesh = calloc(scene->mesh_count + 1u, sizeof *of_mesh);
+    tracer->coverage = calloc(scene->material_count + 1u, sizeof *tracer->coverage);
+    if (!of_mesh || !tracer->coverage) {
+        free(of_mesh);
+        return false;
+    }
+    for (uint32_t i = 0; i < scene->material_count; ++i) {
+        tracer->coverage[i] = lmb_material_coverage(&scene->materials[i], scene->materials[i].base_color);
+    }
+    for (uint32_t i = 0; i < scene->mesh_count; ++i) {
+        of_mesh[i] = mesh_has_layers(tracer, &scene->meshes[i]);
+    }
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        tracer->has_layers[i] = of_mesh[scene->instances[i].mesh];
+    }
+    free(of_mesh);
+    return true;
 }
 
 /* Triangles of a mesh, at `to_world` or in mesh space when that is NULL. Returns Embree's vertex buffer. */
@@ -72,6 +85,8 @@ static RTCScene scene_new(lmb_tracer *tracer)
 {
     RTCScene scene = rtcNewScene(tracer->device);
     if (scene) {
+        /* Spatial splits, of a build of high quality, would show a filter a triangle more than once. */
+        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
         /* Robust: no ray may slip between two triangles that share an edge. The filter counts crossings. */
         rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     }
@@ -183,9 +198,10 @@ lmb_result lmb_tracer_create(const lmb_scene *scene, const char *isa, int thread
     created->world_vertex = calloc(scene->instance_count + 1u, sizeof *created->world_vertex);
     created->is_see_through = calloc(scene->material_count + 1u, sizeof *created->is_see_through);
     created->is_mirrored = calloc(scene->instance_count + 1u, sizeof *created->is_mirrored);
+    created->has_layers = calloc(scene->instance_count + 1u, sizeof *created->has_layers);
     created->facing = calloc(scene->instance_count + 1u, sizeof *created->facing);
     if (!created->mesh_scene || !created->world_vertex || !created->is_see_through || !created->is_mirrored ||
-        !created->facing) {
+        !created->has_layers || !created->facing) {
         lmb_tracer_destroy(created);
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
@@ -195,6 +211,10 @@ lmb_result lmb_tracer_create(const lmb_scene *scene, const char *isa, int thread
     }
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         created->is_mirrored[i] = scene->instances[i].mirrored;
+    }
+    if (created->any_see_through && !layers_note(created)) {
+        lmb_tracer_destroy(created);
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
     created->device = rtcNewDevice(config);
     const enum RTCError fault = rtcGetDeviceError(created->device); /* of a device that could not be made too */
@@ -235,8 +255,10 @@ void lmb_tracer_destroy(lmb_tracer *tracer)
     free(tracer->mesh_scene);
     free(tracer->world_vertex);
     free(tracer->is_see_through);
+    free(tracer->coverage);
     free(tracer->is_mirrored);
     free(tracer->facing);
+    free(tracer->has_layers);
     free(tracer);
 }
 
@@ -275,62 +297,6 @@ size_t lmb_tracer_bytes(const lmb_tracer *tracer)
     return tracer->bytes > 0 ? (size_t)tracer->bytes : 0;
 }
 
-static struct RTCRay ray_make(lmb_vec3 origin, lmb_vec3 direction, float near_distance, float far_distance)
-{
-    return (struct RTCRay){.org_x = origin.x,
-                           .org_y = origin.y,
-                           .org_z = origin.z,
-                           .tnear = near_distance,
-                           .dir_x = direction.x,
-                           .dir_y = direction.y,
-                           .dir_z = direction.z,
-                           .tfar = far_distance,
-                           .mask = ~0u};
-}
-
-/* Beside every call that traces. */
-static inline void ray_note(const lmb_tracer *tracer, lmb_ray_kind kind, const struct RTCRay *ray)
-{
-    if (tracer->recorder) {
-        lmb_ray_record(tracer->recorder, kind, vec3(ray->org_x, ray->org_y, ray->org_z),
-                       vec3(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear, ray->tfar);
-    }
-}
-
-static bool hit_is_instanced(const struct RTCHit *hit)
-{
-    return hit->instID[0] != RTC_INVALID_GEOMETRY_ID;
-}
-
-static uint32_t hit_instance(const struct RTCHit *hit)
-{
-    return hit_is_instanced(hit) ? hit->instID[0] : hit->geomID;
-}
-
-/* Embree's normal is that of the winding in the space of the geometry. In world space mirroring turns the winding; what
- * the inverse transpose brings there keeps its side. */
-static bool hit_is_front(const lmb_tracer *tracer, const struct RTCHit *hit, lmb_vec3 direction)
-{
-    const lmb_vec3 normal = vec3(hit->Ng_x, hit->Ng_y, hit->Ng_z);
-    const uint32_t instance = hit_instance(hit);
-    if (hit_is_instanced(hit)) {
-        const lmb_affine *to_world = &tracer->scene->instances[instance].normal_to_world;
-        return (vec3_dot(affine_vector(to_world, normal), direction) <= 0.0f) !=
-               (tracer->facing[instance] == LMB_FACING_TURNED);
-    }
-    return (vec3_dot(normal, direction) <= 0.0f) != tracer->is_mirrored[instance];
-}
-
-static void hit_set(const lmb_tracer *tracer, const struct RTCRayHit *ray, lmb_hit *hit)
-{
-    hit->instance = hit_instance(&ray->hit);
-    hit->triangle = ray->hit.primID;
-    hit->u = ray->hit.u;
-    hit->v = ray->hit.v;
-    hit->distance = ray->ray.tfar;
-    hit->front = hit_is_front(tracer, &ray->hit, vec3(ray->ray.dir_x, ray->ray.dir_y, ray->ray.dir_z));
-}
-
 bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float near_distance,
                        float far_distance, lmb_hit *hit)
 {
@@ -349,81 +315,12 @@ bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direc
     return true;
 }
 
-/* Rays that Embree traces as one. What each hits is the same as when it is traced alone, bit by bit. */
-enum { PACKET = 8 };
-
-static _Alignas(32) const int packet_all[PACKET] = {-1, -1, -1, -1, -1, -1, -1, -1};
-
-static struct RTCRay ray_of_batch(const lmb_ray_batch *rays, uint32_t i)
-{
-    return ray_make(vec3(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]),
-                    vec3(rays->direction[0][i], rays->direction[1][i], rays->direction[2][i]), 0.0f,
-                    rays->far_distance[i]);
-}
-
-static void batch_note(const lmb_tracer *tracer, lmb_ray_kind kind, const lmb_ray_batch *rays)
-{
-    for (uint32_t i = 0; tracer->recorder && i < rays->count; ++i) {
-        const struct RTCRay ray = ray_of_batch(rays, i);
-        ray_note(tracer, kind, &ray);
-    }
-}
-
-static void packet_fill(struct RTCRay8 *packet, const lmb_ray_batch *rays, uint32_t first)
-{
-    float *const org[3] = {packet->org_x, packet->org_y, packet->org_z};
-    float *const dir[3] = {packet->dir_x, packet->dir_y, packet->dir_z};
-    for (int axis = 0; axis < 3; ++axis) {
-        memcpy(org[axis], &rays->origin[axis][first], PACKET * sizeof(float));
-        memcpy(dir[axis], &rays->direction[axis][first], PACKET * sizeof(float));
-    }
-    memcpy(packet->tfar, &rays->far_distance[first], PACKET * sizeof(float));
-    for (int lane = 0; lane < PACKET; ++lane) {
-        packet->tnear[lane] = 0.0f;
-        packet->time[lane] = 0.0f;
-        packet->mask[lane] = ~0u;
-        packet->id[lane] = 0;
-        packet->flags[lane] = 0;
-    }
-}
-
-static void hit_set_or_nothing(const lmb_tracer *tracer, const struct RTCRayHit *ray, lmb_hit *hit)
-{
-    if (ray->hit.geomID == RTC_INVALID_GEOMETRY_ID) {
-        hit->instance = LMB_HIT_NOTHING;
-    } else {
-        hit_set(tracer, ray, hit);
-    }
-}
-
-/* What hit_set reads of a ray. */
-static struct RTCRayHit packet_lane(const struct RTCRayHit8 *packet, int lane)
-{
-    return (struct RTCRayHit){.ray = {.dir_x = packet->ray.dir_x[lane],
-                                      .dir_y = packet->ray.dir_y[lane],
-                                      .dir_z = packet->ray.dir_z[lane],
-                                      .tfar = packet->ray.tfar[lane]},
-                              .hit = {.Ng_x = packet->hit.Ng_x[lane],
-                                      .Ng_y = packet->hit.Ng_y[lane],
-                                      .Ng_z = packet->hit.Ng_z[lane],
-                                      .u = packet->hit.u[lane],
-                                      .v = packet->hit.v[lane],
-                                      .primID = packet->hit.primID[lane],
-                                      .geomID = packet->hit.geomID[lane],
-                                      .instID = {packet->hit.instID[0][lane]}}};
-}
-
 static void packet_nearest(const lmb_tracer *tracer, const lmb_ray_batch *rays, uint32_t first, lmb_hit hit[PACKET])
 {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRayHit8 packet;
-    packet_fill(&packet.ray, rays, first);
-    for (int lane = 0; lane < PACKET; ++lane) {
-        packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-        packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-    }
-    rtcIntersect8(packet_all, tracer->world, &context, &packet);
+    packet_intersect(tracer, &context, rays, first, &packet);
     for (int lane = 0; lane < PACKET; ++lane) {
         const struct RTCRayHit ray = packet_lane(&packet, lane);
         hit_set_or_nothing(tracer, &ray, &hit[lane]);
@@ -432,7 +329,7 @@ static void packet_nearest(const lmb_tracer *tracer, const lmb_ray_batch *rays, 
 
 void lmb_trace_nearest_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_hit hit[LMB_RAY_BATCH])
 {
-    batch_note(tracer, LMB_RAY_NEAREST, rays);
+    batch_note(tracer, LMB_RAY_NEAREST, rays, rays->count);
     uint32_t i = 0;
     for (; i + PACKET <= rays->count; i += PACKET) {
         packet_nearest(tracer, rays, i, &hit[i]);
@@ -447,6 +344,11 @@ void lmb_trace_nearest_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays
         rtcIntersect1(tracer->world, &context, &ray);
         hit_set_or_nothing(tracer, &ray, &hit[i]);
     }
+}
+
+bool lmb_tracer_has_layers(const lmb_tracer *tracer)
+{
+    return tracer->any_see_through;
 }
 
 bool lmb_tracer_is_see_through(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
@@ -485,123 +387,6 @@ int lmb_trace_crossings(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 dire
     ray_note(tracer, LMB_RAY_CROSSINGS, &ray.ray);
     rtcIntersect1(tracer->world, &context.embree, &ray);
     return context.crossings;
-}
-
-typedef struct shadow_context {
-    struct RTCIntersectContext embree; /* first: Embree hands it back */
-    const lmb_tracer *tracer;
-    bool met_see_through;
-} shadow_context;
-
-/* Sends a shadow ray on through what is see-through. */
-static void shadow_filter(const struct RTCFilterFunctionNArguments *arguments)
-{
-    shadow_context *context = (shadow_context *)arguments->context;
-    const struct RTCHit *hit = (const struct RTCHit *)arguments->hit; /* of one ray: N is 1 */
-    if (lmb_tracer_is_see_through(context->tracer, hit_instance(hit), hit->primID)) {
-        context->met_see_through = true;
-        arguments->valid[0] = 0;
-    }
-}
-
-/* Whether something opaque is in the way; if not, `*met_see_through` tells whether something else may be. */
-static bool trace_blocked(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
-                          bool *met_see_through)
-{
-    shadow_context context = {.tracer = tracer};
-    rtcInitIntersectContext(&context.embree);
-    context.embree.filter = tracer->any_see_through ? shadow_filter : NULL;
-    struct RTCRay ray = ray_make(origin, direction, 0.0f, far_distance);
-    ray_note(tracer, LMB_RAY_OCCLUDED, &ray);
-    rtcOccluded1(tracer->world, &context.embree, &ray);
-    *met_see_through = context.met_see_through;
-    return ray.tfar < 0.0f;
-}
-
-/* Walks through see-through surfaces, layer by layer. The distance to the next start is nudged by the hit's own
- * rounding only: coincident layers may count once, which is what coincident faces are. */
-static lmb_rgb layers_transmittance(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
-                                    uint64_t *rays)
-{
-    lmb_rgb share = {{1.0f, 1.0f, 1.0f}};
-    float start = 0.0f;
-    lmb_hit hit;
-    for (;;) {
-        ++*rays;
-        if (!lmb_trace_nearest(tracer, origin, direction, start, far_distance, &hit)) {
-            return share;
-        }
-        if (!lmb_tracer_is_see_through(tracer, hit.instance, hit.triangle)) {
-            return rgb(0.0f, 0.0f, 0.0f);
-        }
-        share = rgb_mul(share, lmb_trace_surface(tracer, hit.instance, hit.triangle, hit.u, hit.v).pass);
-        start = nextafterf(hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
-        if (!(rgb_max(share) > 0.0f) || start >= far_distance) {
-            return share;
-        }
-    }
-}
-
-/* Most rays meet nothing, or something opaque: only the others are walked. */
-lmb_rgb lmb_trace_transmittance_along(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
-                                      uint64_t *rays)
-{
-    bool met_see_through;
-    ++*rays;
-    if (trace_blocked(tracer, origin, direction, far_distance, &met_see_through)) {
-        return rgb(0.0f, 0.0f, 0.0f);
-    }
-    return met_see_through ? layers_transmittance(tracer, origin, direction, far_distance, rays)
-                           : rgb(1.0f, 1.0f, 1.0f);
-}
-
-lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays)
-{
-    return lmb_trace_transmittance_along(tracer, from, vec3_sub(to, from), LMB_TRACE_UP_TO_END, rays);
-}
-
-static lmb_rgb share_of_occluded(float far_distance)
-{
-    const float open = far_distance < 0.0f ? 0.0f : 1.0f;
-    return rgb(open, open, open);
-}
-
-static void packet_occluded(const lmb_tracer *tracer, const lmb_ray_batch *rays, uint32_t first, lmb_rgb share[PACKET])
-{
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    struct RTCRay8 packet;
-    packet_fill(&packet, rays, first);
-    rtcOccluded8(packet_all, tracer->world, &context, &packet);
-    for (int lane = 0; lane < PACKET; ++lane) {
-        share[lane] = share_of_occluded(packet.tfar[lane]);
-    }
-}
-
-void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_rgb share[LMB_RAY_BATCH],
-                                   uint64_t *rays_traced)
-{
-    if (tracer->any_see_through) {
-        for (uint32_t i = 0; i < rays->count; ++i) {
-            const struct RTCRay ray = ray_of_batch(rays, i);
-            share[i] = lmb_trace_transmittance_along(tracer, vec3(ray.org_x, ray.org_y, ray.org_z),
-                                                     vec3(ray.dir_x, ray.dir_y, ray.dir_z), ray.tfar, rays_traced);
-        }
-        return;
-    }
-    batch_note(tracer, LMB_RAY_OCCLUDED, rays);
-    uint32_t i = 0;
-    for (; i + PACKET <= rays->count; i += PACKET) {
-        packet_occluded(tracer, rays, i, &share[i]);
-    }
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (; i < rays->count; ++i) {
-        struct RTCRay ray = ray_of_batch(rays, i);
-        rtcOccluded1(tracer->world, &context, &ray);
-        share[i] = share_of_occluded(ray.tfar);
-    }
-    *rays_traced += rays->count;
 }
 
 float lmb_trace_epsilon(lmb_vec3 position)

@@ -1,7 +1,5 @@
 #include <lambent/transport.h>
 
-#include <float.h>
-
 #include "bake_internal.h"
 #include "leg.h"
 #include "surface_light_internal.h"
@@ -106,8 +104,7 @@ lmb_rgb lmb_path_radiance(lmb_path *path, lmb_leg leg, lmb_landing landing)
         leg.from = here;
         leg.origin = lmb_receiver_ray_origin(here, leg.direction);
         lmb_hit hit;
-        ++*path->rays;
-        const bool found = lmb_trace_nearest(transport->tracer, leg.origin, leg.direction, 0.0f, FLT_MAX, &hit);
+        const bool found = lmb_leg_trace(path, &leg, &hit);
         lmb_rgb reflected;
         if (found && hit_look_up(path, &hit, &reflected)) {
             return rgb_add(radiance, rgb_mul(leg.throughput, reflected));

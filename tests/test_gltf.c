@@ -404,6 +404,59 @@ static void line_count(void *context, const char *line)
     ++*(int *)context;
 }
 
+typedef struct warning_log {
+    int count;
+    char last[256];
+} warning_log;
+
+static void warning_keep(void *context, const char *text)
+{
+    warning_log *const log = context;
+    ++log->count;
+    snprintf(log->last, sizeof log->last, "%s", text);
+}
+
+/* A light's extent is in its node's extras; what is no such number is ignored, with a warning. */
+static void test_light_extents(void)
+{
+    static const struct {
+        const char *extras, *warned;
+        float angle, radius;
+        int light;
+    } nodes[] = {
+        {"'angle_deg':0.5", NULL, 0.5f * 3.14159265f / 180.0f, 0.0f, 1},
+        {"'angle_deg':180", NULL, 3.14159265f, 0.0f, 1},
+        {"'angle_deg':0", NULL, 0.0f, 0.0f, 1},
+        {"'radius_m':2", NULL, 0.0f, 0.0f, 1}, /* a sun has none */
+        {"'radius_m':0.25", NULL, 0.0f, 0.25f, 0},
+        {"'radius_m':1e3,'light':'indirect'", NULL, 0.0f, 1000.0f, 0},
+        {"'angle_deg':5", NULL, 0.0f, 0.0f, 0},
+        {"'angle_deg':-1", "angle_deg", 0.0f, 0.0f, 1},
+        {"'angle_deg':181", "angle_deg", 0.0f, 0.0f, 1},
+        {"'angle_deg':'wide'", "angle_deg", 0.0f, 0.0f, 1},
+        {"'radius_m':-0.1", "radius_m", 0.0f, 0.0f, 0},
+        {"'radius_m':1e300", "radius_m", 0.0f, 0.0f, 0},
+        {"'radius_m':[1]", "radius_m", 0.0f, 0.0f, 0},
+    };
+    for (size_t i = 0; i < sizeof nodes / sizeof nodes[0]; ++i) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 HEAD "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point'},{'type':'directional'}]}},"
+                      "'nodes':[{'extras':{'lambent':{%s}},'extensions':{'KHR_lights_punctual':{'light':%d}}}]}",
+                 nodes[i].extras, nodes[i].light);
+        warning_log log = {0};
+        const lmb_gltf_options options = {.warnings = {warning_keep, &log}};
+        lmb_scene *scene = NULL;
+        if (load_text_with("extents", text, &options, &scene) == LMB_OK) {
+            CHECK_NEAR(scene->lights[0].angle_rad, nodes[i].angle, 1e-6, "%s", nodes[i].extras);
+            CHECK_NEAR(scene->lights[0].radius, nodes[i].radius, 0.0, "%s", nodes[i].extras);
+            CHECK(log.count == (nodes[i].warned ? 1 : 0) && (!nodes[i].warned || strstr(log.last, nodes[i].warned)),
+                  "%s: %d warnings, '%s'", nodes[i].extras, log.count, log.last);
+        }
+        lmb_scene_destroy(scene);
+    }
+}
+
 static void test_marks_and_exclusion(void)
 {
     static const char text[] =
@@ -686,6 +739,7 @@ static const test_case cases[] = {
     {"instancing", test_instancing},
     {"materials", test_materials},
     {"lights", test_lights},
+    {"light_extents", test_light_extents},
     {"marks and exclusion", test_marks_and_exclusion},
     {"repairs", test_repairs},
     {"empty levels", test_empty_levels},

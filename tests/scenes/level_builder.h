@@ -56,6 +56,7 @@ typedef struct lmb_level_material {
     float alpha_cutoff; /* for LMB_LEVEL_MASK */
     bool double_sided;
     bool unlit;
+    float transmission; /* KHR_materials_transmission */
 } lmb_level_material;
 
 /* Mid-grey (0.5), opaque, single-sided, no textures, a texture size of 1 m. */
@@ -151,9 +152,11 @@ typedef struct lmb_level_node {
     lmb_vec3 translation;
     float rotation[4]; /* unit quaternion x, y, z, w */
     lmb_vec3 scale;
-    bool dynamic; /* extras {"lambent": {"static": false}} */
-    bool seed;    /* extras {"lambent": {"seed": true}} */
-    int path;     /* extras {"lambent": {"path": n}}; LMB_LEVEL_NONE: not a point of the path */
+    bool dynamic;    /* extras {"lambent": {"static": false}} */
+    bool seed;       /* extras {"lambent": {"seed": true}} */
+    int path;        /* extras {"lambent": {"path": n}}; LMB_LEVEL_NONE: not a point of the path */
+    float angle_deg; /* of its directional light's disc: extras {"lambent": {"angle_deg": x}}; 0: none */
+    float radius_m;  /* of its point or spot light, likewise */
 } lmb_level_node;
 
 /* At the origin, unturned, unscaled, static, with nothing in it. */

@@ -22,7 +22,7 @@ typedef struct glb {
     uint8_t *bytes;
     size_t byte_count, byte_capacity;
     cJSON *root, *views, *accessors;
-    bool strength_used, unlit_used;
+    bool strength_used, unlit_used, transmission_used;
     bool failed;
 } glb;
 
@@ -360,6 +360,12 @@ static void write_material(glb *out, cJSON *item, const lmb_level_material *mate
     if (material->double_sided) {
         put(out, item, "doubleSided", cJSON_CreateTrue());
     }
+    if (material->transmission > 0.0f) {
+        extensions = extensions ? extensions : put_object(out, item, "extensions");
+        put_number(out, put_object(out, extensions, "KHR_materials_transmission"), "transmissionFactor",
+                   (double)material->transmission);
+        out->transmission_used = true;
+    }
     if (material->unlit) {
         extensions = extensions ? extensions : put_object(out, item, "extensions");
         put_object(out, extensions, "KHR_materials_unlit");
@@ -421,7 +427,8 @@ static void write_cameras(glb *out)
 
 static void write_node_extras(glb *out, cJSON *item, const lmb_level_node *node)
 {
-    if (!node->dynamic && !node->seed && node->path == LMB_LEVEL_NONE) {
+    const bool soft = node->angle_deg > 0.0f || node->radius_m > 0.0f;
+    if (!node->dynamic && !node->seed && node->path == LMB_LEVEL_NONE && !soft) {
         return;
     }
     cJSON *lambent = put_object(out, put_object(out, item, "extras"), "lambent");
@@ -433,6 +440,12 @@ static void write_node_extras(glb *out, cJSON *item, const lmb_level_node *node)
     }
     if (node->path != LMB_LEVEL_NONE) {
         put_number(out, lambent, "path", node->path);
+    }
+    if (node->angle_deg > 0.0f) {
+        put_number(out, lambent, "angle_deg", (double)node->angle_deg);
+    }
+    if (node->radius_m > 0.0f) {
+        put_number(out, lambent, "radius_m", (double)node->radius_m);
     }
 }
 
@@ -491,6 +504,7 @@ static void write_extensions_used(glb *out)
     } extensions[] = {
         {"KHR_lights_punctual", out->builder->light_count > 0},
         {"KHR_materials_emissive_strength", out->strength_used},
+        {"KHR_materials_transmission", out->transmission_used},
         {"KHR_materials_unlit", out->unlit_used},
     };
     cJSON *list = NULL;

@@ -86,6 +86,9 @@ typedef struct lmb_punctual_sample {
     lmb_vec3 end;       /* the light's position; unused when `at_infinity` */
     bool at_infinity;
     lmb_rgb irradiance; /* on a surface that faces the light, unshadowed, divided by the choice's probability */
+    uint32_t light;     /* number in the scene */
+    bool soft;          /* it has an extent: this is one point of it, which stands for all */
+    float weight;       /* how many lights it stands for, over the choice's probability */
 } lmb_punctual_sample;
 
 /* Who asks for punctual lights. */
@@ -94,6 +97,7 @@ typedef struct lmb_punctual_query {
     const lmb_vec3 *normal;  /* leaves out lights behind this plane; NULL: a point in space */
     float min_distance;      /* nearer point and spot lights count as this far */
     bool skip_indirect_only; /* the point is baked, not a reflection on the way to it */
+    float point[2];          /* in [0, 1)^2: where on lights of an extent samples lie */
 } lmb_punctual_query;
 
 /* Punctual lights that together stand for all: up to `max` point and spot lights and as many directional ones. Suns and
@@ -109,7 +113,14 @@ enum { LMB_PUNCTUAL_MAX = 16 };
 int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, const float choice[2], int max,
                           lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);
 
-/* Whether there are so few that with `max` LMB_PUNCTUAL_MAX nothing is left to chance. */
+/* Another point of the light of a sample that the query gave, if that is soft: by `query->point`. */
+void lmb_emitters_punctual_again(const lmb_emitters *emitters, const lmb_punctual_query *query,
+                                 lmb_punctual_sample *sample);
+
+/* Whether any has an extent. */
+bool lmb_emitters_punctual_are_soft(const lmb_emitters *emitters);
+
+/* Whether there are so few, and none with an extent, that with `max` LMB_PUNCTUAL_MAX nothing is left to chance. */
 bool lmb_emitters_punctual_are_few(const lmb_emitters *emitters);
 
 #ifdef __cplusplus

@@ -119,6 +119,8 @@ typedef struct lmb_light {
     float range;        /* metres; 0: unlimited */
     float cos_inner;    /* spot: full intensity inside */
     float cos_outer;    /* spot: none outside */
+    float angle_rad;    /* directional: the whole angle that its disc takes in the sky, up to pi; 0: none */
+    float radius;       /* metres; point, spot: of the sphere that it is; 0: none */
     bool indirect_only; /* extras {"lambent": {"light": "indirect"}}: only its bounces are baked, the game adds the rest
                          */
 } lmb_light;

@@ -68,6 +68,21 @@ void lmb_trace_nearest_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays
 void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_rgb share[LMB_RAY_BATCH],
                                    uint64_t *rays_traced);
 
+/* Whether there is anything see-through: MASK, BLEND or transmission. */
+bool lmb_tracer_has_layers(const lmb_tracer *tracer);
+
+/* The nearest hits of rays that pass see-through surfaces, layers, by chance, from distance 0 on. Each layer is decided
+ * by `chance`, a number of the ray's own, and by the layer's triangle. `share` is multiplied by what the passed layers
+ * leave of each channel, never more than all of it; where the hit itself is a layer, its opacity and the best channel's
+ * pass together are the share of it that is met. Over all numbers the mean of what arrives is what
+ * lmb_trace_transmittance and the opacities say. Adds the rays that it took to `*rays`. */
+bool lmb_trace_through(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, uint64_t chance, lmb_hit *hit,
+                       lmb_rgb *share, uint64_t *rays);
+
+/* The same of a batch. Sets `share`. Without layers neither `chance` nor `share` is touched: all of it arrives. */
+void lmb_trace_through_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, const uint64_t chance[LMB_RAY_BATCH],
+                             lmb_hit hit[LMB_RAY_BATCH], lmb_rgb share[LMB_RAY_BATCH], uint64_t *rays_traced);
+
 /* Where a hit is and how it faces. */
 typedef struct lmb_place {
     lmb_vec3 position;         /* world space, from the triangle's corners: accurate to a few ulps of its coordinates */
@@ -94,6 +109,14 @@ typedef struct lmb_surface {
 } lmb_surface;
 
 lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
+
+/* lmb_trace_surface's opacity and pass alone. */
+typedef struct lmb_coverage {
+    float opacity;
+    lmb_rgb pass;
+} lmb_coverage;
+
+lmb_coverage lmb_trace_coverage(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
 
 /* The shading normal bent by the material's normal map, on the same side of the surface as `place->shading_normal`. */
 lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v,
