@@ -147,14 +147,6 @@ class loader {
     {
         return scene_->origin.x != 0.0 || scene_->origin.y != 0.0 || scene_->origin.z != 0.0;
     }
-    double light_scale() const
-    {
-        return options_ && options_->light_scale > 0.0 ? options_->light_scale : 1.0;
-    }
-    double emission_scale() const
-    {
-        return options_ && options_->emission_scale > 0.0 ? options_->emission_scale : 1.0;
-    }
     void find_bounds();
     void finish();
 
@@ -172,6 +164,8 @@ class loader {
     std::vector<world_node> nodes_;
     std::vector<uint32_t> shared_meshes_; /* scene mesh of each glTF mesh at rest, or NONE */
     std::vector<std::pair<double, lmb_vec3>> path_;
+    const double light_scale_ = options_ && options_->light_scale > 0.0 ? options_->light_scale : 1.0;
+    const double emission_scale_ = options_ && options_->emission_scale > 0.0 ? options_->emission_scale : 1.0;
     lmb_gltf_options quiet_options_{};
 };
 
@@ -189,8 +183,6 @@ void move(lmb_affine &t, const lmb_vec3d &place, double sign)
     t.m[1][3] += sign * place.y;
     t.m[2][3] += sign * place.z;
 }
-
-const double no_turn[4] = {0, 0, 0, 1}, no_scale[3] = {1, 1, 1};
 
 template <class T> lmb_affine from_columns(const T *m)
 {
@@ -447,7 +439,7 @@ void loader::read_material(const tinygltf::Material &source, lmb_material *mater
     const double strength =
         number(member(find_extension(source.extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0);
     for (size_t c = 0; c < 3; ++c) {
-        material->emissive.c[c] = to_float(std::max(source.emissiveFactor[c], 0.0) * strength * emission_scale());
+        material->emissive.c[c] = to_float(std::max(source.emissiveFactor[c], 0.0) * strength * emission_scale_);
     }
     material->emissive_texture = describe_texture(source.emissiveTexture, &textures->emissive);
     if (rgb_max(material->emissive) == 0.0f) {
@@ -674,17 +666,10 @@ void loader::add_light(uint32_t index, const lmb_affine &to_world, uint32_t node
         light.radius = float(marks_.get()[node].radius_m);
     }
     light.position = origin_of(to_world);
-    double away[3], length = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        away[i] = -to_world.m[i][2];
-        length += away[i] * away[i];
-    }
-    length = std::sqrt(length);
-    light.direction = length > 0.0 ? lmb_vec3{float(away[0] / length), float(away[1] / length), float(away[2] / length)}
-                                   : lmb_vec3{0.0f, 0.0f, -1.0f};
+    light.direction = lmb_gltf_forward(&to_world);
     for (size_t c = 0; c < 3; ++c) {
         const double colour = source.color.size() == 3 ? std::max(source.color[c], 0.0) : 1.0;
-        light.intensity.c[c] = to_float(colour * source.intensity * light_scale());
+        light.intensity.c[c] = to_float(colour * source.intensity * light_scale_);
     }
     light.range = source.range < UNLIMITED_RANGE ? float(source.range) : 0.0f;
     double sine, inner, outer;
@@ -795,19 +780,15 @@ void loader::add_instance(uint32_t node, uint32_t place, uint32_t mesh, const lm
                           float place_step)
 {
     lmb_instance instance{};
-    if (!lmb_gltf_instance_place(&to_world, &instance)) {
+    const lmb_mesh &placed = scene_->meshes[mesh];
+    if (!lmb_gltf_instance_place(&to_world, &placed.shift, &instance)) {
         /* Scaled to nothing, as exporters hide objects. */
-        scene_->dropped_triangle_count += scene_->meshes[mesh].triangle_count;
+        scene_->dropped_triangle_count += placed.triangle_count;
         return;
     }
     instance.node = int32_t(node);
     instance.place = int32_t(place);
     instance.mesh = mesh;
-    const lmb_mesh &placed = scene_->meshes[mesh];
-    if (placed.shift.x != 0.0f || placed.shift.y != 0.0f || placed.shift.z != 0.0f) {
-        const double shift[3] = {double(placed.shift.x), double(placed.shift.y), double(placed.shift.z)};
-        instance.to_world = product(instance.to_world, lmb_gltf_compose(shift, no_turn, no_scale));
-    }
     instance.position_step = std::max(place_step, lmb_position_step(placed.file_reach, &to_world));
     instance.dynamic = dynamic;
     if (scene_->instance_count == MAX_INSTANCES) {
@@ -843,19 +824,14 @@ void loader::add_mesh_node(uint32_t index, bool dynamic)
         }
     }
     for (uint32_t place = 0; place < count; ++place) {
-        double t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
-        double *const parts[3] = {t, q, s};
-        for (size_t i = 0; i < 3; ++i) {
-            const size_t width = i == 1 ? 4 : 3;
-            for (size_t k = 0; !values[i].empty() && k < width; ++k) {
-                parts[i][k] = double(values[i][place * width + k]);
-                if (!(std::fabs(parts[i][k]) < 1e18)) {
-                    fail(LMB_ERROR_FORMAT, "nodes[%u]: instance %u is not finite", index, place);
-                }
-            }
+        lmb_affine local;
+        float reach;
+        if (!lmb_gltf_instancing_place(values[0].empty() ? nullptr : &values[0][3 * place],
+                                       values[1].empty() ? nullptr : &values[1][4 * place],
+                                       values[2].empty() ? nullptr : &values[2][3 * place], &local, &reach)) {
+            fail(LMB_ERROR_FORMAT, "nodes[%u]: instance %u is not finite", index, place);
         }
-        const float reach = float(std::max({std::fabs(t[0]), std::fabs(t[1]), std::fabs(t[2])}));
-        add_instance(index, place, mesh, product(nodes_[index].to_world, lmb_gltf_compose(t, q, s)), dynamic,
+        add_instance(index, place, mesh, product(nodes_[index].to_world, local), dynamic,
                      lmb_position_step(reach, &nodes_[index].to_world));
     }
 }
@@ -964,7 +940,7 @@ void loader::finish()
     for (size_t i = 0; options_ && i < options_->exclude_count; ++i) {
         hash = lmb_hash(hash, options_->exclude[i], strlen(options_->exclude[i]) + 1);
     }
-    const double scales[2] = {light_scale(), emission_scale()};
+    const double scales[2] = {light_scale_, emission_scale_};
     if (scales[0] != 1.0 || scales[1] != 1.0) {
         hash = lmb_hash(hash, scales, sizeof scales);
     }

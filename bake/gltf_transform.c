@@ -45,6 +45,42 @@ lmb_affine lmb_gltf_compose(const double t[3], const double q[4], const double s
     return m;
 }
 
+/* Up to `count` floats in place of what is there; false when one is not finite. */
+static bool floats_take(const float *from, int count, double *values)
+{
+    for (int i = 0; from && i < count; ++i) {
+        values[i] = (double)from[i];
+        if (!(fabs(values[i]) < 1e18)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool lmb_gltf_instancing_place(const float *translation, const float *rotation, const float *scale, lmb_affine *place,
+                               float *reach)
+{
+    double t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
+    if (!floats_take(translation, 3, t) || !floats_take(rotation, 4, q) || !floats_take(scale, 3, s)) {
+        return false;
+    }
+    *place = lmb_gltf_compose(t, q, s);
+    *reach = (float)fmax(fmax(fabs(t[0]), fabs(t[1])), fabs(t[2]));
+    return true;
+}
+
+lmb_vec3 lmb_gltf_forward(const lmb_affine *to_world)
+{
+    double away[3], length = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        away[i] = -to_world->m[i][2];
+        length += away[i] * away[i];
+    }
+    length = sqrt(length);
+    return length > 0.0 ? (lmb_vec3){(float)(away[0] / length), (float)(away[1] / length), (float)(away[2] / length)}
+                        : (lmb_vec3){0.0f, 0.0f, -1.0f};
+}
+
 /* The cofactors: the inverse transpose times the determinant. */
 static double invert(const lmb_affine *t, lmb_affine *cofactor, double *size)
 {
@@ -100,7 +136,7 @@ lmb_gltf_rank lmb_gltf_transform_rank(const lmb_affine *t)
     return !(size > SMALLEST_SCALE) ? LMB_GLTF_NOTHING : is_flat(determinant, size) ? LMB_GLTF_FLAT : LMB_GLTF_SOLID;
 }
 
-bool lmb_gltf_instance_place(const lmb_affine *to_world, lmb_instance *instance)
+bool lmb_gltf_instance_place(const lmb_affine *to_world, const lmb_vec3 *shift, lmb_instance *instance)
 {
     double size;
     instance->to_world = *to_world;
@@ -118,5 +154,9 @@ bool lmb_gltf_instance_place(const lmb_affine *to_world, lmb_instance *instance)
         instance->normal_to_world.m[k / 3][k % 3] /= determinant;
     }
     instance->mirrored = determinant < 0.0;
+    for (int i = 0; i < 3; ++i) {
+        double *const row = instance->to_world.m[i];
+        row[3] = row[0] * (double)shift->x + row[1] * (double)shift->y + row[2] * (double)shift->z + row[3];
+    }
     return true;
 }
