@@ -46,6 +46,7 @@ typedef struct bake_work {
     bake_texel *texels;
     bake_count *counts;       /* [group] */
     lmb_gather_point *points; /* [worker] of a group's texels */
+    lmb_sh3_rgb *moments;     /* [texel] what each has gathered; NULL: that is not kept */
 } bake_work;
 
 static void instance_list(bake_work *work, uint32_t number, lmb_texel_source *source)
@@ -193,6 +194,9 @@ static void group_task(void *context, size_t group, int worker)
     lmb_gather_sh3_group(work->transport, work->effort, elements, count);
     for (uint32_t i = 0; i < count; ++i) {
         texel_store(work, &work->texels[first + i], &elements[i], &work->counts[group]);
+        if (work->moments) {
+            work->moments[first + i] = elements[i].gathered.moments;
+        }
     }
 }
 
@@ -230,6 +234,13 @@ static uint32_t points_per_texel(const lmb_gather_effort *effort)
 lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, const lmb_gather_effort *effort,
                              lmb_pool *pool, const lmb_progress *progress, lmb_lightmap_stats *stats)
 {
+    return lmb_lightmap_bake_moments(lightmap, transport, effort, pool, progress, NULL, stats);
+}
+
+lmb_result lmb_lightmap_bake_moments(lmb_lightmap *lightmap, const lmb_transport *transport,
+                                     const lmb_gather_effort *effort, lmb_pool *pool, const lmb_progress *progress,
+                                     lmb_sh3_rgb *moments, lmb_lightmap_stats *stats)
+{
     const size_t texels = (size_t)lightmap->covered_texel_count;
     const size_t groups = lmb_gather_group_count(texels);
     const size_t workers = (size_t)lmb_pool_threads(pool);
@@ -240,6 +251,7 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
         .points_per_texel = points_per_texel(effort),
         .texels = malloc((texels + 1u) * sizeof(bake_texel)),
         .counts = calloc(groups + 1u, sizeof(bake_count)),
+        .moments = moments,
         .points = malloc(workers * LMB_GATHER_GROUP_MOST * MAX_POINTS * sizeof(lmb_gather_point)),
     };
     lmb_result result = LMB_ERROR_MEMORY;

@@ -32,15 +32,22 @@ lmb_bake_settings bake_settings_default(void)
     return settings;
 }
 
-static void quality_set(lmb_bake_settings *settings, lmb_arguments *arguments, const char *name)
+bool bake_settings_quality(lmb_bake_settings *settings, const char *name)
 {
     for (size_t i = 0; i < sizeof qualities / sizeof qualities[0]; ++i) {
         if (strcmp(name, qualities[i].name) == 0) {
             quality_use(settings, &qualities[i]);
-            return;
+            return true;
         }
     }
-    arguments_error(arguments, "--quality takes draft, medium or high, not", name);
+    return false;
+}
+
+static void quality_set(lmb_bake_settings *settings, lmb_arguments *arguments, const char *name)
+{
+    if (!bake_settings_quality(settings, name)) {
+        arguments_error(arguments, "--quality takes draft, medium or high, not", name);
+    }
 }
 
 static void seed_point_add(lmb_bake_settings *settings, lmb_arguments *arguments, const char *option)

@@ -30,6 +30,9 @@ typedef struct lmb_bake_settings {
 /* Medium quality, no lightmaps, the level's own spacing and density; no level. */
 lmb_bake_settings bake_settings_default(void);
 
+/* Samples and tolerance of draft, medium or high; false for any other name. */
+bool bake_settings_quality(lmb_bake_settings *settings, const char *name);
+
 /* Takes `argument` when it is the level, one of level_argument's options, or one of those of BAKE_USAGE: what decides
  * what a bake makes. */
 bool bake_settings_argument(lmb_bake_settings *settings, struct lmb_arguments *arguments, const char *argument);

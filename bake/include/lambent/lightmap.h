@@ -81,6 +81,12 @@ typedef struct lmb_lightmap_stats {
 lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, const lmb_gather_effort *effort,
                              lmb_pool *pool, const lmb_progress *progress, lmb_lightmap_stats *stats);
 
+/* The same, and keeps what each texel has gathered, before it is encoded: moments[covered_texel_count], in an order of
+ * their own, which does not change. For measurements: it takes much memory. */
+lmb_result lmb_lightmap_bake_moments(lmb_lightmap *lightmap, const lmb_transport *transport,
+                                     const lmb_gather_effort *effort, lmb_pool *pool, const lmb_progress *progress,
+                                     lmb_sh3_rgb *moments, lmb_lightmap_stats *stats);
+
 /* The surface point whose light stands for a point of a triangle, pushed out of geometry that it starts inside of: the
  * gather point of texels, and of checks against them. `radius` is the texel's size in metres. */
 lmb_gather_point lmb_surface_gather_point(const lmb_tracer *tracer, const lmb_place *place, float radius,
