@@ -27,6 +27,7 @@ struct lmb_emitters {
     lmb_light_tree *tree;  /* of the triangles; NULL when there are none, or they are chosen evenly */
     uint32_t **emitter_of; /* [instance] NULL, or [triangle]: number in `triangles`, or UINT32_MAX */
     lmb_punctual *punctual;
+    bool punctual_are_soft;
     lmb_sky sky;
 };
 
@@ -191,6 +192,7 @@ lmb_result lmb_emitters_create_without(const lmb_tracer *tracer, unsigned withou
         result = lmb_punctual_create(scene, &created->punctual);
     }
     if (result == LMB_OK) {
+        created->punctual_are_soft = lmb_punctual_are_soft(created->punctual);
         result = lmb_sky_create(&scene->environment, !(without & LMB_WITHOUT_ENVIRONMENT_AIM), &created->sky);
     }
     if (result != LMB_OK) {
@@ -335,7 +337,7 @@ void lmb_emitters_punctual_again(const lmb_emitters *emitters, const lmb_punctua
 
 bool lmb_emitters_punctual_are_soft(const lmb_emitters *emitters)
 {
-    return lmb_punctual_are_soft(emitters->punctual);
+    return emitters->punctual_are_soft;
 }
 
 bool lmb_emitters_punctual_are_few(const lmb_emitters *emitters)
