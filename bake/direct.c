@@ -45,14 +45,6 @@ lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float point[
     return lmb_direction_make(receiver->kind, receiver->normal, point);
 }
 
-lmb_punctual_query lmb_receiver_punctual(const lmb_receiver *receiver)
-{
-    return (lmb_punctual_query){.position = receiver->position,
-                                .normal = lmb_receiver_normal(receiver),
-                                .min_distance = receiver->min_light_distance,
-                                .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
-}
-
 static int punctual_aim(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
                         lmb_aimed_light aimed[2])
 {

@@ -175,7 +175,13 @@ static inline bool lmb_receiver_aim_punctual(const lmb_receiver *receiver, const
 }
 
 /* What a receiver asks lmb_emitters_punctual, but for the point. */
-lmb_punctual_query lmb_receiver_punctual(const lmb_receiver *receiver);
+static inline lmb_punctual_query lmb_receiver_punctual(const lmb_receiver *receiver)
+{
+    return (lmb_punctual_query){.position = receiver->position,
+                                .normal = lmb_receiver_normal(receiver),
+                                .min_distance = receiver->min_light_distance,
+                                .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
+}
 
 /* What next-event estimation starts from: the path's numbers, and what those of PAIR_ENVIRONMENT sample. Only what the
  * level has of each kind need be set. */

@@ -50,6 +50,7 @@ lmb_result lmb_emitters_create_without(const lmb_tracer *tracer, unsigned withou
         result = lmb_punctual_create(scene, &created->punctual);
     }
     if (result == LMB_OK) {
+        created->punctual_are_soft = lmb_punctual_are_soft(created->punctual);
         result = lmb_sky_create(&scene->environment, !(without & LMB_WITHOUT_ENVIRONMENT_AIM), &created->sky);
     }
     if (result != LMB_OK) {
@@ -255,7 +256,7 @@ void lmb_emitters_punctual_again(const lmb_emitters *emitters, const lmb_punctua
 
 bool lmb_emitters_punctual_are_soft(const lmb_emitters *emitters)
 {
-    return lmb_punctual_are_soft(emitters->punctual);
+    return emitters->punctual_are_soft;
 }
 
 bool lmb_emitters_punctual_are_few(const lmb_emitters *emitters)

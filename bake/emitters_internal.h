@@ -58,6 +58,7 @@ struct lmb_emitters {
     lmb_emitter_cut *cuts;
     uint32_t cut_count;
     lmb_punctual *punctual;
+    bool punctual_are_soft;
     lmb_sky sky;
 };
 

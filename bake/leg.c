@@ -47,13 +47,6 @@ lmb_landing lmb_leg_land(const lmb_path *path, lmb_leg *leg, const lmb_hit *hit)
         .on_surface = true, .hit = *hit, .albedo = surface.albedo, .emitted = rgb_scale(surface.emission, mis)};
 }
 
-bool lmb_leg_trace(const lmb_path *path, lmb_leg *leg, lmb_hit *hit)
-{
-    const uint64_t chance = lmb_layer_chance(path->stream, path->sample, (int32_t)path->vertex);
-    return lmb_trace_through(path->transport->tracer, leg->origin, leg->direction, chance, hit, &leg->throughput,
-                             path->rays);
-}
-
 lmb_landing lmb_leg_follow(const lmb_path *path, lmb_leg *leg)
 {
     lmb_hit hit;

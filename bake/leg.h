@@ -2,6 +2,8 @@
 #ifndef LMB_LEG_H
 #define LMB_LEG_H
 
+#include <float.h>
+
 #include "direct.h"
 
 /* A ray that leaves a receiver, or a camera (from == NULL). */
@@ -22,7 +24,16 @@ typedef struct lmb_landing {
 
 /* Finds what a leg ends on, through see-through surfaces, each of which it passes by chance. Its throughput takes up
  * the tint of what it passed; no channel of it grows. False: on nothing. */
-bool lmb_leg_trace(const lmb_path *path, lmb_leg *leg, lmb_hit *hit);
+static inline bool lmb_leg_trace(const lmb_path *path, lmb_leg *leg, lmb_hit *hit)
+{
+    const lmb_tracer *tracer = path->transport->tracer;
+    if (!lmb_tracer_has_layers(tracer)) {
+        ++*path->rays;
+        return lmb_trace_nearest(tracer, leg->origin, leg->direction, 0.0f, FLT_MAX, hit);
+    }
+    const uint64_t chance = lmb_layer_chance(path->stream, path->sample, (int32_t)path->vertex);
+    return lmb_trace_through(tracer, leg->origin, leg->direction, chance, hit, &leg->throughput, path->rays);
+}
 
 /* What a leg finds there: at `hit`, or NULL for nothing. Its throughput takes up the share of the surface that it met.
  */

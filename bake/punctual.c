@@ -178,7 +178,8 @@ static float lamp_fall(const lmb_light *light, lmb_vec3 direction, float distanc
 
 /* KHR_lights_punctual: inverse square with the range's window, and the spot's angular fall-off. A light of an extent is
  * put into its middle, but gives no more than from its surface on. */
-static bool light_evaluate(const lmb_light *light, lmb_vec3 position, float min_distance, lmb_punctual_sample *sample)
+static inline bool light_evaluate(const lmb_light *light, lmb_vec3 position, float min_distance,
+                                  lmb_punctual_sample *sample)
 {
     sample->at_infinity = light->type == LMB_LIGHT_DIRECTIONAL;
     if (sample->at_infinity) {
@@ -215,11 +216,8 @@ static bool light_sample(const lmb_punctual *punctual, uint32_t number, const lm
 {
     const lmb_light *light = &punctual->scene->lights[number];
     const float extent = punctual->extent[number];
-    sample->light = number;
-    sample->soft = extent > 0.0f;
-    const bool found = light_evaluate(light, query->position, query->min_distance, sample);
-    if (!found || !sample->soft) {
-        return found;
+    if (!light_evaluate(light, query->position, query->min_distance, sample)) {
+        return false;
     }
     float numbers[2];
     point_of_light(query->point, number, numbers);
@@ -388,12 +386,15 @@ static void inclusions_find(const candidates *found, int max, double inclusion[L
 static bool candidate_take(const lmb_punctual *punctual, const candidates *found, int number, double inclusion,
                            const lmb_punctual_query *query, lmb_punctual_sample *sample)
 {
+    const uint32_t light = found->light[number];
+    sample->light = light;
+    sample->soft = punctual->extent[light] > 0.0f;
     sample->weight = (float)(found->factor[number] / inclusion);
-    if (!light_sample(punctual, found->light[number], query, sample)) {
-        return false;
-    }
-    sample->irradiance = rgb_scale(sample->irradiance, sample->weight);
-    return true;
+    const bool gives =
+        sample->soft ? light_sample(punctual, light, query, sample)
+                     : light_evaluate(&punctual->scene->lights[light], query->position, query->min_distance, sample);
+    sample->irradiance = gives ? rgb_scale(sample->irradiance, sample->weight) : sample->irradiance;
+    return gives;
 }
 
 /* All candidates, or `max` of more, at even steps through the sum of their probabilities. */

@@ -118,7 +118,8 @@ static void base_color_at(const lmb_scene *scene, const lmb_material *material, 
     }
 }
 
-lmb_coverage lmb_material_coverage(const lmb_material *material, const float base[4])
+/* `base`: RGBA. */
+static inline lmb_coverage coverage_of(const lmb_material *material, const float base[4])
 {
     float alpha = 1.0f;
     if (material->alpha_mode == LMB_ALPHA_MASK) {
@@ -135,14 +136,9 @@ lmb_coverage lmb_material_coverage(const lmb_material *material, const float bas
     return coverage;
 }
 
-lmb_coverage lmb_trace_coverage(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+lmb_coverage lmb_material_coverage(const lmb_material *material)
 {
-    const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_mesh *mesh = &scene->meshes[scene->instances[instance].mesh];
-    const lmb_material *material = &scene->materials[mesh->material[triangle]];
-    float base[4];
-    base_color_at(scene, material, mesh, mesh->triangle[triangle], u, v, base);
-    return lmb_material_coverage(material, base);
+    return coverage_of(material, material->base_color);
 }
 
 lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
@@ -153,7 +149,7 @@ lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint3
     const uint32_t *vertex = mesh->triangle[triangle];
     float base[4];
     base_color_at(scene, material, mesh, vertex, u, v, base);
-    const lmb_coverage coverage = lmb_material_coverage(material, base);
+    const lmb_coverage coverage = coverage_of(material, base);
     lmb_surface surface = {.opacity = coverage.opacity, .pass = coverage.pass};
     for (int c = 0; c < 3; ++c) {
         surface.albedo.c[c] = material->unlit ? 0.0f : base[c];

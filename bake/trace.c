@@ -44,7 +44,7 @@ static bool layers_note(lmb_tracer *tracer)
         return false;
     }
     for (uint32_t i = 0; i < scene->material_count; ++i) {
-        tracer->coverage[i] = lmb_material_coverage(&scene->materials[i], scene->materials[i].base_color);
+        tracer->coverage[i] = lmb_material_coverage(&scene->materials[i]);
     }
     for (uint32_t i = 0; i < scene->mesh_count; ++i) {
         of_mesh[i] = mesh_has_layers(tracer, &scene->meshes[i]);

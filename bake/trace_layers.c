@@ -134,9 +134,9 @@ static bool shown_read(const struct RTCFilterFunctionNArguments *arguments, unsi
         return false;
     }
     if (mesh->color || tracer->scene->materials[material].base_color_texture.image >= 0) {
-        shown->coverage =
-            lmb_trace_coverage(tracer, shown->instance, shown->triangle, shown_float(arguments->hit, count, HIT_U, i),
-                               shown_float(arguments->hit, count, HIT_V, i));
+        const float u = shown_float(arguments->hit, count, HIT_U, i), v = shown_float(arguments->hit, count, HIT_V, i);
+        const lmb_surface surface = lmb_trace_surface(tracer, shown->instance, shown->triangle, u, v);
+        shown->coverage = (lmb_coverage){surface.opacity, surface.pass};
     } else {
         shown->coverage = tracer->coverage[material];
     }
@@ -261,6 +261,22 @@ static void packet_occluded(const lmb_tracer *tracer, const lmb_ray_batch *rays,
     }
 }
 
+static void opaque_occluded(const lmb_tracer *tracer, const lmb_ray_batch *rays, lmb_rgb share[LMB_RAY_BATCH])
+{
+    batch_note(tracer, LMB_RAY_OCCLUDED, rays, rays->count);
+    uint32_t i = 0;
+    for (; i + PACKET <= rays->count; i += PACKET) {
+        packet_occluded(tracer, rays, i, &share[i]);
+    }
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (; i < rays->count; ++i) {
+        struct RTCRay ray = ray_of_batch(rays, i);
+        rtcOccluded1(tracer->world, &context, &ray);
+        share[i] = share_of_occluded(ray.tfar);
+    }
+}
+
 static void packet_occluded_by_layers(const lmb_tracer *tracer, const lmb_ray_batch *rays, uint32_t first,
                                       lmb_rgb share[PACKET], uint64_t *rays_traced)
 {
@@ -288,19 +304,18 @@ void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch
                                    uint64_t *rays_traced)
 {
     uint32_t i = 0;
+    if (!tracer->any_see_through) {
+        opaque_occluded(tracer, rays, share);
+        *rays_traced += rays->count;
+        return;
+    }
     for (; i + PACKET <= rays->count; i += PACKET) {
-        if (tracer->any_see_through) {
-            packet_occluded_by_layers(tracer, rays, i, &share[i], rays_traced);
-        } else {
-            packet_occluded(tracer, rays, i, &share[i]);
-        }
+        packet_occluded_by_layers(tracer, rays, i, &share[i], rays_traced);
     }
     batch_note(tracer, LMB_RAY_OCCLUDED, rays, i);
     *rays_traced += i;
     for (; i < rays->count; ++i) {
-        const struct RTCRay ray = ray_of_batch(rays, i);
-        share[i] = lmb_trace_transmittance_along(tracer, vec3(ray.org_x, ray.org_y, ray.org_z),
-                                                 vec3(ray.dir_x, ray.dir_y, ray.dir_z), ray.tfar, rays_traced);
+        share[i] = shadow_follow(tracer, ray_of_batch(rays, i), 0.0f, rgb(1.0f, 1.0f, 1.0f), rays_traced);
     }
 }
 

@@ -110,14 +110,6 @@ typedef struct lmb_surface {
 
 lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
 
-/* lmb_trace_surface's opacity and pass alone. */
-typedef struct lmb_coverage {
-    float opacity;
-    lmb_rgb pass;
-} lmb_coverage;
-
-lmb_coverage lmb_trace_coverage(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
-
 /* The shading normal bent by the material's normal map, on the same side of the surface as `place->shading_normal`. */
 lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v,
                                  const lmb_place *place);
