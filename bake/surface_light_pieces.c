@@ -19,6 +19,10 @@ enum { MAX_PIECES = 4 };
 #define LIFT_SHARE (1.0f / 64.0f)
 #define INSET_SHARE 0.02f
 
+/* Below this share of the longest cell's length a side is no longer divided, but a hole. What a torch hangs on may well
+ * be small, and is aimed at only if it has light. */
+#define HOLE_SHARE 0.12f
+
 /* What lets more light through than this divides nothing. */
 #define OPEN_SHARE 0.5f
 
@@ -232,7 +236,7 @@ static void pieces_task(void *context, size_t task, int worker)
     for (uint32_t i = 0; i < count && !list->failed; ++i) {
         if (queue.divided[i]) {
             const side_frame frame = side_frame_of(work->light, tracer, first + i);
-            if (lmb_cell_is_small(work->light, frame.cell.grid)) {
+            if (frame.cell.grid->cell_size < HOLE_SHARE * work->light->cell_size) {
                 list_add(list, &(lmb_cell_piece){.side = first + i});
             } else {
                 side_divide(work, &frame, first + i, list);
