@@ -4,10 +4,22 @@
 
 #include <stdarg.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "harness.h"
+#include "scenes/levels.h"
+
+/* Makes the folder, and in it the Cornell box at `path`. */
+static inline bool cornell_make(const char *folder, const char *path)
+{
+    lmb_error error = {{0}};
+    mkdir(folder, 0777);
+    const lmb_result result = lmb_level_cornell(path, &error);
+    CHECK(result == LMB_OK, "%s", error.message);
+    return result == LMB_OK;
+}
 
 /* Runs a shell command and keeps the first part of what it prints on standard output and error together.
  * @return its exit status, -1 when a signal ended it */

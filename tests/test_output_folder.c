@@ -15,11 +15,7 @@
 
 static bool level_make(void)
 {
-    lmb_error error = {{0}};
-    mkdir(OUTPUT, 0777);
-    const lmb_result result = lmb_level_cornell(LEVEL, &error);
-    CHECK(result == LMB_OK, "%s", error.message);
-    return result == LMB_OK;
+    return cornell_make(OUTPUT, LEVEL);
 }
 
 /* The level is missing too: that the folder is what is said shows that it is looked at first. */
