@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include <lambent/surface_light.h>
+#include <lambent/surface_solve.h>
 
 #include "harness.h"
 #include "level_builder.h"

@@ -7,7 +7,7 @@
 #include <lambent/sequence.h>
 
 #include "harness.h"
-#include "surface_light_bounce.h"
+#include "solve/bounces.h"
 
 /* Each place sees so many others, one to three times. */
 enum { PLACES = 600, SEEN = 16, MOST_TIMES = 3, LINKS = SEEN * MOST_TIMES };

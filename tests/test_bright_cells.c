@@ -2,10 +2,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include <lambent/surface_light.h>
+#include <lambent/surface_solve.h>
 
 #include "harness.h"
-#include "surface_light_internal.h"
+#include "surface/surface_light_internal.h"
 #include "scenes/level_builder.h"
 #include "scenes/levels.h"
 #include "level_fixture.h"

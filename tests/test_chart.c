@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <lambent/chart.h>
+#include <lambent/uv_check.h>
 #include <lambent/file.h>
 #include <lambent/gltf.h>
 

@@ -5,7 +5,7 @@
 #include <lambent/file.h>
 #include <lambent/grid_bake.h>
 #include <lambent/placement.h>
-#include <lambent/surface_light.h>
+#include <lambent/surface_solve.h>
 
 #include "crossed_level.h"
 #include "lightmap_fixture.h"

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include <lambent/surface_light.h>
+#include <lambent/surface_solve.h>
 
 #include "harness.h"
 #include "scenes/level_builder.h"

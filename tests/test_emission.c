@@ -1,11 +1,11 @@
 /* Emissive triangles with textures: what they give, and that their points are where it is. */
-#include <lambent/surface_light.h>
+#include <lambent/surface_solve.h>
 
 #include "emission_fixture.h"
 #include "scenes/level_builder.h"
 
-#include "emission_map.h"
-#include "emission_part.h"
+#include "light/emission_map.h"
+#include "light/emission_part.h"
 
 #define PI 3.14159265358979323846
 

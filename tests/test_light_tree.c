@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "harness.h"
-#include "light_tree.h"
+#include "light/light_tree.h"
 #include "scenes/level_builder.h"
 #include "level_fixture.h"
 

@@ -1,7 +1,7 @@
 /* Suns with an angle and lamps with a radius, against what discs and spheres give by analysis. */
 #include <stdlib.h>
 
-#include <lambent/surface_light.h>
+#include <lambent/surface_solve.h>
 
 #include "level_fixture.h"
 #include "scenes/level_builder.h"

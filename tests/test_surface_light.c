@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include <lambent/surface_light.h>
+#include <lambent/surface_solve.h>
 
 #include "harness.h"
 #include "scenes/level_builder.h"

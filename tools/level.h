@@ -5,7 +5,7 @@
 #include <lambent/emitters.h>
 #include <lambent/gltf.h>
 #include <lambent/pool.h>
-#include <lambent/surface_light.h>
+#include <lambent/surface_solve.h>
 #include <lambent/trace.h>
 #include <lambent/transport.h>
 

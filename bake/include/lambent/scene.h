@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <lambent/affine.h>
 #include <lambent/error.h>
 #include <lambent/image.h>
 #include <lambent/types.h>
@@ -24,11 +25,6 @@ extern "C" {
 typedef struct lmb_vec2 {
     float x, y;
 } lmb_vec2;
-
-/* Row-major affine transform: p' = m[r][0] x + m[r][1] y + m[r][2] z + m[r][3]. */
-typedef struct lmb_affine {
-    double m[3][4];
-} lmb_affine;
 
 typedef enum lmb_wrap { LMB_WRAP_REPEAT, LMB_WRAP_CLAMP, LMB_WRAP_MIRROR } lmb_wrap;
 
@@ -158,7 +154,7 @@ typedef struct lmb_scene {
     lmb_vec3 bounds_min; /* of all static triangles, world space; min > max when there are none */
     lmb_vec3 bounds_max;
     lmb_vec3 *seed_points; /* nodes marked by extras {"lambent": {"seed": true}}, world space */
-    char **seed_names; /* [seed point] name of its node; NULL: they have none */
+    char **seed_names;     /* [seed point] name of its node; NULL: they have none */
     uint32_t seed_point_count;
     lmb_scene_camera *cameras;
     uint32_t camera_count;

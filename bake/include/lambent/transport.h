@@ -15,12 +15,11 @@
 #define LAMBENT_TRANSPORT_H
 
 #include <lambent/emitters.h>
+#include <lambent/surface_light.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef struct lmb_surface_light lmb_surface_light;
 
 /* What is traced, and how far. The pointers must outlive every call. */
 typedef struct lmb_transport {
@@ -43,9 +42,9 @@ typedef struct lmb_gather_point {
 
 /* Samples of one element: a probe, or a texel that is the mean over several points, which share kind and normal.
  * Independent replicates give independent estimates. There are no more than it takes to tell the error, because each is
- * a Sobol sequence of its own, and one of all samples errs less than the mean of many short ones. Samples come in blocks
- * of LMB_GATHER_BLOCK, and a block starts at one point: block b of replicate r at
- * points[(b + r point_count / LMB_GATHER_REPLICATES) % point_count]. */
+ * a Sobol sequence of its own, and one of all samples errs less than the mean of many short ones. Samples come in
+ * blocks of LMB_GATHER_BLOCK, and a block starts at one point: block b of replicate r at points[(b + r point_count /
+ * LMB_GATHER_REPLICATES) % point_count]. */
 enum { LMB_GATHER_REPLICATES = 2, LMB_GATHER_BLOCK = 2 };
 typedef struct lmb_gather_samples {
     const lmb_gather_point *points;

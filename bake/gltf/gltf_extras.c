@@ -1,0 +1,222 @@
+/* What the level wants baked, from its nodes' `extras`, in every form that exporters give them. */
+#include "gltf/gltf_internal.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* More of them say nothing new. */
+enum { MAX_WARNINGS = 8 };
+
+typedef struct extras_reader {
+    const lmb_gltf_file *file;
+    const lmb_warnings *warnings;
+    unsigned doubts; /* warnings, those that were not said too */
+    lmb_error *error;
+} extras_reader;
+
+/* `where` is what has the extras: a node's name, or a place in the file. */
+static void doubt(extras_reader *reader, const char *where, const char *key, const char *what)
+{
+    if (reader->doubts++ < MAX_WARNINGS) {
+        lmb_warn(reader->warnings, "%s: %s: extras.%s %s", reader->file->path, where, key, what);
+    }
+}
+
+/* true and false, and the 1 and 0 that exporters make of them. */
+static bool read_bool(const cJSON *item, bool *value)
+{
+    const bool number = cJSON_IsNumber(item) && (item->valuedouble == 0.0 || item->valuedouble == 1.0);
+    if (number || cJSON_IsBool(item)) {
+        *value = number ? item->valuedouble == 1.0 : cJSON_IsTrue(item);
+        return true;
+    }
+    return false;
+}
+
+static lmb_result read_light(const extras_reader *reader, const cJSON *item, uint32_t number, lmb_gltf_marks *marks)
+{
+    static const char *const words[] = {"baked", "indirect", "off"};
+    for (unsigned i = 0; i < 3; ++i) {
+        if (strcmp(cJSON_GetStringValue(item), words[i]) == 0) {
+            marks->light = (lmb_gltf_light_part)i;
+            return LMB_OK;
+        }
+    }
+    return lmb_error_set(reader->error, LMB_ERROR_FORMAT,
+                         "%s: nodes[%u].extras.lambent.light: neither baked, indirect nor off", reader->file->path,
+                         number);
+}
+
+/* How large the node's light is. */
+static void read_extent(extras_reader *reader, const cJSON *item, const char *name, const char *key, double most,
+                        double *extent)
+{
+    if (cJSON_IsNumber(item) && item->valuedouble >= 0.0 && item->valuedouble <= most) {
+        *extent = item->valuedouble;
+    } else {
+        doubt(reader, name, key, most > 180.0 ? "is not a length: ignored" : "is not an angle from 0 to 180: ignored");
+    }
+}
+
+static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char *name, uint32_t number,
+                            lmb_gltf_marks *marks)
+{
+    char key[LMB_GLTF_PLACE_SIZE];
+    lmb_gltf_place(key, "lambent.%s", item->string);
+    const bool is_static = strcmp(item->string, "static") == 0, is_seed = strcmp(item->string, "seed") == 0;
+    bool value;
+    if (is_static || is_seed) {
+        if (!read_bool(item, &value)) {
+            doubt(reader, name, key, "is neither true nor false: ignored");
+        } else if (is_static) {
+            marks->moves = value ? LMB_GLTF_STANDS : LMB_GLTF_MOVES;
+        } else {
+            marks->seed = value;
+        }
+    } else if (strcmp(item->string, "path") == 0) {
+        marks->has_path = cJSON_IsNumber(item);
+        marks->path = marks->has_path ? item->valuedouble : 0.0;
+        if (!marks->has_path) {
+            doubt(reader, name, key, "is not a number: ignored");
+        }
+    } else if (strcmp(item->string, "angle_deg") == 0) {
+        read_extent(reader, item, name, key, 180.0, &marks->angle_deg);
+    } else if (strcmp(item->string, "radius_m") == 0) {
+        read_extent(reader, item, name, key, 1e18, &marks->radius_m);
+    } else if (strcmp(item->string, "light") == 0) {
+        if (cJSON_IsString(item)) {
+            return read_light(reader, item, number, marks);
+        }
+        doubt(reader, name, key, "is not a word: ignored");
+    } else {
+        doubt(reader, name, key, "is unknown: ignored");
+    }
+    return LMB_OK;
+}
+
+/* Keys that look as if they meant us. */
+static bool is_almost_ours(const char *key)
+{
+    static const char ours[] = "lambent";
+    for (size_t i = 0; i + 1 < sizeof ours; ++i) {
+        if (tolower((unsigned char)key[i]) != ours[i]) {
+            return false;
+        }
+    }
+    return strcmp(key, ours) != 0;
+}
+
+static void doubt_names(extras_reader *reader, const cJSON *extras, const char *name)
+{
+    const cJSON *item, *const object = cJSON_IsObject(extras) ? extras : NULL;
+    cJSON_ArrayForEach(item, object)
+    {
+        if (is_almost_ours(item->string)) {
+            doubt(reader, name, item->string, "is ignored: marks are in an object, or its text, called lambent");
+        }
+    }
+}
+
+/* `extras` of one node. Custom properties that hold an object come as its JSON text from some exporters. */
+static lmb_result read_extras(extras_reader *reader, const cJSON *extras, const char *name, uint32_t number,
+                              lmb_gltf_marks *marks)
+{
+    const cJSON *const ours = cJSON_GetObjectItemCaseSensitive(extras, "lambent");
+    doubt_names(reader, extras, name);
+    if (!ours || cJSON_IsNull(ours)) {
+        return LMB_OK;
+    }
+    cJSON *const parsed = cJSON_IsString(ours) ? cJSON_Parse(ours->valuestring) : NULL;
+    const cJSON *const object = parsed ? parsed : ours;
+    lmb_result result = LMB_OK;
+    if (cJSON_IsObject(object)) {
+        const cJSON *item;
+        cJSON_ArrayForEach(item, object)
+        {
+            result = result == LMB_OK ? read_mark(reader, item, name, number, marks) : result;
+        }
+    } else {
+        doubt(reader, name, "lambent", "is neither an object nor the text of one: ignored");
+    }
+    cJSON_Delete(parsed);
+    return result;
+}
+
+/* Marks on anything but a node do nothing: exporters put an object's properties on its node, but its mesh's and lamp's
+ * own there. */
+static void doubt_places(extras_reader *reader)
+{
+    static const char *const lists[] = {"scenes", "meshes", "materials", "cameras", "skins", "lights"};
+    const cJSON *const lights = cJSON_GetObjectItemCaseSensitive(
+        cJSON_GetObjectItemCaseSensitive(reader->file->root, "extensions"), "KHR_lights_punctual");
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) {
+        const cJSON *const owner = strcmp(lists[i], "lights") == 0 ? lights : reader->file->root;
+        unsigned number = 0;
+        const cJSON *item;
+        cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(owner, lists[i]))
+        {
+            char place[LMB_GLTF_PLACE_SIZE];
+            lmb_gltf_place(place, "%s[%u]", lists[i], number++);
+            const cJSON *const extras = cJSON_GetObjectItemCaseSensitive(item, "extras");
+            if (cJSON_GetObjectItemCaseSensitive(extras, "lambent")) {
+                doubt(reader, place, "lambent", "is ignored: only a node's is read");
+            }
+            doubt_names(reader, extras, place);
+        }
+    }
+}
+
+static bool is_hidden(const cJSON *node)
+{
+    const cJSON *const visibility =
+        cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(node, "extensions"), "KHR_node_visibility");
+    return cJSON_IsFalse(cJSON_GetObjectItemCaseSensitive(visibility, "visible"));
+}
+
+static lmb_result read_nodes(extras_reader *reader, lmb_gltf_marks *marks)
+{
+    uint32_t number = 0;
+    const cJSON *node;
+    cJSON_ArrayForEach(node, cJSON_GetObjectItemCaseSensitive(reader->file->root, "nodes"))
+    {
+        char name[LMB_GLTF_PLACE_SIZE];
+        const char *const own = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(node, "name"));
+        if (own && *own) {
+            lmb_gltf_place(name, "node '%s'", own);
+        } else {
+            lmb_gltf_place(name, "nodes[%u]", number);
+        }
+        marks[number].hidden = is_hidden(node);
+        const lmb_result result =
+            read_extras(reader, cJSON_GetObjectItemCaseSensitive(node, "extras"), name, number, &marks[number]);
+        if (result != LMB_OK) {
+            return result;
+        }
+        ++number;
+    }
+    return LMB_OK;
+}
+
+lmb_result lmb_gltf_marks_read(const lmb_gltf_file *file, const lmb_warnings *warnings, lmb_gltf_marks **marks,
+                               lmb_error *error)
+{
+    extras_reader reader = {.file = file, .warnings = warnings, .error = error};
+    const size_t count = (size_t)cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(file->root, "nodes"));
+    lmb_gltf_marks *const read = calloc(count + 1, sizeof *read);
+    if (!read) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", file->path);
+    }
+    const lmb_result result = read_nodes(&reader, read);
+    if (result != LMB_OK) {
+        free(read);
+        return result;
+    }
+    doubt_places(&reader);
+    if (reader.doubts > MAX_WARNINGS) {
+        lmb_warn(warnings, "%s: %u more doubtful extras", file->path, reader.doubts - MAX_WARNINGS);
+    }
+    *marks = read;
+    return LMB_OK;
+}

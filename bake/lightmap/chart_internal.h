@@ -1,0 +1,36 @@
+/* The steps of making charts: who is whose neighbour (chart_mesh.c), growing (chart.c), packing (chart_pack.c). */
+#ifndef LMB_CHART_INTERNAL_H
+#define LMB_CHART_INTERNAL_H
+
+#include <lambent/chart.h>
+
+typedef struct chart_vec2 {
+    double x, y;
+} chart_vec2;
+
+/* A mesh as growing sees it. */
+typedef struct chart_mesh {
+    uint32_t triangle_count;
+    uint32_t *weld;          /* [vertex] the first vertex at the same position */
+    int64_t (*neighbour)[3]; /* [triangle] across the edge from corner e to corner e + 1; -1: none, or a hard edge */
+    double (*normal)[3];     /* [triangle] unit; zero for triangles without area */
+    double *area;            /* [triangle] 0 for triangles without area */
+} chart_mesh;
+
+/* @return LMB_ERROR_MEMORY; then, too, chart_mesh_free is to be called */
+lmb_result chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out);
+void chart_mesh_free(chart_mesh *mesh);
+
+/* One chart, laid flat: its corners are corners[first] .. corners[first + count - 1], in texels. */
+typedef struct chart_flat {
+    size_t first;
+    size_t count;
+    double scale; /* texels per unit of the flat coordinates */
+} chart_flat;
+
+/* Turns each chart to its smallest bounding box, packs the boxes, and moves `corners` to where they are in the packed
+ * square, in texels. @return LMB_ERROR_MEMORY, or LMB_ERROR_ARGUMENT when the square would be too large */
+lmb_result chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *corners, int32_t gutter_texels,
+                      int32_t *resolution);
+
+#endif

@@ -1,0 +1,506 @@
+/* Lightmaps on disk: an EXR for each image, and the JSON that says where each node's texels are (docs/formats.md). */
+#include "lightmap/lightmap_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cjson/cJSON.h>
+
+#include <lambent/file.h>
+#include <lambent/gltf.h>
+
+enum { FORMAT_VERSION = 1, CHANNEL_COUNT = 7, MAX_FILE_NAME = 32 };
+
+static const char FORMAT_NAME[] = "lambent lightmap";
+static const char ENCODING[] = "irradz-hhd";
+static const char JSON_NAME[] = "lightmap.json";
+static const char UV_LEVEL_NAME[] = "level_uv2.glb";
+
+/* Irradiance at the vertex normal (times 1/scale), ambient weight, direction: in the order of channel_values. */
+static const char *const CHANNELS[CHANNEL_COUNT] = {"R", "G", "B", "w", "d.X", "d.Y", "d.Z"};
+
+/* Irradiance is stored as it is while its largest value is in this range; fp16 ends at 65504 and loses precision below
+ * 6e-5. Else it is brought just below 2^STORED_EXPONENT, by a power of two of at most 2^MAX_SCALE_EXPONENT. */
+#define MAX_STORED 65504.0f
+#define MIN_STORED_MAX 0.0625f
+enum { STORED_EXPONENT = 15, MAX_SCALE_EXPONENT = 96 };
+
+/* `directory`/`name`, or NULL when out of memory. */
+static char *path_join(const char *directory, const char *name)
+{
+    const size_t length = strlen(directory);
+    const size_t size = length + 1 + strlen(name) + 1;
+    char *path = malloc(size);
+    if (path) {
+        snprintf(path, size, "%s%s%s", directory, length > 0 && directory[length - 1] == '/' ? "" : "/", name);
+    }
+    return path;
+}
+
+static void image_file_name(int32_t number, char name[MAX_FILE_NAME])
+{
+    snprintf(name, MAX_FILE_NAME, "lightmap_%d.exr", (int)number);
+}
+
+static lmb_result out_of_memory(lmb_error *error)
+{
+    return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory for the lightmap's files");
+}
+
+/* Adds a file's size to `*bytes`. */
+static lmb_result size_add(const char *path, uint64_t *bytes, lmb_error *error)
+{
+    FILE *file = fopen(path, "rb");
+    long size = -1;
+    if (file) {
+        if (fseek(file, 0, SEEK_END) == 0) {
+            size = ftell(file);
+        }
+        fclose(file);
+    }
+    if (size < 0) {
+        return lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot be read back", path);
+    }
+    *bytes += (uint64_t)size;
+    return LMB_OK;
+}
+
+static float texel_value(const lmb_irradz *texel, int channel)
+{
+    switch (channel) {
+    case 0:
+    case 1:
+    case 2:
+        return texel->irradiance_z.c[channel];
+    case 3:
+        return texel->ambient_weight;
+    case 4:
+        return texel->direction.x;
+    case 5:
+        return texel->direction.y;
+    default:
+        return texel->direction.z;
+    }
+}
+
+static void texel_set_value(lmb_irradz *texel, int channel, float value)
+{
+    switch (channel) {
+    case 0:
+    case 1:
+    case 2:
+        texel->irradiance_z.c[channel] = value;
+        break;
+    case 3:
+        texel->ambient_weight = value;
+        break;
+    case 4:
+        texel->direction.x = value;
+        break;
+    case 5:
+        texel->direction.y = value;
+        break;
+    default:
+        texel->direction.z = value;
+        break;
+    }
+}
+
+/* The power of two that irradiance is divided by, so that the image's brightest texel suits fp16. */
+static float image_scale(const lmb_lightmap_image *image)
+{
+    const size_t texels = (size_t)image->width * (size_t)image->height;
+    float brightest = 0.0f;
+    for (size_t i = 0; i < texels; ++i) {
+        for (int c = 0; c < 3; ++c) {
+            brightest = fmaxf(brightest, image->texel[i].irradiance_z.c[c]);
+        }
+    }
+    if (brightest > 0.0f && (brightest > MAX_STORED || brightest < MIN_STORED_MAX)) {
+        int exponent;
+        frexpf(brightest, &exponent);
+        const int wanted = exponent - STORED_EXPONENT;
+        return ldexpf(1.0f, wanted > -MAX_SCALE_EXPONENT ? wanted : -MAX_SCALE_EXPONENT);
+    }
+    return 1.0f;
+}
+
+static lmb_result image_write(const lmb_lightmap_image *image, const char *path, lmb_error *error)
+{
+    const size_t texels = (size_t)image->width * (size_t)image->height;
+    float *values = malloc(texels * CHANNEL_COUNT * sizeof *values);
+    if (!values) {
+        return out_of_memory(error);
+    }
+    const float scale = image_scale(image);
+    lmb_exr_channel channels[CHANNEL_COUNT];
+    for (int c = 0; c < CHANNEL_COUNT; ++c) {
+        float *plane = &values[(size_t)c * texels];
+        const float factor = c < 3 ? 1.0f / scale : 1.0f;
+        for (size_t i = 0; i < texels; ++i) {
+            plane[i] = texel_value(&image->texel[i], c) * factor;
+        }
+        channels[c] = (lmb_exr_channel){CHANNELS[c], plane};
+    }
+    const lmb_exr_attribute attributes[] = {
+        {"lambent:format", FORMAT_NAME, 0.0f},
+        {"lambent:version", NULL, (float)FORMAT_VERSION},
+        {"lambent:encoding", ENCODING, 0.0f},
+        {"lambent:convention",
+         "R G B: normalised irradiance (integral of L cos / pi) at the vertex normal / lambent:scale, linear Rec. 709; "
+         "w: ambient weight; d: direction in world space, +Y up, normalise after filtering",
+         0.0f},
+        {"lambent:scale", NULL, scale},
+    };
+    size_t overflows = 0;
+    const lmb_result result = lmb_exr_write(path, image->width, image->height, channels, CHANNEL_COUNT, attributes,
+                                            sizeof attributes / sizeof attributes[0], &overflows, error);
+    free(values);
+    return result;
+}
+
+static bool json_add_pair(cJSON *object, const char *name, double x, double y)
+{
+    cJSON *array = cJSON_AddArrayToObject(object, name);
+    return array && cJSON_AddItemToArray(array, cJSON_CreateNumber(x)) &&
+           cJSON_AddItemToArray(array, cJSON_CreateNumber(y));
+}
+
+static bool json_add_image(cJSON *images, const lmb_lightmap *lightmap, int32_t number)
+{
+    char name[MAX_FILE_NAME];
+    image_file_name(number, name);
+    const lmb_lightmap_image *image = &lightmap->image[number];
+    cJSON *object = cJSON_CreateObject();
+    return cJSON_AddItemToArray(images, object) && cJSON_AddStringToObject(object, "file", name) &&
+           cJSON_AddNumberToObject(object, "width", image->width) &&
+           cJSON_AddNumberToObject(object, "height", image->height) &&
+           cJSON_AddNumberToObject(object, "scale", (double)image_scale(image));
+}
+
+static bool json_add_node(cJSON *nodes, const lmb_lightmap *lightmap, uint32_t number)
+{
+    const lmb_instance *instance = &lightmap->scene->instances[number];
+    const lmb_lightmap_region *region = &lightmap->region[number];
+    cJSON *object = cJSON_CreateObject();
+    const bool charts = lightmap->corner_uv[instance->mesh] != NULL;
+    return cJSON_AddItemToArray(nodes, object) && cJSON_AddStringToObject(object, "name", instance->name) &&
+           cJSON_AddNumberToObject(object, "node", instance->node) &&
+           cJSON_AddNumberToObject(object, "place", instance->place) &&
+           cJSON_AddNumberToObject(object, "image", region->image) &&
+           json_add_pair(object, "offset", (double)region->offset.x, (double)region->offset.y) &&
+           json_add_pair(object, "scale", (double)region->scale.x, (double)region->scale.y) &&
+           json_add_pair(object, "texel", region->x, region->y) &&
+           json_add_pair(object, "texels", region->width, region->height) &&
+           cJSON_AddStringToObject(object, "uv", charts ? "charts" : "TEXCOORD_1") &&
+           (!region->back || cJSON_AddStringToObject(object, "side", "back"));
+}
+
+static bool any_charts(const lmb_lightmap *lightmap)
+{
+    for (uint32_t m = 0; m < lightmap->scene->mesh_count; ++m) {
+        if (lightmap->corner_uv[m]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* lightmap.json as text, for cJSON_free; NULL when out of memory. */
+static char *json_print(const lmb_lightmap *lightmap)
+{
+    cJSON *root = cJSON_CreateObject();
+    bool good =
+        cJSON_AddStringToObject(root, "format", FORMAT_NAME) &&
+        cJSON_AddNumberToObject(root, "version", FORMAT_VERSION) &&
+        cJSON_AddStringToObject(root, "encoding", ENCODING) &&
+        cJSON_AddNumberToObject(root, "texels_per_m", (double)lightmap->settings.texels_per_m) &&
+        cJSON_AddNumberToObject(root, "max_image_size", lightmap->settings.max_image_size) &&
+        (lightmap->settings.padding == 1 || cJSON_AddNumberToObject(root, "padding", lightmap->settings.padding)) &&
+        (any_charts(lightmap) ? cJSON_AddStringToObject(root, "uv_level", UV_LEVEL_NAME)
+                              : cJSON_AddNullToObject(root, "uv_level"));
+    cJSON *channels = cJSON_AddObjectToObject(root, "channels");
+    good = good && cJSON_AddItemToObject(channels, "irradiance", cJSON_CreateStringArray(&CHANNELS[0], 3)) &&
+           cJSON_AddItemToObject(channels, "ambient_weight", cJSON_CreateStringArray(&CHANNELS[3], 1)) &&
+           cJSON_AddItemToObject(channels, "direction", cJSON_CreateStringArray(&CHANNELS[4], 3));
+    cJSON *images = cJSON_AddArrayToObject(root, "images");
+    cJSON *nodes = cJSON_AddArrayToObject(root, "nodes");
+    good = good && images && nodes;
+    for (int32_t i = 0; good && i < lightmap->image_count; ++i) {
+        good = json_add_image(images, lightmap, i);
+    }
+    for (uint32_t i = 0; good && i < lightmap->scene->instance_count; ++i) {
+        good = lightmap->region[i].image < 0 || json_add_node(nodes, lightmap, i);
+    }
+    char *text = good ? cJSON_Print(root) : NULL;
+    cJSON_Delete(root);
+    return text;
+}
+
+static lmb_result json_write(const lmb_lightmap *lightmap, const char *path, lmb_error *error)
+{
+    char *text = json_print(lightmap);
+    if (!text) {
+        return out_of_memory(error);
+    }
+    const lmb_result result = lmb_file_write(path, text, strlen(text), error);
+    cJSON_free(text);
+    return result;
+}
+
+static lmb_result uv_level_write(const lmb_lightmap *lightmap, const char *path, const lmb_gltf_options *options,
+                                 lmb_error *error)
+{
+    const lmb_scene *scene = lightmap->scene;
+    lmb_gltf_uv *uvs = calloc((size_t)scene->mesh_count + 1u, sizeof *uvs);
+    if (!uvs) {
+        return out_of_memory(error);
+    }
+    size_t count = 0;
+    for (uint32_t m = 0; m < scene->mesh_count; ++m) {
+        if (lightmap->corner_uv[m]) {
+            uvs[count++] = (lmb_gltf_uv){&scene->meshes[m], lightmap->corner_uv[m]};
+        }
+    }
+    const lmb_result result = lmb_gltf_write_with_uvs(scene->path, options, uvs, count, path, error);
+    free(uvs);
+    return result;
+}
+
+/* What file_write writes. */
+typedef enum file_kind { FILE_IMAGE, FILE_UV_LEVEL, FILE_JSON } file_kind;
+
+typedef struct file_writer {
+    const lmb_lightmap *lightmap;
+    const char *directory;
+    const lmb_gltf_options *options;
+    uint64_t bytes;
+    lmb_error *error;
+} file_writer;
+
+static lmb_result file_write(file_writer *writer, file_kind kind, int32_t image, const char *name)
+{
+    char *path = path_join(writer->directory, name);
+    if (!path) {
+        return out_of_memory(writer->error);
+    }
+    lmb_result result;
+    switch (kind) {
+    case FILE_IMAGE:
+        result = image_write(&writer->lightmap->image[image], path, writer->error);
+        break;
+    case FILE_UV_LEVEL:
+        result = uv_level_write(writer->lightmap, path, writer->options, writer->error);
+        break;
+    default:
+        result = json_write(writer->lightmap, path, writer->error);
+        break;
+    }
+    if (result == LMB_OK) {
+        result = size_add(path, &writer->bytes, writer->error);
+    }
+    free(path);
+    return result;
+}
+
+lmb_result lmb_lightmap_write(const lmb_lightmap *lightmap, const char *directory, const lmb_gltf_options *options,
+                              uint64_t *bytes, lmb_error *error)
+{
+    file_writer writer = {lightmap, directory, options, 0, error};
+    lmb_result result = LMB_OK;
+    for (int32_t i = 0; i < lightmap->image_count && result == LMB_OK; ++i) {
+        char name[MAX_FILE_NAME];
+        image_file_name(i, name);
+        result = file_write(&writer, FILE_IMAGE, i, name);
+    }
+    if (result == LMB_OK && any_charts(lightmap)) {
+        result = file_write(&writer, FILE_UV_LEVEL, 0, UV_LEVEL_NAME);
+    }
+    /* Last: who finds it, finds the files that it names. */
+    if (result == LMB_OK) {
+        result = file_write(&writer, FILE_JSON, 0, JSON_NAME);
+    }
+    if (result == LMB_OK) {
+        *bytes = writer.bytes;
+    }
+    return result;
+}
+
+static bool json_text_is(const cJSON *object, const char *name, const char *expected)
+{
+    const char *text = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(object, name));
+    return text && strcmp(text, expected) == 0;
+}
+
+static bool json_number_is(const cJSON *object, const char *name, double expected)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
+    return cJSON_IsNumber(item) && item->valuedouble == expected;
+}
+
+/* Compares as floats: the text's last digit is not quite a double's. */
+static bool json_pair_is(const cJSON *object, const char *name, float x, float y)
+{
+    const cJSON *array = cJSON_GetObjectItemCaseSensitive(object, name);
+    const cJSON *first = array ? array->child : NULL;
+    const cJSON *second = first ? first->next : NULL;
+    return cJSON_IsArray(array) && cJSON_IsNumber(first) && cJSON_IsNumber(second) && !second->next &&
+           (float)first->valuedouble == x && (float)second->valuedouble == y;
+}
+
+static bool json_node_matches(const cJSON *object, const lmb_lightmap *lightmap, uint32_t number)
+{
+    const lmb_instance *instance = &lightmap->scene->instances[number];
+    const lmb_lightmap_region *region = &lightmap->region[number];
+    const bool charts = lightmap->corner_uv[instance->mesh] != NULL;
+    return json_number_is(object, "node", instance->node) && json_number_is(object, "place", instance->place) &&
+           json_number_is(object, "image", region->image) &&
+           json_pair_is(object, "offset", region->offset.x, region->offset.y) &&
+           json_pair_is(object, "scale", region->scale.x, region->scale.y) &&
+           json_pair_is(object, "texel", (float)region->x, (float)region->y) &&
+           json_pair_is(object, "texels", (float)region->width, (float)region->height) &&
+           json_text_is(object, "uv", charts ? "charts" : "TEXCOORD_1");
+}
+
+/* Whether the JSON lists just this lightmap's images and regions. */
+static bool json_layout_matches(const cJSON *root, const lmb_lightmap *lightmap)
+{
+    const cJSON *images = cJSON_GetObjectItemCaseSensitive(root, "images");
+    const cJSON *nodes = cJSON_GetObjectItemCaseSensitive(root, "nodes");
+    if (!cJSON_IsArray(images) || !cJSON_IsArray(nodes)) {
+        return false;
+    }
+    const cJSON *item = images->child;
+    for (int32_t i = 0; i < lightmap->image_count; ++i, item = item->next) {
+        char name[MAX_FILE_NAME];
+        image_file_name(i, name);
+        if (!item || !json_text_is(item, "file", name) || !json_number_is(item, "width", lightmap->image[i].width) ||
+            !json_number_is(item, "height", lightmap->image[i].height)) {
+            return false;
+        }
+    }
+    if (item) {
+        return false;
+    }
+    item = nodes->child;
+    for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
+        if (lightmap->region[i].image >= 0) {
+            if (!item || !json_node_matches(item, lightmap, i)) {
+                return false;
+            }
+            item = item->next;
+        }
+    }
+    return item == NULL;
+}
+
+/* Of a JSON that matches. */
+static void json_sides_take(const cJSON *root, lmb_lightmap *lightmap)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(root, "nodes")->child;
+    for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
+        if (lightmap->region[i].image >= 0) {
+            lightmap->region[i].back = json_text_is(item, "side", "back");
+            item = item->next;
+        }
+    }
+}
+
+static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error *error)
+{
+    unsigned char *data = NULL;
+    size_t size = 0;
+    const lmb_result read = lmb_file_read(path, &data, &size, error);
+    if (read != LMB_OK) {
+        return read;
+    }
+    cJSON *root = cJSON_ParseWithLength((const char *)data, size);
+    free(data);
+    lmb_result result = LMB_OK;
+    if (!root || !json_text_is(root, "format", FORMAT_NAME)) {
+        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not a lightmap's description", path);
+    } else if (!json_number_is(root, "version", FORMAT_VERSION) || !json_text_is(root, "encoding", ENCODING)) {
+        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: neither version %d nor encoding '%s'", path,
+                               (int)FORMAT_VERSION, ENCODING);
+    } else if (!json_layout_matches(root, lightmap)) {
+        result = lmb_error_set(error, LMB_ERROR_FORMAT,
+                               "%s: describes another layout than this level and these settings have", path);
+    } else {
+        json_sides_take(root, lightmap);
+    }
+    cJSON_Delete(root);
+    return result;
+}
+
+/* Reads one image's light into `texels`, of the image's size. */
+static lmb_result image_read(const lmb_lightmap_image *image, const char *path, lmb_irradz *texels, lmb_error *error)
+{
+    float *values[CHANNEL_COUNT] = {NULL};
+    int32_t width = 0;
+    int32_t height = 0;
+    float scale = 1.0f;
+    const lmb_result result =
+        lmb_exr_read_channels(path, CHANNELS, CHANNEL_COUNT, values, &width, &height, &scale, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    const bool good = width == image->width && height == image->height && scale > 0.0f && isfinite(scale);
+    const size_t count = good ? (size_t)width * (size_t)height : 0;
+    bool finite = true;
+    for (int c = 0; c < CHANNEL_COUNT; ++c) {
+        for (size_t i = 0; i < count; ++i) {
+            const float value = values[c][i] * (c < 3 ? scale : 1.0f);
+            finite = finite && isfinite(value);
+            texel_set_value(&texels[i], c, value);
+        }
+        free(values[c]);
+    }
+    if (!good) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not the size that the layout has, or a broken scale", path);
+    }
+    return finite ? LMB_OK : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: holds NaN or infinity", path);
+}
+
+static lmb_result images_read(const lmb_lightmap *lightmap, const char *directory, lmb_irradz **texels,
+                              lmb_error *error)
+{
+    for (int32_t i = 0; i < lightmap->image_count; ++i) {
+        const lmb_lightmap_image *image = &lightmap->image[i];
+        char name[MAX_FILE_NAME];
+        image_file_name(i, name);
+        char *path = path_join(directory, name);
+        texels[i] = calloc((size_t)image->width * (size_t)image->height, sizeof **texels);
+        const lmb_result result = path && texels[i] ? image_read(image, path, texels[i], error) : out_of_memory(error);
+        free(path);
+        if (result != LMB_OK) {
+            return result;
+        }
+    }
+    return LMB_OK;
+}
+
+lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_error *error)
+{
+    char *path = path_join(directory, JSON_NAME);
+    lmb_irradz **texels = calloc((size_t)lightmap->image_count + 1u, sizeof *texels);
+    lmb_result result = path && texels ? json_check(lightmap, path, error) : out_of_memory(error);
+    if (result == LMB_OK) {
+        result = images_read(lightmap, directory, texels, error);
+    }
+    if (result == LMB_OK && lmb_lightmap_mark(lightmap) != LMB_OK) {
+        result = out_of_memory(error);
+    }
+    for (int32_t i = 0; texels && i < lightmap->image_count; ++i) {
+        if (result == LMB_OK) {
+            free(lightmap->image[i].texel);
+            lightmap->image[i].texel = texels[i];
+        } else {
+            free(texels[i]);
+        }
+    }
+    free(texels);
+    free(path);
+    return result;
+}

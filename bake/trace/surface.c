@@ -1,0 +1,237 @@
+/* What is found at a hit: where it is, how it faces, what its material does. */
+#include <lambent/trace.h>
+
+#include <math.h>
+
+#include "base/affine.h"
+#include "base/rgb.h"
+#include "base/scalar.h"
+#include "base/vec3.h"
+#include "trace/trace_internal.h"
+
+void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, lmb_vec3 corner[3])
+{
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const lmb_instance *instance = &scene->instances[instance_number];
+    const lmb_mesh *mesh = &scene->meshes[instance->mesh];
+    const lmb_vec3 *world = lmb_tracer_world_vertices(tracer, instance_number);
+    for (int k = 0; k < 3; ++k) {
+        const uint32_t vertex = mesh->triangle[triangle][k];
+        corner[k] = world ? world[vertex] : affine_point(&instance->to_world, mesh->position[vertex]);
+    }
+}
+
+/* Rounding may put a point near a triangle's edge behind the wall that stands there; its rays would start outside the
+ * room. One rounding step towards the triangle's middle keeps it inside. */
+static lmb_vec3 position_inset(lmb_vec3 position, const lmb_vec3 corner[3], float rounding)
+{
+    const lmb_vec3 middle = vec3_scale(vec3_add(vec3_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
+    const lmb_vec3 inward = vec3_sub(middle, position);
+    const float length = vec3_length(inward);
+    return length > 0.0f ? vec3_mad(position, inward, float_smaller(rounding / length, 0.5f)) : position;
+}
+
+static float corners_rounding(const lmb_vec3 corner[3])
+{
+    const float a = trace_epsilon(corner[0]), b = trace_epsilon(corner[1]), c = trace_epsilon(corner[2]);
+    const float larger = a > b ? a : b;
+    return larger > c ? larger : c;
+}
+
+static lmb_vec3 corners_position(const lmb_vec3 corner[3], float u, float v, float rounding)
+{
+    const lmb_vec3 along_u = vec3_mad(corner[0], vec3_sub(corner[1], corner[0]), u);
+    return position_inset(vec3_mad(along_u, vec3_sub(corner[2], corner[0]), v), corner, rounding);
+}
+
+void lmb_trace_positions(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, const float (*weights)[2],
+                         uint32_t count, lmb_vec3 *position)
+{
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, instance, triangle, corner);
+    const float rounding = corners_rounding(corner);
+    for (uint32_t i = 0; i < count; ++i) {
+        position[i] = corners_position(corner, weights[i][0], weights[i][1], rounding);
+    }
+}
+
+lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+{
+    const float weights[1][2] = {{u, v}};
+    lmb_vec3 position;
+    lmb_trace_positions(tracer, instance, triangle, weights, 1, &position);
+    return position;
+}
+
+lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, float u, float v)
+{
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const lmb_instance *instance = &scene->instances[instance_number];
+    const lmb_mesh *mesh = &scene->meshes[instance->mesh];
+    const uint32_t *vertex = mesh->triangle[triangle];
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, instance_number, triangle, corner);
+    const lmb_vec3 edge_u = vec3_sub(corner[1], corner[0]);
+    const lmb_vec3 edge_v = vec3_sub(corner[2], corner[0]);
+    lmb_place place;
+    place.rounding = corners_rounding(corner);
+    place.position = corners_position(corner, u, v, place.rounding);
+    lmb_vec3 facing = vec3_normalize_or(vec3_cross(edge_u, edge_v), vec3(0.0f, 1.0f, 0.0f));
+    if (instance->mirrored != lmb_tracer_is_turned(tracer, instance_number)) {
+        facing = vec3_scale(facing, -1.0f);
+    }
+    place.geometric_normal = facing;
+    const float w = 1.0f - u - v;
+    const lmb_vec3 local = vec3_mad(vec3_mad(vec3_scale(mesh->normal[vertex[0]], w), mesh->normal[vertex[1]], u),
+                                    mesh->normal[vertex[2]], v);
+    const lmb_vec3 smooth = vec3_normalize_or(affine_vector(&instance->normal_to_world, local), facing);
+    place.shading_normal = vec3_dot(smooth, facing) < 0.0f ? vec3_scale(smooth, -1.0f) : smooth;
+    return place;
+}
+
+/* UVs of set `set` at barycentric (u, v); (0, 0) where the mesh has none. */
+static lmb_vec2 mesh_uv(const lmb_mesh *mesh, const uint32_t *vertex, int set, float u, float v)
+{
+    const lmb_vec2 *uv = mesh->uv[set];
+    if (!uv) {
+        return (lmb_vec2){0.0f, 0.0f};
+    }
+    const float w = 1.0f - u - v;
+    return (lmb_vec2){w * uv[vertex[0]].x + u * uv[vertex[1]].x + v * uv[vertex[2]].x,
+                      w * uv[vertex[0]].y + u * uv[vertex[1]].y + v * uv[vertex[2]].y};
+}
+
+static void texture_at(const lmb_scene *scene, const lmb_texture *texture, const lmb_mesh *mesh, const uint32_t *vertex,
+                       float u, float v, bool srgb, float rgba[4])
+{
+    const lmb_vec2 uv = texture->image >= 0 ? mesh_uv(mesh, vertex, texture->uv_set, u, v) : (lmb_vec2){0.0f, 0.0f};
+    lmb_texture_sample(scene, texture, uv, srgb, rgba);
+}
+
+/* Base colour factor x texture x vertex colour, RGBA. */
+static void base_color_at(const lmb_scene *scene, const lmb_material *material, const lmb_mesh *mesh,
+                          const uint32_t *vertex, float u, float v, float rgba[4])
+{
+    texture_at(scene, &material->base_color_texture, mesh, vertex, u, v, true, rgba);
+    for (int i = 0; i < 4; ++i) {
+        float vertex_color = 1.0f;
+        if (mesh->color) {
+            vertex_color = (1.0f - u - v) * mesh->color[vertex[0]][i] + u * mesh->color[vertex[1]][i] +
+                           v * mesh->color[vertex[2]][i];
+        }
+        rgba[i] = float_smaller(float_larger(rgba[i] * material->base_color[i] * vertex_color, 0.0f), 1.0f);
+    }
+}
+
+/* `base`: RGBA. */
+static inline lmb_coverage coverage_of(const lmb_material *material, const float base[4])
+{
+    float alpha = 1.0f;
+    if (material->alpha_mode == LMB_ALPHA_MASK) {
+        alpha = base[3] >= material->alpha_cutoff ? 1.0f : 0.0f;
+    } else if (material->alpha_mode == LMB_ALPHA_BLEND) {
+        alpha = base[3];
+    }
+    /* Of the light that the coat of coverage alpha meets, `transmission` goes on, tinted; the rest is diffuse. */
+    const float through = alpha * material->transmission;
+    lmb_coverage coverage = {.opacity = alpha - through};
+    for (int c = 0; c < 3; ++c) {
+        coverage.pass.c[c] = (1.0f - alpha) + through * base[c];
+    }
+    return coverage;
+}
+
+lmb_coverage lmb_material_coverage(const lmb_material *material)
+{
+    return coverage_of(material, material->base_color);
+}
+
+lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+{
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const lmb_mesh *mesh = &scene->meshes[scene->instances[instance].mesh];
+    const lmb_material *material = &scene->materials[mesh->material[triangle]];
+    const uint32_t *vertex = mesh->triangle[triangle];
+    float base[4];
+    base_color_at(scene, material, mesh, vertex, u, v, base);
+    const lmb_coverage coverage = coverage_of(material, base);
+    lmb_surface surface = {.opacity = coverage.opacity, .pass = coverage.pass};
+    for (int c = 0; c < 3; ++c) {
+        surface.albedo.c[c] = material->unlit ? 0.0f : base[c];
+    }
+    surface.emission = (lmb_rgb){{0.0f, 0.0f, 0.0f}};
+    if (!material->unlit && rgb_max(material->emissive) > 0.0f) {
+        float emissive[4];
+        texture_at(scene, &material->emissive_texture, mesh, vertex, u, v, true, emissive);
+        for (int c = 0; c < 3; ++c) {
+            surface.emission.c[c] = material->emissive.c[c] * emissive[c];
+        }
+    }
+    return surface;
+}
+
+/* World-space tangent of increasing texture u: the mesh's own, or derived from the triangle's UVs. `*handedness` tells
+ * the bitangent's side. Returns false where UVs give none. */
+static bool tangent_at(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, int set, float u, float v,
+                       lmb_vec3 *tangent, float *handedness)
+{
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const lmb_instance *instance = &scene->instances[instance_number];
+    const lmb_mesh *mesh = &scene->meshes[instance->mesh];
+    const uint32_t *vertex = mesh->triangle[triangle];
+    if (mesh->tangent) {
+        const float weight[3] = {1.0f - u - v, u, v};
+        lmb_vec3 sum = {0.0f, 0.0f, 0.0f};
+        for (int k = 0; k < 3; ++k) {
+            const float *t = mesh->tangent[vertex[k]];
+            sum = vec3_mad(sum, vec3(t[0], t[1], t[2]), weight[k]);
+        }
+        *tangent = affine_vector(&instance->to_world, sum);
+        *handedness = instance->mirrored ? -mesh->tangent[vertex[0]][3] : mesh->tangent[vertex[0]][3];
+        if (vec3_length(*tangent) > 0.0f) {
+            return true;
+        }
+    }
+    if (!mesh->uv[set]) {
+        return false;
+    }
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, instance_number, triangle, corner);
+    const lmb_vec2 a = mesh->uv[set][vertex[0]];
+    const lmb_vec2 b = mesh->uv[set][vertex[1]];
+    const lmb_vec2 c = mesh->uv[set][vertex[2]];
+    const float area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+    if (!(fabsf(area) > 0.0f)) {
+        return false;
+    }
+    *tangent = vec3_sub(vec3_scale(vec3_sub(corner[1], corner[0]), c.y - a.y),
+                        vec3_scale(vec3_sub(corner[2], corner[0]), b.y - a.y));
+    *tangent = vec3_scale(*tangent, area > 0.0f ? 1.0f : -1.0f);
+    /* Image rows run downwards while tangent-space +Y is up: glTF's bitangent is cross(n, t) w with w = 1 for UVs
+     * that are not mirrored as seen with v pointing up. */
+    *handedness = (area > 0.0f) != instance->mirrored ? -1.0f : 1.0f;
+    return true;
+}
+
+lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v,
+                                 const lmb_place *place)
+{
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    const lmb_mesh *mesh = &scene->meshes[scene->instances[instance].mesh];
+    const lmb_material *material = &scene->materials[mesh->material[triangle]];
+    const lmb_vec3 normal = place->shading_normal;
+    const lmb_texture *map = &material->normal_texture;
+    lmb_vec3 tangent;
+    float handedness;
+    if (map->image < 0 || !tangent_at(tracer, instance, triangle, map->uv_set, u, v, &tangent, &handedness)) {
+        return normal;
+    }
+    float texel[4];
+    texture_at(scene, map, mesh, mesh->triangle[triangle], u, v, false, texel);
+    tangent = vec3_normalize_or(vec3_mad(tangent, normal, -vec3_dot(tangent, normal)), normal);
+    const lmb_vec3 bitangent = vec3_scale(vec3_cross(normal, tangent), handedness);
+    const float x = (2.0f * texel[0] - 1.0f) * material->normal_scale;
+    const float y = (2.0f * texel[1] - 1.0f) * material->normal_scale;
+    const float z = float_larger(2.0f * texel[2] - 1.0f, 0.05f);
+    return vec3_normalize_or(vec3_mad(vec3_mad(vec3_scale(normal, z), tangent, x), bitangent, y), normal);
+}

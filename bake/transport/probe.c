@@ -1,0 +1,420 @@
+#include <lambent/probe.h>
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/scalar.h"
+#include "base/vec3.h"
+#include "base/lanes.h"
+
+enum { LANES = LMB_CONTRIBUTION_LANES };
+
+/* Sums of thousands of samples are kept in double, those of every LANES-th contribution apart. */
+typedef struct lmb_moment_sum {
+    double c[3][LMB_SH3_COUNT][LANES];
+} lmb_moment_sum;
+
+/* The basis as polynomials without their factors, in its order. */
+typedef struct basis_batch {
+    float polynomial[LMB_SH3_COUNT][LMB_CONTRIBUTION_BATCH];
+} basis_batch;
+
+LMB_LANES
+static void basis_make(const lmb_contributions *found, basis_batch *basis)
+{
+    for (uint32_t i = 0; i < found->count; ++i) {
+        const float x = found->direction[0][i], y = found->direction[1][i], z = found->direction[2][i];
+        basis->polynomial[0][i] = 1.0f;
+        basis->polynomial[1][i] = y;
+        basis->polynomial[2][i] = z;
+        basis->polynomial[3][i] = x;
+        basis->polynomial[4][i] = x * y;
+        basis->polynomial[5][i] = y * z;
+        basis->polynomial[6][i] = 3.0f * z * z - 1.0f;
+        basis->polynomial[7][i] = x * z;
+        basis->polynomial[8][i] = x * x - y * y;
+    }
+}
+
+/* Adds a[i] b[i] to sum[i % LANES]. */
+static inline void lanes_dot_add(const float *restrict a, const float *restrict b, uint32_t count, double *restrict sum)
+{
+    float lane[LANES] = {0.0f};
+    for (uint32_t i = 0; i < count; i += LANES) {
+        for (uint32_t k = 0; k < LANES; ++k) {
+            lane[k] += a[i + k] * b[i + k];
+        }
+    }
+    for (uint32_t k = 0; k < LANES; ++k) {
+        sum[k] += (double)lane[k];
+    }
+}
+
+LMB_LANES
+static void moments_add(const lmb_contributions *found, const basis_batch *basis, lmb_moment_sum *sum)
+{
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            lanes_dot_add(found->weight[c], basis->polynomial[i], found->count, sum->c[c][i]);
+        }
+    }
+}
+
+static void moment_sink(void *context, const lmb_contributions *found)
+{
+    basis_batch basis;
+    basis_make(found, &basis);
+    moments_add(found, &basis, context);
+}
+
+/* The basis' factors, from where its polynomials are 1, or 2 in one case. */
+static lmb_sh3 basis_factors(void)
+{
+    const lmb_sh3 x = lmb_sh3_basis(vec3(1.0f, 0.0f, 0.0f));
+    const lmb_sh3 z = lmb_sh3_basis(vec3(0.0f, 0.0f, 1.0f));
+    lmb_sh3 factors = lmb_sh3_basis(vec3(1.0f, 1.0f, 1.0f));
+    factors.c[6] = 0.5f * z.c[6];
+    factors.c[8] = x.c[8];
+    return factors;
+}
+
+/* Samples of an element on their way. */
+typedef struct gather_work {
+    const lmb_transport *transport;
+    lmb_gather_samples samples;                /* those to be taken now, of the first replicate */
+    lmb_moment_sum sum[LMB_GATHER_REPLICATES]; /* of polynomials */
+    uint64_t rays[LMB_GATHER_REPLICATES];
+    lmb_moment_sum punctual; /* what they give each sample, where the samples leave it out */
+    uint64_t punctual_rays;
+} gather_work;
+
+/* What an element's samples have found. */
+typedef struct element_sums {
+    double replicate[LMB_GATHER_REPLICATES][3][LMB_SH3_COUNT]; /* of polynomials, summed over samples */
+    double punctual[3][LMB_SH3_COUNT];
+    uint32_t taken; /* by each replicate */
+    uint64_t rays;
+} element_sums;
+
+static double lanes_sum(const double lane[LANES])
+{
+    return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
+}
+
+/* Adds what work has found since it began. */
+static void sums_add(element_sums *sums, const gather_work *work)
+{
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+                sums->replicate[r][c][i] += lanes_sum(work->sum[r].c[c][i]);
+            }
+            sums->punctual[c][i] += lanes_sum(work->punctual.c[c][i]);
+        }
+    }
+    sums->taken += work->samples.count;
+    sums->rays += work->punctual_rays;
+    for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+        sums->rays += work->rays[r];
+    }
+}
+
+/* Mean of the replicates, and the standard error of that mean from their spread. */
+static void replicates_combine(const element_sums *sums, lmb_gathered *gathered)
+{
+    const double count = LMB_GATHER_REPLICATES;
+    const lmb_sh3 factors = basis_factors();
+    *gathered = (lmb_gathered){.samples = LMB_GATHER_REPLICATES * sums->taken, .rays = sums->rays};
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            const double scale = (double)factors.c[i] / (double)sums->taken;
+            double replicate[LMB_GATHER_REPLICATES];
+            double sum = 0.0;
+            for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+                replicate[r] = scale * sums->replicate[r][c][i];
+                sum += replicate[r];
+            }
+            const double average = sum / count;
+            const double whole = average + (double)factors.c[i] * sums->punctual[c][i];
+            for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+                const double off = replicate[r] - average;
+                gathered->squared_error += off * off / (count * (count - 1.0));
+            }
+            gathered->squared_length += whole * whole;
+            gathered->moments.channel[c].c[i] = (float)whole;
+        }
+    }
+}
+
+double lmb_relative_error(double squared_error, double squared_length)
+{
+    return squared_length > 0.0 ? sqrt(squared_error / squared_length) : 0.0;
+}
+
+static uint32_t replicate_share(uint32_t samples, uint32_t multiple)
+{
+    const uint32_t step = LMB_GATHER_REPLICATES * multiple;
+    const uint32_t shares = samples / step + (samples % step > 0);
+    return (shares > 0 ? shares : 1) * multiple;
+}
+
+static void work_begin(gather_work *work, const lmb_transport *transport, const lmb_gather_point *points,
+                       uint32_t point_count, uint32_t count)
+{
+    memset(work, 0, sizeof *work);
+    work->transport = transport;
+    work->samples = (lmb_gather_samples){.points = points, .point_count = point_count, .count = count};
+    if (point_count == 1) {
+        work->samples.without_punctual =
+            lmb_gather_punctual(transport, points, moment_sink, &work->punctual, &work->punctual_rays);
+    }
+}
+
+static void work_gather(gather_work *work)
+{
+    for (uint32_t r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+        lmb_gather_samples samples = work->samples;
+        samples.replicate = r;
+        lmb_gather(work->transport, &samples, moment_sink, &work->sum[r], &work->rays[r]);
+    }
+}
+
+/* The first samples, `count` of each replicate. Returns whether they leave out punctual lights, which are known. */
+static bool element_begin(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
+                          uint32_t count, element_sums *sums)
+{
+    gather_work work; /* large: begun where it is */
+    work_begin(&work, transport, points, point_count, count);
+    work_gather(&work);
+    memset(sums, 0, sizeof *sums);
+    sums_add(sums, &work);
+    return work.samples.without_punctual;
+}
+
+/* The samples after those, up to `count` of each replicate. */
+static void element_continue(const lmb_transport *transport, const lmb_gather_element *element, bool without_punctual,
+                             uint32_t count, element_sums *sums)
+{
+    gather_work work;
+    memset(&work, 0, sizeof work);
+    work.transport = transport;
+    work.samples = (lmb_gather_samples){.points = element->points,
+                                        .point_count = element->point_count,
+                                        .first = sums->taken,
+                                        .count = count - sums->taken,
+                                        .without_punctual = without_punctual};
+    work_gather(&work);
+    sums_add(sums, &work);
+}
+
+void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
+                         uint32_t samples, lmb_gathered *gathered)
+{
+    element_sums sums;
+    element_begin(transport, points, point_count, replicate_share(samples, 1), &sums);
+    replicates_combine(&sums, gathered);
+}
+
+static bool effort_adapts(const lmb_gather_effort *effort)
+{
+    return effort->max_samples > effort->samples;
+}
+
+static uint32_t effort_pilot(const lmb_gather_effort *effort)
+{
+    return replicate_share(effort->samples, effort_adapts(effort) ? LMB_GATHER_BLOCK : 1);
+}
+
+/* Samples of each replicate for a pilot's squared error relative to the light: it falls with the 4/3rd power of their
+ * number, as measured over the levels of docs/testing.md; the nearest power of two. */
+static uint32_t effort_share(const lmb_gather_effort *effort, double squared_error)
+{
+    const uint32_t pilot = effort_pilot(effort);
+    const uint32_t most = replicate_share(effort->max_samples, LMB_GATHER_BLOCK);
+    const double wanted = squared_error / (effort->tolerance * effort->tolerance);
+    double times = 1.0;
+    while (4.0 * times * times * times * times < wanted * wanted * wanted && times * pilot < most) {
+        times *= 2.0;
+    }
+    return times * pilot < most ? (uint32_t)times * pilot : most > pilot ? most : pilot;
+}
+
+static double squared_light(const lmb_gather_effort *effort, const lmb_gathered *gathered)
+{
+    return fmax(gathered->squared_length, effort->floor * effort->floor);
+}
+
+static double error_share(double squared_error, double squared_light)
+{
+    return squared_light > 0.0 ? squared_error / squared_light : 0.0;
+}
+
+uint32_t lmb_gather_effort_samples(const lmb_gather_effort *effort, const lmb_gathered *pilot)
+{
+    const uint32_t share = effort_adapts(effort)
+                               ? effort_share(effort, error_share(pilot->squared_error, squared_light(effort, pilot)))
+                               : effort_pilot(effort);
+    return LMB_GATHER_REPLICATES * share;
+}
+
+/* Of a group's pilots. */
+typedef struct pilot_sums {
+    double error, light; /* squared */
+    double share;        /* of error in light, summed over elements */
+} pilot_sums;
+
+static void pilot_sums_add(pilot_sums *sums, const lmb_gather_effort *effort, const lmb_gathered *pilot, double sign)
+{
+    const double light = squared_light(effort, pilot);
+    sums->error += sign * pilot->squared_error;
+    sums->light += sign * light;
+    sums->share += sign * error_share(pilot->squared_error, light);
+}
+
+/* Samples of each replicate of an element, by the others' pilots: the light that few of them have found makes their
+ * whole error, and dark ones among bright ones have theirs. */
+static uint32_t share_by_others(const lmb_gather_effort *effort, pilot_sums others, const lmb_gathered *own,
+                                uint32_t count)
+{
+    if (count < 2) {
+        return effort_share(effort, INFINITY);
+    }
+    pilot_sums_add(&others, effort, own, -1.0);
+    const double mean_share = others.share / (count - 1);
+    return effort_share(effort, fmax(mean_share, error_share(others.error, others.light)));
+}
+
+void lmb_gather_sh3_group(const lmb_transport *transport, const lmb_gather_effort *effort, lmb_gather_element *elements,
+                          uint32_t count)
+{
+    element_sums sums[LMB_GATHER_GROUP_MOST];
+    bool without_punctual[LMB_GATHER_GROUP_MOST];
+    pilot_sums all = {0.0, 0.0, 0.0};
+    assert(count <= LMB_GATHER_GROUP_MOST);
+    for (uint32_t i = 0; i < count; ++i) {
+        lmb_gather_element *element = &elements[i];
+        without_punctual[i] =
+            element_begin(transport, element->points, element->point_count, effort_pilot(effort), &sums[i]);
+        replicates_combine(&sums[i], &element->gathered);
+        pilot_sums_add(&all, effort, &element->gathered, 1.0);
+    }
+    for (uint32_t i = 0; i < count && effort_adapts(effort); ++i) {
+        const uint32_t share = share_by_others(effort, all, &elements[i].gathered, count);
+        if (share > sums[i].taken) {
+            element_continue(transport, &elements[i], without_punctual[i], share, &sums[i]);
+            replicates_combine(&sums[i], &elements[i].gathered);
+        }
+    }
+}
+
+size_t lmb_gather_group_count(size_t total)
+{
+    return total < LMB_GATHER_GROUP ? total > 0 : total / LMB_GATHER_GROUP;
+}
+
+size_t lmb_gather_group_first(size_t total, size_t group)
+{
+    return group < lmb_gather_group_count(total) ? group * LMB_GATHER_GROUP : total;
+}
+
+void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
+                    lmb_gathered *gathered)
+{
+    lmb_gather_sh3_area(transport, point, 1, samples, gathered);
+}
+
+/* Parts of each replicate, for threads to share. */
+enum { PARTS = 16 };
+
+typedef struct parallel_work {
+    const gather_work *work;
+    lmb_moment_sum sum[LMB_GATHER_REPLICATES * PARTS];
+    uint64_t rays[LMB_GATHER_REPLICATES * PARTS];
+} parallel_work;
+
+static void part_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    parallel_work *parallel = context;
+    lmb_gather_samples samples = parallel->work->samples;
+    const uint32_t all = samples.count;
+    const uint32_t most = (all / PARTS / LMB_GATHER_BLOCK + 1) * LMB_GATHER_BLOCK;
+    samples.replicate = (uint32_t)task / PARTS;
+    samples.first = (uint32_t)task % PARTS * most;
+    if (samples.first < all) {
+        samples.count = all - samples.first < most ? all - samples.first : most;
+        lmb_gather(parallel->work->transport, &samples, moment_sink, &parallel->sum[task], &parallel->rays[task]);
+    }
+}
+
+static void moments_sum(const lmb_moment_sum *part, lmb_moment_sum *sum)
+{
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            for (int k = 0; k < LANES; ++k) {
+                sum->c[c][i][k] += part->c[c][i][k];
+            }
+        }
+    }
+}
+
+lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
+                                   lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered)
+{
+    gather_work work;
+    work_begin(&work, transport, point, 1, replicate_share(samples, 1));
+    parallel_work *parallel = calloc(1, sizeof *parallel);
+    if (!parallel) {
+        return LMB_ERROR_MEMORY;
+    }
+    parallel->work = &work;
+    const lmb_result result = lmb_pool_run(pool, LMB_GATHER_REPLICATES * PARTS, part_task, parallel, "probe", progress);
+    if (result == LMB_OK) {
+        for (int task = 0; task < LMB_GATHER_REPLICATES * PARTS; ++task) {
+            moments_sum(&parallel->sum[task], &work.sum[task / PARTS]);
+            work.rays[task / PARTS] += parallel->rays[task];
+        }
+        element_sums sums;
+        memset(&sums, 0, sizeof sums);
+        sums_add(&sums, &work);
+        replicates_combine(&sums, gathered);
+    }
+    free(parallel);
+    return result;
+}
+
+typedef struct lmb_irradiance_sum {
+    const lmb_vec3 *normals;
+    int count;
+    double sum[LMB_GATHER_MAX_NORMALS][3];
+} lmb_irradiance_sum;
+
+static void irradiance_sink(void *context, const lmb_contributions *found)
+{
+    lmb_irradiance_sum *sum = context;
+    for (uint32_t i = 0; i < found->count; ++i) {
+        const lmb_vec3 direction = vec3(found->direction[0][i], found->direction[1][i], found->direction[2][i]);
+        for (int k = 0; k < sum->count; ++k) {
+            const double cosine = (double)vec3_dot(sum->normals[k], direction);
+            for (int c = 0; c < 3 && cosine > 0.0; ++c) {
+                sum->sum[k][c] += (double)found->weight[c][i] * cosine;
+            }
+        }
+    }
+}
+
+void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate,
+                           uint32_t samples, const lmb_vec3 *normals, int count, lmb_rgb *irradiance, uint64_t *rays)
+{
+    assert(count <= LMB_GATHER_MAX_NORMALS);
+    lmb_irradiance_sum sum = {.normals = normals, .count = count};
+    const lmb_gather_samples taken = {.points = point, .point_count = 1, .replicate = replicate, .count = samples};
+    lmb_gather(transport, &taken, irradiance_sink, &sum, rays);
+    for (int k = 0; k < count; ++k) {
+        for (int c = 0; c < 3; ++c) {
+            irradiance[k].c[c] = (float)(sum.sum[k][c] / (LMB_PI * (double)samples));
+        }
+    }
+}
