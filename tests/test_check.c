@@ -8,6 +8,7 @@
 #include "levels.h"
 
 #include <lambent/sequence.h>
+#include <lambent/surface.h>
 
 #include <stdlib.h>
 
@@ -246,14 +247,14 @@ static void surface_points_are_spread_by_area(void)
     CHECK_NEAR(opaque_surface_area(&surface), 13.0, 1e-5, "1 + 2 * 6");
     int small = 0, large = 0, other = 0, cell[2][2] = {{0}};
     for (uint32_t i = 0; i < COUNT; ++i) {
-        const surface_point point = opaque_surface_point(&surface, 3, i, COUNT);
+        const lmb_hit point = opaque_surface_point(&surface, 3, i, COUNT);
         const char *name = level.scene->instances[point.instance].name;
         CHECK(point.u >= 0.0f && point.v >= 0.0f && point.u + point.v <= 1.0f + 1e-6f, "point %u", i);
         if (strcmp(name, "small") == 0) {
             ++small;
         } else if (strcmp(name, "large") == 0) {
             ++large;
-            const lmb_place place = lmb_trace_place(level.tracer, point.instance, point.triangle, point.u, point.v);
+            const lmb_place place = lmb_trace_place(level.tracer, &point);
             ++cell[place.position.x > 1.0f][place.position.y > 3.0f];
         } else {
             ++other;
@@ -265,9 +266,9 @@ static void surface_points_are_spread_by_area(void)
     for (int i = 0; i < 4; ++i) {
         CHECK_NEAR(cell[i / 2][i % 2], 3000, 200, "quarter %d of the large quad", i);
     }
-    const surface_point again = opaque_surface_point(&surface, 3, 17, COUNT);
-    const surface_point once = opaque_surface_point(&surface, 3, 17, COUNT);
-    const surface_point reseeded = opaque_surface_point(&surface, 4, 17, COUNT);
+    const lmb_hit again = opaque_surface_point(&surface, 3, 17, COUNT);
+    const lmb_hit once = opaque_surface_point(&surface, 3, 17, COUNT);
+    const lmb_hit reseeded = opaque_surface_point(&surface, 4, 17, COUNT);
     CHECK(again.triangle == once.triangle && again.u == once.u && again.v == once.v, "the same seed, the same point");
     CHECK(reseeded.u != once.u || reseeded.v != once.v, "another seed, another point");
     opaque_surface_free(&surface);

@@ -1,4 +1,5 @@
 /* Emissive triangles with textures: what they give, and that their points are where it is. */
+#include <lambent/surface.h>
 #include <lambent/surface_solve.h>
 
 #include "emission_fixture.h"
@@ -174,7 +175,8 @@ static panel_sums panel_add_up(const panel *made, const panel_case *wanted, int 
             const double s = from + width * (i + 0.37) / steps, t = (j + 0.61) / steps;
             const lmb_hit hit = panel_hit(s, t);
             const lmb_vec3 direction = hit_direction(&hit, s, t);
-            const lmb_surface surface = lmb_trace_surface(made->tracer, 0, hit.triangle, hit.u, hit.v);
+            const lmb_surface surface = lmb_trace_surface(
+                made->tracer, &(lmb_hit){.instance = 0, .triangle = hit.triangle, .u = hit.u, .v = hit.v});
             const double cosine = -(double)direction.z, distance = (double)hit.distance;
             const double angle = area * cosine / (distance * distance);
             const double light = (double)(surface.emission.c[0] + surface.emission.c[1] + surface.emission.c[2]) / 3.0 *

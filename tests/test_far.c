@@ -3,6 +3,7 @@
 #define FOLDER LMB_TEST_OUTPUT_DIR "/far"
 #include <sys/wait.h>
 
+#include <lambent/surface.h>
 #include <lambent/vdb.h>
 
 #include "hard_level.h"

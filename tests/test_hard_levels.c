@@ -8,6 +8,8 @@
 #include <float.h>
 #include <time.h>
 
+#include <lambent/surface.h>
+
 #define PI 3.14159265358979323846
 #define WHITE_SKY "#ffffff"
 
@@ -297,8 +299,9 @@ static double mean_surface_light(const hard_level *level, const char *name, cons
     double sum = 0.0;
     const uint32_t instance = hard_instance(level->traced.scene, name);
     for (int i = 0; i < count; ++i) {
-        const lmb_place place =
-            lmb_trace_place(level->traced.tracer, instance, (uint32_t)i & 1u, weights[i][0], weights[i][1]);
+        const lmb_place place = lmb_trace_place(
+            level->traced.tracer,
+            &(lmb_hit){.instance = instance, .triangle = (uint32_t)i & 1u, .u = weights[i][0], .v = weights[i][1]});
         bool pushed_out;
         const lmb_gather_point point = lmb_surface_gather_point(level->traced.tracer, &place, 1.0f, &pushed_out);
         lmb_rgb light;

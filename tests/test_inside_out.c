@@ -3,6 +3,7 @@
 
 #include <lambent/file.h>
 #include <lambent/placement.h>
+#include <lambent/surface.h>
 
 #include "lightmap_fixture.h"
 
@@ -169,7 +170,7 @@ static void check_sides(const level_fixture *level, const stage *s)
     CHECK(lmb_trace_nearest(level->tracer, (lmb_vec3){0.2f, 5, 0.1f}, (lmb_vec3){0, -1, 0}, 0.0f, 100.0f, &hit) &&
               hit.instance == block && hit.front == (s->outward || s->turned),
           "%s: the wrong side", s->name);
-    const lmb_place place = lmb_trace_place(level->tracer, hit.instance, hit.triangle, hit.u, hit.v);
+    const lmb_place place = lmb_trace_place(level->tracer, &hit);
     const float up = s->outward || s->turned ? 1.0f : -1.0f;
     CHECK(place.geometric_normal.y == up && place.shading_normal.y == up, "%s: normals %g and %g", s->name,
           (double)place.geometric_normal.y, (double)place.shading_normal.y);

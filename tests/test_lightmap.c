@@ -1,6 +1,8 @@
 /* Lightmaps: light that is known, lookups, padding, places of instances. */
 #include "lightmap_fixture.h"
 
+#include <lambent/surface.h>
+
 /* A repeatable number in [0, 1). */
 static float number_next(uint32_t *seed)
 {
@@ -433,7 +435,8 @@ static void block_has_no_dark_rim(void)
             u = 1.0f - u;
             v = 1.0f - v;
         }
-        const lmb_place place = lmb_trace_place(bake.level.tracer, floor, 0, u, v);
+        const lmb_place place =
+            lmb_trace_place(bake.level.tracer, &(lmb_hit){.instance = floor, .triangle = 0, .u = u, .v = v});
         const float rim = fmaxf(fabsf(place.position.x), fabsf(place.position.z));
         if (rim > 1.0f && rim < 1.5f) {
             const lmb_irradz found = lmb_lightmap_sample(bake.lightmap, floor, 0, u, v);

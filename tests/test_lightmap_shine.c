@@ -3,6 +3,8 @@
  * level is white too, everything receives just that. */
 #include "lightmap_fixture.h"
 
+#include <lambent/surface.h>
+
 /* Shading normals: n_v, four tilted by 30 degrees, four by 60. */
 enum { NORMALS = 9, POINTS_PER_TRIANGLE = 24 };
 
@@ -171,7 +173,8 @@ static shine shine_measure(const baked *bake)
         const uint32_t t = i / POINTS_PER_TRIANGLE;
         const float root = sqrtf(number_next(&seed)), across = number_next(&seed);
         const float u = root * (1.0f - across), v = root * across;
-        const lmb_vec3 n = lmb_trace_place(bake->level.tracer, 0, t, u, v).shading_normal;
+        const lmb_vec3 n = lmb_trace_place(bake->level.tracer, &(lmb_hit){.instance = 0, .triangle = t, .u = u, .v = v})
+                               .shading_normal;
         const lmb_irradz texels = lmb_lightmap_sample(bake->lightmap, 0, t, u, v);
         const lmb_hhd_rgb hhd = lmb_irradz_decode(&texels, n);
         const double noise = fmax(1.0, (double)texels.irradiance_z.c[1]);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <lambent/surface.h>
 #include <lambent/surface_solve.h>
 
 #include "harness.h"
@@ -396,7 +397,7 @@ static void bias_falls_with_cell_size(void)
         if (!lmb_trace_nearest(traced.tracer, (lmb_vec3){0, 1.3f, 0}, direction, 0.0f, FLT_MAX, &hit) || !hit.front) {
             continue;
         }
-        const lmb_place place = lmb_trace_place(traced.tracer, hit.instance, hit.triangle, hit.u, hit.v);
+        const lmb_place place = lmb_trace_place(traced.tracer, &hit);
         if (place.position.y > 1.9f) {
             continue;
         }

@@ -2,6 +2,8 @@
 
 #include <float.h>
 
+#include <lambent/surface.h>
+
 #include "vector_math.h"
 
 static float half_height_of(float fov_deg)
@@ -64,7 +66,7 @@ static float view_score(const lmb_tracer *tracer, const lmb_camera *camera, floa
             if (!lmb_trace_nearest(tracer, camera->position, direction, 0.0f, FLT_MAX, &hit)) {
                 continue;
             }
-            const lmb_place place = lmb_trace_place(tracer, hit.instance, hit.triangle, hit.u, hit.v);
+            const lmb_place place = lmb_trace_place(tracer, &hit);
             if (vector_dot(place.geometric_normal, direction) < 0.0f) {
                 score += fminf(hit.distance / size, 1.0f);
             }

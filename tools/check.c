@@ -6,6 +6,7 @@
 #include <lambent/hlsh.h>
 #include <lambent/occlusion.h>
 #include <lambent/sequence.h>
+#include <lambent/surface.h>
 
 #include "check_points.h"
 
@@ -156,9 +157,9 @@ static surface_sample sample_make(const check_work *work, size_t task)
 {
     const check_subject *subject = work->subject;
     const uint64_t seed = work->settings.seed;
-    const surface_point at =
+    const lmb_hit at =
         opaque_surface_point(&work->surface, lmb_mix(seed, STREAM_SURFACE), (uint32_t)task, work->settings.points);
-    const lmb_place place = lmb_trace_place(subject->transport->tracer, at.instance, at.triangle, at.u, at.v);
+    const lmb_place place = lmb_trace_place(subject->transport->tracer, &at);
     const float texel = subject->lightmap ? subject->lightmap->region[at.instance].texel_size : work->default_texel;
     surface_sample sample = {.number = task};
     bool pushed_out;

@@ -4,6 +4,7 @@
 
 #include <lambent/placement.h>
 #include <lambent/sequence.h>
+#include <lambent/surface.h>
 
 #include "vector_math.h"
 
@@ -105,7 +106,7 @@ static uint32_t instance_of_entry(const opaque_surface *surface, uint64_t entry)
     return low;
 }
 
-surface_point opaque_surface_point(const opaque_surface *surface, uint64_t seed, uint32_t number, uint32_t count)
+lmb_hit opaque_surface_point(const opaque_surface *surface, uint64_t seed, uint32_t number, uint32_t count)
 {
     const uint64_t stream = lmb_mix(seed, number);
     float choice[2], place[2];
@@ -117,7 +118,7 @@ surface_point opaque_surface_point(const opaque_surface *surface, uint64_t seed,
         target = nextafter(area, 0.0);
     }
     const uint64_t entry = entry_at_area(surface, target);
-    surface_point point;
+    lmb_hit point;
     point.instance = instance_of_entry(surface, entry);
     point.triangle = (uint32_t)(entry - surface->first[point.instance]);
     /* Uniform in the triangle (Osada et al. 2002, "Shape distributions"). */

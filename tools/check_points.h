@@ -25,16 +25,9 @@ void opaque_surface_free(opaque_surface *surface);
 /* Square metres; 0 when there is no opaque triangle: then no point may be asked for. */
 double opaque_surface_area(const opaque_surface *surface);
 
-/* A place on the surface, as a hit. */
-typedef struct surface_point {
-    uint32_t instance;
-    uint32_t triangle;
-    float u, v;
-} surface_point;
-
 /* Point `number` of `count`: the total area is cut into `count` equal parts and one point taken in each, so that every
  * area element is as likely as any other. */
-surface_point opaque_surface_point(const opaque_surface *surface, uint64_t seed, uint32_t number, uint32_t count);
+lmb_hit opaque_surface_point(const opaque_surface *surface, uint64_t seed, uint32_t number, uint32_t count);
 
 /* `count` unit vectors, cosine-weighted about unit `normal`, none farther from it than 60 degrees. */
 void shading_normals(lmb_vec3 normal, uint64_t stream, int count, lmb_vec3 *normals);

@@ -20,6 +20,7 @@
 #include <lambent/placement.h>
 #include <lambent/probe.h>
 #include <lambent/sequence.h>
+#include <lambent/surface.h>
 
 #include "command.h"
 #include "level.h"
@@ -128,8 +129,10 @@ static lmb_gather_point texel_point(const lmb_level *level, uint32_t instance, u
     float numbers[2];
     lmb_sequence_2d(level->options.seed, number, 0, numbers);
     const float root = sqrtf(numbers[0]);
-    const lmb_place place =
-        lmb_trace_place(level->tracer, instance, triangle, root * (1.0f - numbers[1]), root * numbers[1]);
+    const lmb_place place = lmb_trace_place(level->tracer, &(lmb_hit){.instance = instance,
+                                                                      .triangle = triangle,
+                                                                      .u = root * (1.0f - numbers[1]),
+                                                                      .v = root * numbers[1]});
     bool pushed_out;
     return lmb_surface_gather_point(level->tracer, &place, 0.0f, &pushed_out);
 }

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include <lambent/placement.h>
+#include <lambent/surface.h>
 
 #include "check_points.h"
 #include "command.h"
@@ -67,8 +68,8 @@ static void texel_task(void *context, size_t task, int worker)
     (void)worker;
     trial_work *work = context;
     const lmb_tracer *tracer = work->transport.tracer;
-    const surface_point at = opaque_surface_point(&work->surface, 0, (uint32_t)task, work->count);
-    const lmb_place place = lmb_trace_place(tracer, at.instance, at.triangle, at.u, at.v);
+    const lmb_hit at = opaque_surface_point(&work->surface, 0, (uint32_t)task, work->count);
+    const lmb_place place = lmb_trace_place(tracer, &at);
     bool pushed_out;
     const lmb_gather_point point =
         lmb_surface_gather_point(tracer, &place, 1.0f / work->bake->lightmap->settings.texels_per_m, &pushed_out);

@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include <lambent/hlsh.h>
+#include <lambent/surface.h>
 
 #include "vector_math.h"
 
@@ -49,14 +50,14 @@ static bool seen_nearest(const lmb_shader *shader, lmb_vec3 origin, lmb_vec3 dir
 static void seen_complete(seen_surface *seen, lmb_vec3 direction)
 {
     const lmb_hit *hit = &seen->hit;
-    seen->surface = lmb_trace_surface(seen->tracer, hit->instance, hit->triangle, hit->u, hit->v);
-    seen->place = lmb_trace_place(seen->tracer, hit->instance, hit->triangle, hit->u, hit->v);
+    seen->surface = lmb_trace_surface(seen->tracer, hit);
+    seen->place = lmb_trace_place(seen->tracer, hit);
     seen->back = vector_dot(seen->place.geometric_normal, direction) > 0.0f;
     if (seen->back) {
         seen->place.geometric_normal = vector_scale(seen->place.geometric_normal, -1.0f);
         seen->place.shading_normal = vector_scale(seen->place.shading_normal, -1.0f);
     }
-    seen->normal = lmb_trace_mapped_normal(seen->tracer, hit->instance, hit->triangle, hit->u, hit->v, &seen->place);
+    seen->normal = lmb_trace_mapped_normal(seen->tracer, hit, &seen->place);
     if (seen->object) {
         seen->place.position = vector_add(seen->place.position, seen->object->position);
     }

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include <lambent/trace.h>
+#include <lambent/surface.h>
 
 /* A triangle, as an array of numbers that vector code can pick from. */
 typedef struct lmb_emitter_shape {

@@ -1,4 +1,5 @@
 #include <lambent/emitters.h>
+#include <lambent/surface.h>
 
 #include <assert.h>
 #include <stdlib.h>
@@ -144,8 +145,10 @@ static lmb_light_sample point_light(const lmb_emitters *emitters, const lmb_emit
                                .radiance = chosen->radiance,
                                .density = points->density[i]};
     if (!chosen->even) {
-        const lmb_surface surface =
-            lmb_trace_surface(emitters->tracer, chosen->instance, chosen->triangle, points->u[i], points->v[i]);
+        const lmb_surface surface = lmb_trace_surface(emitters->tracer, &(lmb_hit){.instance = chosen->instance,
+                                                                                   .triangle = chosen->triangle,
+                                                                                   .u = points->u[i],
+                                                                                   .v = points->v[i]});
         sample.radiance = rgb_scale(surface.emission, surface.opacity);
         sample.density = rgb_max(sample.radiance) > 0.0f ? sample.density : 0.0f;
     }

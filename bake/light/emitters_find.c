@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <lambent/surface.h>
+
 #include "base/rgb.h"
 #include "base/scalar.h"
 #include "base/vec3.h"
@@ -46,7 +48,8 @@ static float points_luminance(const lmb_tracer *tracer, uint32_t instance, uint3
                 u = 1.0f - u;
                 v = 1.0f - v;
             }
-            const lmb_surface surface = lmb_trace_surface(tracer, instance, triangle, u, v);
+            const lmb_surface surface =
+                lmb_trace_surface(tracer, &(lmb_hit){.instance = instance, .triangle = triangle, .u = u, .v = v});
             sum += lmb_luminance(surface.emission) * surface.opacity;
         }
     }
@@ -162,7 +165,8 @@ static bool emitter_make(finding *found, uint32_t instance, uint32_t triangle, l
     const lmb_material *material = &scene->materials[scene->meshes[scene->instances[instance].mesh].material[triangle]];
     lmb_vec3 corner[3];
     lmb_trace_corners(tracer, instance, triangle, corner);
-    const lmb_place place = lmb_trace_place(tracer, instance, triangle, 0.0f, 0.0f);
+    const lmb_place place =
+        lmb_trace_place(tracer, &(lmb_hit){.instance = instance, .triangle = triangle, .u = 0.0f, .v = 0.0f});
     *shape = lmb_emitter_shape_of(corner, place.geometric_normal, place.rounding);
     *made = (lmb_emitter){.instance = instance,
                           .triangle = triangle,

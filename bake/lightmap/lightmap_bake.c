@@ -11,6 +11,7 @@
 
 #include "base/rgb.h"
 #include "base/vec3.h"
+#include "trace/surface_internal.h"
 #include "trace/trace_internal.h"
 
 /* Texels are listed in squares of this side: a group of neighbours. */
@@ -133,7 +134,8 @@ static uint32_t texel_points(const bake_work *work, const bake_texel *texel, lmb
     const lmb_tracer *tracer = work->transport->tracer;
     lmb_texel_source source;
     memcpy(&source, &image->texel[texel->pixel], sizeof source);
-    const lmb_place place = lmb_trace_place(tracer, texel->instance, source.triangle, source.u, source.v);
+    const lmb_place place = lmb_trace_place(
+        tracer, &(lmb_hit){.instance = texel->instance, .triangle = source.triangle, .u = source.u, .v = source.v});
     bool pushed_out;
     const lmb_gather_point middle = lmb_surface_gather_point(tracer, &place, region->texel_size, &pushed_out);
     count->pushed_out += pushed_out;

@@ -12,6 +12,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <lambent/surface.h>
+
 #include "base/rgb.h"
 #include "base/scalar.h"
 #include "base/vec3.h"
@@ -157,7 +159,10 @@ static lmb_vec3 area_normal(const limit_area *area, double u, double v)
     if (area->flat) {
         return area->flat_normal;
     }
-    return lmb_trace_place(area->tracer, area->instance, area->triangle, (float)u, (float)v).shading_normal;
+    return lmb_trace_place(
+               area->tracer,
+               &(lmb_hit){.instance = area->instance, .triangle = area->triangle, .u = (float)u, .v = (float)v})
+        .shading_normal;
 }
 
 /* Takes off the texels' 1 - w what their filtered one has above `share` of it, from each in proportion to its weight:
@@ -355,7 +360,10 @@ static lmb_vec3 covered_normal(const limit_area *area, const lmb_texel_source *s
     const lmb_texel_source *from = &source[(size_t)y * (size_t)width + (size_t)x];
     return from->triangle == LMB_TEXEL_UNCOVERED
                ? (lmb_vec3){0.0f, 0.0f, 0.0f}
-               : lmb_trace_place(area->tracer, area->instance, from->triangle, from->u, from->v).shading_normal;
+               : lmb_trace_place(
+                     area->tracer,
+                     &(lmb_hit){.instance = area->instance, .triangle = from->triangle, .u = from->u, .v = from->v})
+                     .shading_normal;
 }
 
 static bool has_direction(lmb_vec3 a)

@@ -1,5 +1,6 @@
 /* Gather points of texels: just off their surface, and outside of solids. */
 #include <lambent/lightmap.h>
+#include <lambent/surface.h>
 
 #include <float.h>
 #include <math.h>
@@ -84,7 +85,7 @@ static int ways_out_find(const lmb_tracer *tracer, lmb_vec3 origin, const lmb_fr
             continue;
         }
         const lmb_vec3 direction = vec3(rays.direction[0][k], rays.direction[1][k], rays.direction[2][k]);
-        const lmb_place place = lmb_trace_place(tracer, hit->instance, hit->triangle, hit->u, hit->v);
+        const lmb_place place = lmb_trace_place(tracer, hit);
         int at = count++;
         for (; at > 0 && ways[at - 1].distance > hit->distance; --at) {
             ways[at] = ways[at - 1];

@@ -4,6 +4,8 @@
 #include <float.h>
 #include <math.h>
 
+#include <lambent/surface.h>
+
 #include "base/scalar.h"
 #include "base/vec3.h"
 
@@ -15,7 +17,7 @@
 static float shortfall(const lmb_tracer *tracer, const lmb_hit *hit, lmb_vec3 position, float clearance,
                        lmb_vec3 *normal)
 {
-    const lmb_place place = lmb_trace_place(tracer, hit->instance, hit->triangle, hit->u, hit->v);
+    const lmb_place place = lmb_trace_place(tracer, hit);
     *normal = place.geometric_normal;
     const float before = vec3_dot(vec3_sub(position, place.position), place.geometric_normal);
     const float rounding = 4.0f * float_larger(place.rounding, lmb_trace_epsilon(position));

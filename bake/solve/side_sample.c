@@ -1,6 +1,7 @@
 #include "solve/side_sample.h"
 
 #include <lambent/sequence.h>
+#include <lambent/surface.h>
 
 #include "base/rgb.h"
 #include "base/scalar.h"
@@ -71,8 +72,9 @@ static void receivers_place(sample_batch *batch)
         const float numbers[2] = {points.x[i], points.y[i]};
         float u, v;
         lmb_cell_point(&sample->cell, numbers, &u, &v);
-        const lmb_place place =
-            lmb_trace_place(batch->transport->tracer, sample->cell.instance, sample->cell.triangle, u, v);
+        const lmb_place place = lmb_trace_place(
+            batch->transport->tracer,
+            &(lmb_hit){.instance = sample->cell.instance, .triangle = sample->cell.triangle, .u = u, .v = v});
         batch->receiver[i] = lmb_receiver_on_surface(&place, sample->front);
     }
 }

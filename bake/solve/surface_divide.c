@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/surface.h>
+
 #include "base/rgb.h"
 #include "base/scalar.h"
 #include "base/vec3.h"
@@ -36,7 +38,8 @@ static side_frame side_frame_of(const lmb_surface_light *light, const lmb_tracer
     side_frame frame = {.cell = lmb_cell_find(light, side / 2)};
     frame.part = lmb_cell_part_of(&frame.cell);
     lmb_trace_corners(tracer, frame.cell.instance, frame.cell.triangle, frame.corner);
-    const lmb_place place = lmb_trace_place(tracer, frame.cell.instance, frame.cell.triangle, 0.0f, 0.0f);
+    const lmb_place place = lmb_trace_place(
+        tracer, &(lmb_hit){.instance = frame.cell.instance, .triangle = frame.cell.triangle, .u = 0.0f, .v = 0.0f});
     const float sign = side % 2 == 0 ? 1.0f : -1.0f;
     frame.off = vec3_scale(place.geometric_normal, sign * place.rounding);
     frame.lift = vec3_scale(place.geometric_normal,

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <lambent/surface.h>
+
 #include "base/vec3.h"
 
 /* Bright is what reflects so many times the mean. */
@@ -59,7 +61,8 @@ static bright_sums sums_above(const lmb_surface_light *light, const lmb_tracer *
 static bright_cell bright_cell_make(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_cell *cell,
                                     uint32_t patch)
 {
-    const lmb_place place = lmb_trace_place(tracer, cell->instance, cell->triangle, 0.0f, 0.0f);
+    const lmb_place place = lmb_trace_place(
+        tracer, &(lmb_hit){.instance = cell->instance, .triangle = cell->triangle, .u = 0.0f, .v = 0.0f});
     lmb_vec3 corner[3];
     lmb_trace_corners(tracer, cell->instance, cell->triangle, corner);
     const lmb_vec3 *apex = &corner[cell->grid->apex];

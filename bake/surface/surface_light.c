@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <lambent/surface.h>
+
 #include "base/vec3.h"
 #include "surface/bright_cells.h"
 

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include <lambent/surface.h>
+
 #include "base/rgb.h"
 
 /* Triangles that one task of the pool looks at. */
@@ -21,7 +23,9 @@ static bool albedo_even(const lmb_tracer *tracer, const lmb_hit *hit, bool small
     const lmb_scene *scene = lmb_tracer_scene(tracer);
     const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
     if (!mesh->color && scene->materials[mesh->material[hit->triangle]].base_color_texture.image < 0) {
-        *mean = lmb_trace_surface(tracer, hit->instance, hit->triangle, 0.0f, 0.0f).albedo;
+        *mean = lmb_trace_surface(
+                    tracer, &(lmb_hit){.instance = hit->instance, .triangle = hit->triangle, .u = 0.0f, .v = 0.0f})
+                    .albedo;
         return true;
     }
     lmb_rgb albedo[POINTS];
@@ -36,7 +40,9 @@ static bool albedo_even(const lmb_tracer *tracer, const lmb_hit *hit, bool small
             u = 1.0f - u;
             v = 1.0f - v;
         }
-        albedo[i] = lmb_trace_surface(tracer, hit->instance, hit->triangle, u, v).albedo;
+        albedo[i] =
+            lmb_trace_surface(tracer, &(lmb_hit){.instance = hit->instance, .triangle = hit->triangle, .u = u, .v = v})
+                .albedo;
         *mean = rgb_add(*mean, rgb_scale(albedo[i], 1.0f / POINTS));
     }
     for (int i = 0; i < POINTS && !small; ++i) {

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include <lambent/surface.h>
+
 #include "base/rgb.h"
 #include "base/vec3.h"
 #include "trace/trace_internal.h"
@@ -14,7 +16,7 @@ bool lmb_surface_light_piece_find(const lmb_surface_light *light, const lmb_trac
     if (number >= LMB_SIDE_HOLE) {
         return number == LMB_SIDE_WHOLE;
     }
-    const lmb_place place = lmb_trace_place(tracer, hit->instance, hit->triangle, hit->u, hit->v);
+    const lmb_place place = lmb_trace_place(tracer, hit);
     const lmb_vec3 from = vec3_mad(place.position, place.geometric_normal, front ? place.rounding : -place.rounding);
     lmb_vec3 towards[LMB_CELL_MOST_PIECES];
     float distance[LMB_CELL_MOST_PIECES];

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <lambent/sequence.h>
+#include <lambent/surface.h>
 
 #include "base/affine.h"
 #include "base/rgb.h"
@@ -134,8 +135,10 @@ static void surface_rays(const candidate *object, uint32_t number, float side, l
     lmb_sequence_2d(stream, 0, 1, point);
     const float root = sqrtf(point[0]);
     const uint32_t triangle = triangle_at_area(object, ((double)number + 0.5) / object->work->points * area);
-    const lmb_place place =
-        lmb_trace_place(object->tracer, object->instance, triangle, root * (1.0f - point[1]), root * point[1]);
+    const lmb_place place = lmb_trace_place(object->tracer, &(lmb_hit){.instance = object->instance,
+                                                                       .triangle = triangle,
+                                                                       .u = root * (1.0f - point[1]),
+                                                                       .v = root * point[1]});
     const lmb_vec3 normal = vec3_scale(place.geometric_normal, side);
     const lmb_vec3 origin = trace_offset(place.position, place.geometric_normal, place.rounding, normal);
     float x[RAYS_PER_POINT], y[RAYS_PER_POINT];

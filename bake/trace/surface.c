@@ -1,5 +1,5 @@
 /* What is found at a hit: where it is, how it faces, what its material does. */
-#include <lambent/trace.h>
+#include <lambent/surface.h>
 
 #include <math.h>
 
@@ -7,6 +7,7 @@
 #include "base/rgb.h"
 #include "base/scalar.h"
 #include "base/vec3.h"
+#include "trace/surface_internal.h"
 #include "trace/trace_internal.h"
 
 void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, lmb_vec3 corner[3])
@@ -55,64 +56,67 @@ void lmb_trace_positions(const lmb_tracer *tracer, uint32_t instance, uint32_t t
     }
 }
 
-lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, const lmb_hit *hit)
 {
-    const float weights[1][2] = {{u, v}};
+    const float weights[1][2] = {{hit->u, hit->v}};
     lmb_vec3 position;
-    lmb_trace_positions(tracer, instance, triangle, weights, 1, &position);
+    lmb_trace_positions(tracer, hit->instance, hit->triangle, weights, 1, &position);
     return position;
 }
 
-lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, float u, float v)
+lmb_place lmb_trace_place(const lmb_tracer *tracer, const lmb_hit *hit)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_instance *instance = &scene->instances[instance_number];
+    const lmb_instance *instance = &scene->instances[hit->instance];
     const lmb_mesh *mesh = &scene->meshes[instance->mesh];
-    const uint32_t *vertex = mesh->triangle[triangle];
+    const uint32_t *vertex = mesh->triangle[hit->triangle];
     lmb_vec3 corner[3];
-    lmb_trace_corners(tracer, instance_number, triangle, corner);
+    lmb_trace_corners(tracer, hit->instance, hit->triangle, corner);
     const lmb_vec3 edge_u = vec3_sub(corner[1], corner[0]);
     const lmb_vec3 edge_v = vec3_sub(corner[2], corner[0]);
     lmb_place place;
     place.rounding = corners_rounding(corner);
-    place.position = corners_position(corner, u, v, place.rounding);
+    place.position = corners_position(corner, hit->u, hit->v, place.rounding);
     lmb_vec3 facing = vec3_normalize_or(vec3_cross(edge_u, edge_v), vec3(0.0f, 1.0f, 0.0f));
-    if (instance->mirrored != lmb_tracer_is_turned(tracer, instance_number)) {
+    if (instance->mirrored != lmb_tracer_is_turned(tracer, hit->instance)) {
         facing = vec3_scale(facing, -1.0f);
     }
     place.geometric_normal = facing;
-    const float w = 1.0f - u - v;
-    const lmb_vec3 local = vec3_mad(vec3_mad(vec3_scale(mesh->normal[vertex[0]], w), mesh->normal[vertex[1]], u),
-                                    mesh->normal[vertex[2]], v);
+    const float w = 1.0f - hit->u - hit->v;
+    const lmb_vec3 local = vec3_mad(vec3_mad(vec3_scale(mesh->normal[vertex[0]], w), mesh->normal[vertex[1]], hit->u),
+                                    mesh->normal[vertex[2]], hit->v);
     const lmb_vec3 smooth = vec3_normalize_or(affine_vector(&instance->normal_to_world, local), facing);
     place.shading_normal = vec3_dot(smooth, facing) < 0.0f ? vec3_scale(smooth, -1.0f) : smooth;
     return place;
 }
 
-/* UVs of set `set` at barycentric (u, v); (0, 0) where the mesh has none. */
-static lmb_vec2 mesh_uv(const lmb_mesh *mesh, const uint32_t *vertex, int set, float u, float v)
+/* UVs of set `set` at a hit; (0, 0) where the mesh has none. */
+static lmb_vec2 mesh_uv(const lmb_mesh *mesh, int set, const lmb_hit *hit)
 {
     const lmb_vec2 *uv = mesh->uv[set];
     if (!uv) {
         return (lmb_vec2){0.0f, 0.0f};
     }
-    const float w = 1.0f - u - v;
+    const uint32_t *vertex = mesh->triangle[hit->triangle];
+    const float u = hit->u, v = hit->v, w = 1.0f - u - v;
     return (lmb_vec2){w * uv[vertex[0]].x + u * uv[vertex[1]].x + v * uv[vertex[2]].x,
                       w * uv[vertex[0]].y + u * uv[vertex[1]].y + v * uv[vertex[2]].y};
 }
 
-static void texture_at(const lmb_scene *scene, const lmb_texture *texture, const lmb_mesh *mesh, const uint32_t *vertex,
-                       float u, float v, bool srgb, float rgba[4])
+static void texture_at(const lmb_scene *scene, const lmb_texture *texture, const lmb_mesh *mesh, const lmb_hit *hit,
+                       bool srgb, float rgba[4])
 {
-    const lmb_vec2 uv = texture->image >= 0 ? mesh_uv(mesh, vertex, texture->uv_set, u, v) : (lmb_vec2){0.0f, 0.0f};
+    const lmb_vec2 uv = texture->image >= 0 ? mesh_uv(mesh, texture->uv_set, hit) : (lmb_vec2){0.0f, 0.0f};
     lmb_texture_sample(scene, texture, uv, srgb, rgba);
 }
 
 /* Base colour factor x texture x vertex colour, RGBA. */
 static void base_color_at(const lmb_scene *scene, const lmb_material *material, const lmb_mesh *mesh,
-                          const uint32_t *vertex, float u, float v, float rgba[4])
+                          const lmb_hit *hit, float rgba[4])
 {
-    texture_at(scene, &material->base_color_texture, mesh, vertex, u, v, true, rgba);
+    const uint32_t *vertex = mesh->triangle[hit->triangle];
+    const float u = hit->u, v = hit->v;
+    texture_at(scene, &material->base_color_texture, mesh, hit, true, rgba);
     for (int i = 0; i < 4; ++i) {
         float vertex_color = 1.0f;
         if (mesh->color) {
@@ -146,14 +150,13 @@ lmb_coverage lmb_material_coverage(const lmb_material *material)
     return coverage_of(material, material->base_color);
 }
 
-lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v)
+lmb_surface lmb_trace_surface(const lmb_tracer *tracer, const lmb_hit *hit)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_mesh *mesh = &scene->meshes[scene->instances[instance].mesh];
-    const lmb_material *material = &scene->materials[mesh->material[triangle]];
-    const uint32_t *vertex = mesh->triangle[triangle];
+    const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
+    const lmb_material *material = &scene->materials[mesh->material[hit->triangle]];
     float base[4];
-    base_color_at(scene, material, mesh, vertex, u, v, base);
+    base_color_at(scene, material, mesh, hit, base);
     const lmb_coverage coverage = coverage_of(material, base);
     lmb_surface surface = {.opacity = coverage.opacity, .pass = coverage.pass};
     for (int c = 0; c < 3; ++c) {
@@ -162,7 +165,7 @@ lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint3
     surface.emission = (lmb_rgb){{0.0f, 0.0f, 0.0f}};
     if (!material->unlit && rgb_max(material->emissive) > 0.0f) {
         float emissive[4];
-        texture_at(scene, &material->emissive_texture, mesh, vertex, u, v, true, emissive);
+        texture_at(scene, &material->emissive_texture, mesh, hit, true, emissive);
         for (int c = 0; c < 3; ++c) {
             surface.emission.c[c] = material->emissive.c[c] * emissive[c];
         }
@@ -172,15 +175,14 @@ lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint3
 
 /* World-space tangent of increasing texture u: the mesh's own, or derived from the triangle's UVs. `*handedness` tells
  * the bitangent's side. Returns false where UVs give none. */
-static bool tangent_at(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, int set, float u, float v,
-                       lmb_vec3 *tangent, float *handedness)
+static bool tangent_at(const lmb_tracer *tracer, const lmb_hit *hit, int set, lmb_vec3 *tangent, float *handedness)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_instance *instance = &scene->instances[instance_number];
+    const lmb_instance *instance = &scene->instances[hit->instance];
     const lmb_mesh *mesh = &scene->meshes[instance->mesh];
-    const uint32_t *vertex = mesh->triangle[triangle];
+    const uint32_t *vertex = mesh->triangle[hit->triangle];
     if (mesh->tangent) {
-        const float weight[3] = {1.0f - u - v, u, v};
+        const float weight[3] = {1.0f - hit->u - hit->v, hit->u, hit->v};
         lmb_vec3 sum = {0.0f, 0.0f, 0.0f};
         for (int k = 0; k < 3; ++k) {
             const float *t = mesh->tangent[vertex[k]];
@@ -196,7 +198,7 @@ static bool tangent_at(const lmb_tracer *tracer, uint32_t instance_number, uint3
         return false;
     }
     lmb_vec3 corner[3];
-    lmb_trace_corners(tracer, instance_number, triangle, corner);
+    lmb_trace_corners(tracer, hit->instance, hit->triangle, corner);
     const lmb_vec2 a = mesh->uv[set][vertex[0]];
     const lmb_vec2 b = mesh->uv[set][vertex[1]];
     const lmb_vec2 c = mesh->uv[set][vertex[2]];
@@ -213,21 +215,20 @@ static bool tangent_at(const lmb_tracer *tracer, uint32_t instance_number, uint3
     return true;
 }
 
-lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v,
-                                 const lmb_place *place)
+lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, const lmb_hit *hit, const lmb_place *place)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_mesh *mesh = &scene->meshes[scene->instances[instance].mesh];
-    const lmb_material *material = &scene->materials[mesh->material[triangle]];
+    const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
+    const lmb_material *material = &scene->materials[mesh->material[hit->triangle]];
     const lmb_vec3 normal = place->shading_normal;
     const lmb_texture *map = &material->normal_texture;
     lmb_vec3 tangent;
     float handedness;
-    if (map->image < 0 || !tangent_at(tracer, instance, triangle, map->uv_set, u, v, &tangent, &handedness)) {
+    if (map->image < 0 || !tangent_at(tracer, hit, map->uv_set, &tangent, &handedness)) {
         return normal;
     }
     float texel[4];
-    texture_at(scene, map, mesh, mesh->triangle[triangle], u, v, false, texel);
+    texture_at(scene, map, mesh, hit, false, texel);
     tangent = vec3_normalize_or(vec3_mad(tangent, normal, -vec3_dot(tangent, normal)), normal);
     const lmb_vec3 bitangent = vec3_scale(vec3_cross(normal, tangent), handedness);
     const float x = (2.0f * texel[0] - 1.0f) * material->normal_scale;

@@ -11,6 +11,7 @@
 
 #include "base/affine.h"
 #include "trace/inside_out.h"
+#include "trace/surface_internal.h"
 #include "trace/trace_internal.h"
 
 struct lmb_tracer {

@@ -43,24 +43,11 @@ static inline void lmb_ray_batch_add(lmb_ray_batch *rays, lmb_vec3 origin, lmb_v
     rays->far_distance[i] = far_distance;
 }
 
-/* lmb_trace_position of `count` points of a triangle. */
-void lmb_trace_positions(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, const float (*weights)[2],
-                         uint32_t count, lmb_vec3 *position);
-
 /* Embree's scene: an RTCScene. */
 struct RTCSceneTy *lmb_tracer_world(const lmb_tracer *tracer);
 
 /* World-space vertices of an instance that was flattened into the world, or NULL. */
 const lmb_vec3 *lmb_tracer_world_vertices(const lmb_tracer *tracer, uint32_t instance);
-
-/* lmb_surface's opacity and pass alone. */
-typedef struct lmb_coverage {
-    float opacity;
-    lmb_rgb pass;
-} lmb_coverage;
-
-/* That of a material by its factors alone. */
-lmb_coverage lmb_material_coverage(const lmb_material *material);
 
 /* Whether a triangle's material lets light straight through, wholly or in part: MASK, BLEND or transmission. */
 bool lmb_tracer_is_see_through(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle);

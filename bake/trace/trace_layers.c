@@ -137,7 +137,8 @@ static bool shown_read(const struct RTCFilterFunctionNArguments *arguments, unsi
     }
     if (mesh->color || tracer->scene->materials[material].base_color_texture.image >= 0) {
         const float u = shown_float(arguments->hit, count, HIT_U, i), v = shown_float(arguments->hit, count, HIT_V, i);
-        const lmb_surface surface = lmb_trace_surface(tracer, shown->instance, shown->triangle, u, v);
+        const lmb_surface surface = lmb_trace_surface(
+            tracer, &(lmb_hit){.instance = shown->instance, .triangle = shown->triangle, .u = u, .v = v});
         shown->coverage = (lmb_coverage){surface.opacity, surface.pass};
     } else {
         shown->coverage = tracer->coverage[material];

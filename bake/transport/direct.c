@@ -1,6 +1,7 @@
 #include "transport/direct.h"
 
 #include <lambent/sequence.h>
+#include <lambent/surface.h>
 
 #include "base/rgb.h"
 #include "base/vec3.h"

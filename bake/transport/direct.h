@@ -3,6 +3,7 @@
 #ifndef LMB_DIRECT_H
 #define LMB_DIRECT_H
 
+#include <lambent/surface.h>
 #include <lambent/transport.h>
 
 #include "base/rgb.h"

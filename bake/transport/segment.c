@@ -1,5 +1,7 @@
 #include "transport/segment.h"
 
+#include <lambent/surface.h>
+
 #include "base/rgb.h"
 #include "surface/surface_light_internal.h"
 
@@ -40,7 +42,7 @@ lmb_path_vertex lmb_segment_vertex(const lmb_path *path, lmb_segment *segment, c
     if (albedo) {
         return (lmb_path_vertex){.on_surface = true, .hit = *hit, .albedo = *albedo};
     }
-    const lmb_surface surface = lmb_trace_surface(transport->tracer, hit->instance, hit->triangle, hit->u, hit->v);
+    const lmb_surface surface = lmb_trace_surface(transport->tracer, hit);
     segment->throughput = rgb_scale(segment->throughput, rgb_max(surface.pass) + surface.opacity);
     const float mis = rgb_max(surface.emission) > 0.0f ? emission_mis(transport, segment, hit) : 0.0f;
     return (lmb_path_vertex){
@@ -56,6 +58,6 @@ lmb_path_vertex lmb_segment_follow(const lmb_path *path, lmb_segment *segment)
 lmb_receiver lmb_vertex_receiver(const lmb_path *path, const lmb_path_vertex *vertex)
 {
     const lmb_hit *hit = &vertex->hit;
-    const lmb_place place = lmb_trace_place(path->transport->tracer, hit->instance, hit->triangle, hit->u, hit->v);
+    const lmb_place place = lmb_trace_place(path->transport->tracer, hit);
     return lmb_receiver_on_surface(&place, hit->front);
 }

@@ -9,6 +9,7 @@
 #include <lambent/chart.h>
 #include <lambent/hhd.h>
 #include <lambent/probe.h>
+#include <lambent/surface.h>
 #include <lambent/uv_check.h>
 #include <lambent/warning.h>
 

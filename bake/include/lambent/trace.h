@@ -83,37 +83,6 @@ bool lmb_trace_through(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direc
 void lmb_trace_through_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, const uint64_t chance[LMB_RAY_BATCH],
                              lmb_hit hit[LMB_RAY_BATCH], lmb_rgb share[LMB_RAY_BATCH], uint64_t *rays_traced);
 
-/* Where a hit is and how it faces. */
-typedef struct lmb_place {
-    lmb_vec3 position;         /* world space, from the triangle's corners: accurate to a few ulps of its coordinates */
-    lmb_vec3 geometric_normal; /* unit, on the front's side, as lmb_hit has it */
-    lmb_vec3 shading_normal;   /* unit, interpolated vertex normal, turned to the geometric normal's side */
-    float rounding;            /* metres: how far rounding can have moved the position off its triangle */
-} lmb_place;
-
-/* The place of barycentric (u, v) on a triangle of an instance. */
-lmb_place lmb_trace_place(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
-
-/* World-space corners of a triangle. */
-void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, lmb_vec3 corner[3]);
-
-/* lmb_trace_place's position alone. */
-lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
-
-/* What the material does at a hit. */
-typedef struct lmb_surface {
-    lmb_rgb albedo;   /* diffuse, of the part of the light that is not let through */
-    lmb_rgb emission; /* radiance, likewise */
-    float opacity;    /* share of the light that the surface takes part in: 1 for opaque */
-    lmb_rgb pass;     /* share of each channel that goes straight through */
-} lmb_surface;
-
-lmb_surface lmb_trace_surface(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v);
-
-/* The shading normal bent by the material's normal map, on the same side of the surface as `place->shading_normal`. */
-lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, float u, float v,
-                                 const lmb_place *place);
-
 /* Share of each channel that gets from `from` to `to` through MASK, BLEND and transmitting surfaces; 0 behind an
  * opaque one. Counts the rays that it took into `*rays`. */
 lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays);
