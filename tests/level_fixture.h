@@ -3,6 +3,7 @@
 #define LMB_TESTS_LEVEL_FIXTURE_H
 
 #include <lambent/emitters.h>
+#include <lambent/environment.h>
 #include <lambent/gltf.h>
 #include <lambent/pool.h>
 #include <lambent/probe.h>

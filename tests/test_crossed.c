@@ -2,6 +2,7 @@
  * only two features together can break, no test of one feature meets. */
 #include <sys/stat.h>
 
+#include <lambent/environment.h>
 #include <lambent/file.h>
 #include <lambent/grid_bake.h>
 #include <lambent/placement.h>

@@ -1,6 +1,7 @@
 /* Emissive triangles with textures: what they give, and that their points are where it is. */
 #include <lambent/surface.h>
 #include <lambent/surface_solve.h>
+#include <lambent/texture.h>
 
 #include "emission_fixture.h"
 #include "scenes/level_builder.h"

@@ -2,6 +2,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include <lambent/environment.h>
+#include <lambent/exr.h>
 #include <lambent/file.h>
 #include <lambent/scene.h>
 
@@ -17,7 +19,8 @@ static void pictures_write(void)
     const lmb_exr_channel grey = {"Y", PIXELS};
     static const char HDR[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x20\x81\x10\x20\x80\x82";
     lmb_error error = {""};
-    CHECK(lmb_exr_write(OUT("a,b.exr"), 4, 2, &grey, 1, NULL, 0, NULL, &error) == LMB_OK, "%s", error.message);
+    CHECK(lmb_exr_write(OUT("a,b.exr"), &(lmb_exr_picture){4, 2, &grey, 1, NULL, 0}, NULL, &error) == LMB_OK, "%s",
+          error.message);
     CHECK(lmb_file_write(OUT("sky.hdr"), HDR, sizeof HDR - 1, &error) == LMB_OK, "%s", error.message);
 }
 
@@ -172,8 +175,8 @@ static void only_equirectangular_shapes_are_taken(void)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         lmb_scene scene = {.content_hash = 5};
         lmb_error error = {""};
-        CHECK(lmb_exr_write(OUT("shape.exr"), cases[i].width, cases[i].height, &grey, 1, NULL, 0, NULL, &error) ==
-                  LMB_OK,
+        CHECK(lmb_exr_write(OUT("shape.exr"), &(lmb_exr_picture){cases[i].width, cases[i].height, &grey, 1, NULL, 0},
+                            NULL, &error) == LMB_OK,
               "%s", error.message);
         const lmb_result result = lmb_scene_set_environment(&scene, OUT("shape.exr"), &error);
         if (cases[i].refused) {

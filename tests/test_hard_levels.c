@@ -8,6 +8,7 @@
 #include <float.h>
 #include <time.h>
 
+#include <lambent/environment.h>
 #include <lambent/surface.h>
 
 #define PI 3.14159265358979323846

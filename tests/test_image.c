@@ -11,6 +11,7 @@
 #include <OpenEXR/openexr.h>
 #include <stb_image.h>
 
+#include <lambent/exr.h>
 #include <lambent/file.h>
 #include <lambent/image.h>
 
@@ -276,32 +277,32 @@ static void exr_round_trip_is_exact(void)
     const lmb_exr_attribute attributes[] = {{"lambent:scale", NULL, 0.25f}, {"lambent:encoding", "hhd", 0.0f}};
     size_t overflows = 99;
     lmb_error error = {""};
-    lmb_result result =
-        lmb_exr_write(OUT("round.exr"), WIDTH, HEIGHT, channels, COUNT, attributes, 2, &overflows, &error);
+    lmb_result result = lmb_exr_write(
+        OUT("round.exr"), &(lmb_exr_picture){WIDTH, HEIGHT, channels, COUNT, attributes, 2}, &overflows, &error);
     CHECK(result == LMB_OK && overflows == 0, "%s, %zu overflows", error.message, overflows);
     static const char *const names[] = {"dir.X", "iz.R", "w"};
     static const int plane_of[] = {2, 0, 1};
     float *values[3] = {NULL, NULL, NULL};
-    int32_t width = 0;
-    int32_t height = 0;
-    float scale = 0.0f;
-    result = lmb_exr_read_channels(OUT("round.exr"), names, 3, values, &width, &height, &scale, &error);
-    CHECK(result == LMB_OK && width == WIDTH && height == HEIGHT && scale == 0.25f, "%s", error.message);
+    lmb_exr_header header = {0, 0, 0.0f};
+    result = lmb_exr_read_channels(OUT("round.exr"), names, 3, values, &header, &error);
+    CHECK(result == LMB_OK && header.width == WIDTH && header.height == HEIGHT && header.scale == 0.25f, "%s",
+          error.message);
     for (int i = 0; i < 3 && result == LMB_OK; ++i) {
         CHECK(memcmp(values[i], planes[plane_of[i]], sizeof planes[0]) == 0, "channel %s", names[i]);
         free(values[i]);
     }
     const char *const missing[] = {"w", "nothing"};
     float *untouched[2] = {NULL, NULL};
-    result = lmb_exr_read_channels(OUT("round.exr"), missing, 2, untouched, &width, &height, NULL, &error);
+    result = lmb_exr_read_channels(OUT("round.exr"), missing, 2, untouched, &header, &error);
     CHECK(result == LMB_ERROR_FORMAT && strstr(error.message, "'nothing'") && !untouched[0], "%s", error.message);
 
     unsigned char *first = NULL;
     unsigned char *second = NULL;
     size_t first_size = 0;
     size_t second_size = 0;
-    CHECK(lmb_exr_write(OUT("round2.exr"), WIDTH, HEIGHT, channels, COUNT, attributes, 2, NULL, &error) == LMB_OK, "%s",
-          error.message);
+    CHECK(lmb_exr_write(OUT("round2.exr"), &(lmb_exr_picture){WIDTH, HEIGHT, channels, COUNT, attributes, 2}, NULL,
+                        &error) == LMB_OK,
+          "%s", error.message);
     lmb_file_read(OUT("round.exr"), &first, &first_size, &error);
     lmb_file_read(OUT("round2.exr"), &second, &second_size, &error);
     CHECK(first && second && first_size == second_size && memcmp(first, second, first_size) == 0, "bytes repeat");
@@ -315,8 +316,9 @@ static void exrheader_reads_what_we_write(void)
     const lmb_exr_channel channels[] = {{"R", pixels}, {"B", pixels}, {"G", pixels}};
     const lmb_exr_attribute attributes[] = {{"lambent:scale", NULL, 4.0f}, {"lambent:encoding", "sh2", 0.0f}};
     lmb_error error = {""};
-    CHECK(lmb_exr_write(OUT("header.exr"), 3, 2, channels, 3, attributes, 2, NULL, &error) == LMB_OK, "%s",
-          error.message);
+    CHECK(lmb_exr_write(OUT("header.exr"), &(lmb_exr_picture){3, 2, channels, 3, attributes, 2}, NULL, &error) ==
+              LMB_OK,
+          "%s", error.message);
     if (system("command -v exrheader >/dev/null 2>&1") != 0) {
         test_skip("exrheader is not installed");
         return;
@@ -376,19 +378,18 @@ static void exr_values_are_rounded_and_clamped(void)
     const lmb_exr_channel channel = {"Y", values};
     size_t overflows = 0;
     lmb_error error = {""};
-    CHECK(lmb_exr_write(OUT("half.exr"), COUNT, 1, &channel, 1, NULL, 0, &overflows, &error) == LMB_OK, "%s",
-          error.message);
+    CHECK(lmb_exr_write(OUT("half.exr"), &(lmb_exr_picture){COUNT, 1, &channel, 1, NULL, 0}, &overflows, &error) ==
+              LMB_OK,
+          "%s", error.message);
     CHECK(overflows == 5, "%zu overflows", overflows);
     const char *const name = "Y";
     float *read = NULL;
-    int32_t width = 0;
-    int32_t height = 0;
-    float scale = 0.0f;
-    if (lmb_exr_read_channels(OUT("half.exr"), &name, 1, &read, &width, &height, &scale, &error) != LMB_OK) {
+    lmb_exr_header header = {0, 0, 0.0f};
+    if (lmb_exr_read_channels(OUT("half.exr"), &name, 1, &read, &header, &error) != LMB_OK) {
         CHECK(false, "%s", error.message);
         return;
     }
-    CHECK(scale == 1.0f, "no attribute: scale %g", (double)scale);
+    CHECK(header.scale == 1.0f, "no attribute: scale %g", (double)header.scale);
     for (int i = 0; i < COUNT; ++i) {
         const double clamped = fmax(-65504.0, fmin(65504.0, (double)values[i]));
         CHECK((double)read[i] == half_nearest(clamped), "%.9g came back as %.9g", (double)values[i], (double)read[i]);
@@ -404,9 +405,12 @@ static void exr_values_are_rounded_and_clamped(void)
 
     const float wrong[] = {1.0f, NAN};
     const lmb_exr_channel bad_channel = {"w", wrong};
-    CHECK(lmb_exr_write(OUT("nan.exr"), 2, 1, &bad_channel, 1, NULL, 0, NULL, &error) == LMB_ERROR_ARGUMENT, "NaN");
+    CHECK(lmb_exr_write(OUT("nan.exr"), &(lmb_exr_picture){2, 1, &bad_channel, 1, NULL, 0}, NULL, &error) ==
+              LMB_ERROR_ARGUMENT,
+          "NaN");
     CHECK(strstr(error.message, "'w'") && !is_there(OUT("nan.exr")), "%s", error.message);
-    CHECK(lmb_exr_write(OUT("no/such/folder.exr"), 1, 1, &channel, 1, NULL, 0, NULL, &error) == LMB_ERROR_WRITE,
+    CHECK(lmb_exr_write(OUT("no/such/folder.exr"), &(lmb_exr_picture){1, 1, &channel, 1, NULL, 0}, NULL, &error) ==
+              LMB_ERROR_WRITE,
           "folder");
 }
 
@@ -648,8 +652,8 @@ static void layers_of_exr_are_read(void)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         lmb_image image;
         lmb_error error = {""};
-        CHECK(lmb_exr_write(OUT("layers.exr"), 2, 1, cases[i].channels, cases[i].count, NULL, 0, NULL, &error) ==
-                  LMB_OK,
+        CHECK(lmb_exr_write(OUT("layers.exr"), &(lmb_exr_picture){2, 1, cases[i].channels, cases[i].count, NULL, 0},
+                            NULL, &error) == LMB_OK,
               "%s", error.message);
         const lmb_result result = lmb_image_read(OUT("layers.exr"), &image, NULL, NULL, &error);
         if (cases[i].refused) {
@@ -692,7 +696,8 @@ static void unsupported_exr_is_named(void)
     const lmb_exr_channel other = {"Z", &pixel};
     lmb_image image;
     lmb_error error = {""};
-    CHECK(lmb_exr_write(OUT("odd.exr"), 1, 1, &other, 1, NULL, 0, NULL, &error) == LMB_OK, "%s", error.message);
+    CHECK(lmb_exr_write(OUT("odd.exr"), &(lmb_exr_picture){1, 1, &other, 1, NULL, 0}, NULL, &error) == LMB_OK, "%s",
+          error.message);
     CHECK(lmb_image_read(OUT("odd.exr"), &image, NULL, NULL, &error) == LMB_ERROR_UNSUPPORTED &&
               strstr(error.message, "neither channels"),
           "%s", error.message);

@@ -11,6 +11,8 @@
 #include <float.h>
 #include <stdlib.h>
 
+#include <lambent/texture.h>
+
 #define OUTPUT(name) LMB_TEST_OUTPUT_DIR "/render_" name
 
 static void camera_rays_hit_the_expected_pixels(void)

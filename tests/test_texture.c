@@ -1,4 +1,5 @@
 #include <lambent/scene.h>
+#include <lambent/texture.h>
 
 #include "harness.h"
 

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/exr.h>
 #include <lambent/lightmap.h>
 #include <lambent/vdb.h>
 #include <lambent/volume.h>
@@ -108,18 +109,17 @@ static lmb_result exr_info(const char *path, cJSON **json, lmb_error *error)
     static const char *const names[] = {"R", "G", "B", "w"};
     enum { NAMES = sizeof names / sizeof names[0] };
     float *values[NAMES];
-    int32_t width, height;
-    float scale;
-    const lmb_result result = lmb_exr_read_channels(path, names, NAMES, values, &width, &height, &scale, error);
+    lmb_exr_header header;
+    const lmb_result result = lmb_exr_read_channels(path, names, NAMES, values, &header, error);
     if (result != LMB_OK) {
         return result;
     }
-    const size_t count = (size_t)width * (size_t)height;
+    const size_t count = (size_t)header.width * (size_t)header.height;
     cJSON *object = cJSON_CreateObject();
     cJSON_AddStringToObject(object, "kind", "lambent lightmap (IrradZ)");
-    cJSON_AddNumberToObject(object, "width", width);
-    cJSON_AddNumberToObject(object, "height", height);
-    cJSON_AddNumberToObject(object, "scale", (double)scale);
+    cJSON_AddNumberToObject(object, "width", header.width);
+    cJSON_AddNumberToObject(object, "height", header.height);
+    cJSON_AddNumberToObject(object, "scale", (double)header.scale);
     cJSON *channels = cJSON_AddObjectToObject(object, "channels");
     for (int k = 0; k < NAMES; ++k) {
         double low = INFINITY, high = -INFINITY, sum = 0.0;

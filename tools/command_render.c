@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/exr.h>
+
 #include "baked.h"
 #include "command.h"
 #include "output_file.h"
@@ -305,9 +307,9 @@ static lmb_result exr_write(const render_options *options, const float *rgb, siz
         }
     }
     const lmb_exr_channel channels[3] = {{"R", plane}, {"G", plane + pixel_count}, {"B", plane + 2 * pixel_count}};
+    const lmb_exr_picture picture = {options->width, options->height, channels, 3, NULL, 0};
     size_t overflow_count = 0;
-    const lmb_result result =
-        lmb_exr_write(options->output, options->width, options->height, channels, 3, NULL, 0, &overflow_count, error);
+    const lmb_result result = lmb_exr_write(options->output, &picture, &overflow_count, error);
     if (result == LMB_OK && overflow_count > 0) {
         char line[LMB_ERROR_MESSAGE_SIZE];
         snprintf(line, sizeof line, "%s: %zu values beyond half float were clamped", options->output, overflow_count);

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include <lambent/environment.h>
+
 #include "command.h"
 
 /* Of lamps and emission. */

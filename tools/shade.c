@@ -4,6 +4,7 @@
 
 #include <lambent/hlsh.h>
 #include <lambent/surface.h>
+#include <lambent/texture.h>
 
 #include "vector_math.h"
 

@@ -1,5 +1,5 @@
 /* Reading OpenEXR from memory, through OpenEXRCore. */
-#include "image/image_internal.h"
+#include "image/exr_internal.h"
 
 #include <assert.h>
 #include <math.h>
@@ -16,15 +16,14 @@ static const char SCALE_ATTRIBUTE[] = "lambent:scale";
 
 /* The file being read. The library's messages are kept instead of printed. */
 typedef struct exr_source {
-    const char *name;
-    const unsigned char *data;
-    size_t size;
+    lmb_image_bytes file;
     char message[256]; /* the library's first, or empty */
 } exr_source;
 
-bool lmb_exr_is(const unsigned char *data, size_t size)
+bool lmb_exr_is(const lmb_image_bytes *file)
 {
-    return size >= 4 && data[0] == 0x76 && data[1] == 0x2f && data[2] == 0x31 && data[3] == 0x01;
+    const unsigned char *const data = file->data;
+    return file->size >= 4 && data[0] == 0x76 && data[1] == 0x2f && data[2] == 0x31 && data[3] == 0x01;
 }
 
 static void message_keep(exr_const_context_t context, exr_result_t code, const char *message)
@@ -45,19 +44,19 @@ static int64_t source_read(exr_const_context_t context, void *user, void *buffer
     const exr_source *const source = user;
     (void)context;
     (void)on_error;
-    if (offset >= source->size) {
+    if (offset >= source->file.size) {
         return 0;
     }
-    const uint64_t left = source->size - offset;
+    const uint64_t left = source->file.size - offset;
     const uint64_t count = size < left ? size : left;
-    memcpy(buffer, source->data + offset, (size_t)count);
+    memcpy(buffer, source->file.data + offset, (size_t)count);
     return (int64_t)count;
 }
 
 static int64_t source_size(exr_const_context_t context, void *user)
 {
     (void)context;
-    return (int64_t)((const exr_source *)user)->size;
+    return (int64_t)((const exr_source *)user)->file.size;
 }
 
 static const char *compression_name(exr_compression_t compression)
@@ -83,7 +82,7 @@ static lmb_result source_fail(const exr_source *source, exr_result_t code, const
 {
     const lmb_result result = code == EXR_ERR_OUT_OF_MEMORY && memory_is_out() ? LMB_ERROR_MEMORY : LMB_ERROR_FORMAT;
     const char *const reason = source->message[0] ? source->message : exr_get_default_error_message(code);
-    return lmb_error_set(error, result, "%s: %s: %s", source->name, doing, reason);
+    return lmb_error_set(error, result, "%s: %s: %s", source->file.name, doing, reason);
 }
 
 static lmb_result source_open(exr_source *source, exr_context_t *context, lmb_error *error)
@@ -98,7 +97,7 @@ static lmb_result source_open(exr_source *source, exr_context_t *context, lmb_er
     settings.max_tile_width = LMB_IMAGE_MAX_SIDE;
     settings.max_tile_height = LMB_IMAGE_MAX_SIDE;
     settings.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
-    const exr_result_t code = exr_start_read(context, source->name, &settings);
+    const exr_result_t code = exr_start_read(context, source->file.name, &settings);
     return code == EXR_ERR_SUCCESS ? LMB_OK : source_fail(source, code, "cannot read the EXR header", error);
 }
 
@@ -106,7 +105,7 @@ static lmb_result source_open(exr_source *source, exr_context_t *context, lmb_er
 static lmb_result part_check(const exr_source *source, exr_const_context_t context, int32_t *width, int32_t *height,
                              lmb_error *error)
 {
-    const char *const name = source->name;
+    const char *const name = source->file.name;
     exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
     exr_attr_box2i_t data_window;
     exr_attr_box2i_t display_window;
@@ -142,7 +141,7 @@ static lmb_result part_check(const exr_source *source, exr_const_context_t conte
         pixel_bytes += channel->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
     }
     /* No compression of the format does better than zlib's 1032 to 1: a small file cannot ask for gigabytes. */
-    if (columns * rows * pixel_bytes / 1100 > (int64_t)source->size) {
+    if (columns * rows * pixel_bytes / 1100 > (int64_t)source->file.size) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: the file is too short for %lld x %lld pixels", name,
                              (long long)columns, (long long)rows);
     }
@@ -166,21 +165,21 @@ static bool channel_exists(exr_const_context_t context, const char *name)
 }
 
 /* Points the chunk's channels at pixel (x, y) of their targets; channels that nobody wants are skipped. */
-static void chunk_aim(exr_decode_pipeline_t *decoder, const lmb_exr_target *targets, size_t count, int32_t width,
-                      int32_t x, int32_t y)
+static void chunk_aim(exr_decode_pipeline_t *decoder, const lmb_exr_targets *targets, int32_t x, int32_t y)
 {
     for (int i = 0; i < decoder->channel_count; ++i) {
         exr_coding_channel_info_t *const channel = &decoder->channels[i];
         channel->decode_to_ptr = NULL;
-        for (size_t k = 0; k < count; ++k) {
-            if (strcmp(channel->channel_name, targets[k].channel) == 0) {
-                float *const first =
-                    targets[k].base + ((size_t)y * (size_t)width + (size_t)x) * (size_t)targets[k].stride;
+        for (size_t k = 0; k < targets->count; ++k) {
+            const lmb_exr_target *const target = &targets->target[k];
+            if (strcmp(channel->channel_name, target->channel) == 0) {
+                const size_t pixel = (size_t)y * (size_t)targets->width + (size_t)x;
+                float *const first = target->base + pixel * (size_t)target->stride;
                 channel->decode_to_ptr = (uint8_t *)first;
                 channel->user_data_type = EXR_PIXEL_FLOAT;
                 channel->user_bytes_per_element = sizeof(float);
-                channel->user_pixel_stride = targets[k].stride * (int32_t)sizeof(float);
-                channel->user_line_stride = width * channel->user_pixel_stride;
+                channel->user_pixel_stride = target->stride * (int32_t)sizeof(float);
+                channel->user_line_stride = targets->width * channel->user_pixel_stride;
             }
         }
     }
@@ -201,8 +200,7 @@ static void buffer_free(exr_transcoding_pipeline_buffer_id_t id, void *buffer)
 
 /* Decodes one chunk that starts at pixel (x, y); the first sets the pipeline up. */
 static exr_result_t chunk_decode(exr_const_context_t context, const exr_chunk_info_t *chunk,
-                                 exr_decode_pipeline_t *decoder, const lmb_exr_target *targets, size_t count,
-                                 int32_t width, int32_t x, int32_t y)
+                                 exr_decode_pipeline_t *decoder, const lmb_exr_targets *targets, int32_t x, int32_t y)
 {
     const bool first = decoder->context == NULL;
     exr_result_t code =
@@ -210,14 +208,14 @@ static exr_result_t chunk_decode(exr_const_context_t context, const exr_chunk_in
     if (code == EXR_ERR_SUCCESS) {
         decoder->alloc_fn = buffer_allocate;
         decoder->free_fn = buffer_free;
-        chunk_aim(decoder, targets, count, width, x, y);
+        chunk_aim(decoder, targets, x, y);
         code = first ? exr_decoding_choose_default_routines(context, 0, decoder) : code;
     }
     return code == EXR_ERR_SUCCESS ? exr_decoding_run(context, 0, decoder) : code;
 }
 
-static exr_result_t scanlines_decode(exr_const_context_t context, const lmb_exr_target *targets, size_t count,
-                                     int32_t width, int32_t height, exr_decode_pipeline_t *decoder)
+static exr_result_t scanlines_decode(exr_const_context_t context, const lmb_exr_targets *targets,
+                                     exr_decode_pipeline_t *decoder)
 {
     int32_t step = 0;
     exr_attr_box2i_t window;
@@ -228,20 +226,20 @@ static exr_result_t scanlines_decode(exr_const_context_t context, const lmb_exr_
     if (code == EXR_ERR_SUCCESS && step < 1) {
         return EXR_ERR_FILE_BAD_HEADER;
     }
-    for (int32_t y = 0; y < height && code == EXR_ERR_SUCCESS; y += step) {
+    for (int32_t y = 0; y < targets->height && code == EXR_ERR_SUCCESS; y += step) {
         exr_chunk_info_t chunk;
         code = exr_read_scanline_chunk_info(context, 0, window.min.y + y, &chunk);
         if (code == EXR_ERR_SUCCESS) {
-            code = chunk.width == width && chunk.height <= height - y
-                       ? chunk_decode(context, &chunk, decoder, targets, count, width, 0, y)
+            code = chunk.width == targets->width && chunk.height <= targets->height - y
+                       ? chunk_decode(context, &chunk, decoder, targets, 0, y)
                        : EXR_ERR_CORRUPT_CHUNK;
         }
     }
     return code;
 }
 
-static exr_result_t tiles_decode(exr_const_context_t context, const lmb_exr_target *targets, size_t count,
-                                 int32_t width, int32_t height, exr_decode_pipeline_t *decoder)
+static exr_result_t tiles_decode(exr_const_context_t context, const lmb_exr_targets *targets,
+                                 exr_decode_pipeline_t *decoder)
 {
     int32_t tile_width = 0;
     int32_t tile_height = 0;
@@ -249,13 +247,13 @@ static exr_result_t tiles_decode(exr_const_context_t context, const lmb_exr_targ
     if (code == EXR_ERR_SUCCESS && (tile_width < 1 || tile_height < 1)) {
         return EXR_ERR_FILE_BAD_HEADER;
     }
-    for (int32_t y = 0; y < height && code == EXR_ERR_SUCCESS; y += tile_height) {
-        for (int32_t x = 0; x < width && code == EXR_ERR_SUCCESS; x += tile_width) {
+    for (int32_t y = 0; y < targets->height && code == EXR_ERR_SUCCESS; y += tile_height) {
+        for (int32_t x = 0; x < targets->width && code == EXR_ERR_SUCCESS; x += tile_width) {
             exr_chunk_info_t chunk;
             code = exr_read_tile_chunk_info(context, 0, x / tile_width, y / tile_height, 0, 0, &chunk);
             if (code == EXR_ERR_SUCCESS) {
-                code = chunk.width <= width - x && chunk.height <= height - y
-                           ? chunk_decode(context, &chunk, decoder, targets, count, width, x, y)
+                code = chunk.width <= targets->width - x && chunk.height <= targets->height - y
+                           ? chunk_decode(context, &chunk, decoder, targets, x, y)
                            : EXR_ERR_CORRUPT_CHUNK;
             }
         }
@@ -264,32 +262,30 @@ static exr_result_t tiles_decode(exr_const_context_t context, const lmb_exr_targ
 }
 
 /* DWAA and DWAB need OpenEXR's C++ library. */
-static lmb_result dwa_decode(const exr_source *source, const lmb_exr_target *targets, size_t count, int32_t width,
-                             lmb_error *error)
+static lmb_result dwa_decode(const exr_source *source, const lmb_exr_targets *targets, lmb_error *error)
 {
-    const lmb_result result =
-        lmb_exr_decode_dwa(source->name, source->data, source->size, targets, count, width, error);
+    const lmb_result result = lmb_exr_decode_dwa(&source->file, targets, error);
     return result == LMB_ERROR_MEMORY && !memory_is_out()
-               ? lmb_error_set(error, LMB_ERROR_FORMAT, "%s: the EXR's pixels are broken", source->name)
+               ? lmb_error_set(error, LMB_ERROR_FORMAT, "%s: the EXR's pixels are broken", source->file.name)
                : result;
 }
 
-static lmb_result pixels_decode(const exr_source *source, exr_const_context_t context, const lmb_exr_target *targets,
-                                size_t count, int32_t width, int32_t height, lmb_error *error)
+static lmb_result pixels_decode(const exr_source *source, exr_const_context_t context, const lmb_exr_targets *targets,
+                                lmb_error *error)
 {
     exr_compression_t compression = EXR_COMPRESSION_LAST_TYPE;
     exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
     exr_result_t code = exr_get_compression(context, 0, &compression);
     if (code == EXR_ERR_SUCCESS && (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB)) {
-        return dwa_decode(source, targets, count, width, error);
+        return dwa_decode(source, targets, error);
     }
     exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
     if (code == EXR_ERR_SUCCESS) {
         code = exr_get_storage(context, 0, &storage);
     }
     if (code == EXR_ERR_SUCCESS) {
-        code = storage == EXR_STORAGE_TILED ? tiles_decode(context, targets, count, width, height, &decoder)
-                                            : scanlines_decode(context, targets, count, width, height, &decoder);
+        code = storage == EXR_STORAGE_TILED ? tiles_decode(context, targets, &decoder)
+                                            : scanlines_decode(context, targets, &decoder);
     }
     exr_decoding_destroy(context, &decoder);
     if (code == EXR_ERR_SUCCESS) {
@@ -357,7 +353,7 @@ static int layer_choose(const exr_attr_chlist_t *channels, exr_colour *colour)
 static lmb_result colour_choose(const exr_source *source, exr_const_context_t context, exr_colour *colour,
                                 lmb_error *error)
 {
-    const char *const name = source->name;
+    const char *const name = source->file.name;
     if (channel_exists(context, "R") && channel_exists(context, "G") && channel_exists(context, "B")) {
         *colour = (exr_colour){{"R", "G", "B"}, 3};
         return LMB_OK;
@@ -385,7 +381,7 @@ static lmb_result colour_choose(const exr_source *source, exr_const_context_t co
 static lmb_result colour_decode(const exr_source *source, exr_const_context_t context, lmb_image *image,
                                 lmb_latlong_axes *axes, lmb_error *error)
 {
-    const char *const name = source->name;
+    const char *const name = source->file.name;
     exr_envmap_t kind;
     const bool marked = exr_attr_get_envmap(context, 0, "envmap", &kind) == EXR_ERR_SUCCESS;
     if (marked && kind != EXR_ENVMAP_LATLONG) {
@@ -411,9 +407,10 @@ static lmb_result colour_decode(const exr_source *source, exr_const_context_t co
     const lmb_exr_target targets[3] = {{colour.channel[0], decoded.rgb, 3},
                                        {colour.channel[1], decoded.rgb + 1, 3},
                                        {colour.channel[2], decoded.rgb + 2, 3}};
-    result = pixels_decode(source, context, targets, colour.count, decoded.width, decoded.height, error);
+    result =
+        pixels_decode(source, context, &(lmb_exr_targets){targets, colour.count, decoded.width, decoded.height}, error);
     if (result != LMB_OK) {
-        lmb_image_free(&decoded);
+        free(decoded.rgb);
         return result;
     }
     for (size_t i = 0; i < pixels && colour.count == 1; ++i) {
@@ -424,10 +421,9 @@ static lmb_result colour_decode(const exr_source *source, exr_const_context_t co
     return LMB_OK;
 }
 
-lmb_result lmb_exr_decode(const char *name, const unsigned char *data, size_t size, lmb_image *image,
-                          lmb_latlong_axes *axes, lmb_error *error)
+lmb_result lmb_exr_decode(const lmb_image_bytes *file, lmb_image *image, lmb_latlong_axes *axes, lmb_error *error)
 {
-    exr_source source = {.name = name, .data = data, .size = size};
+    exr_source source = {.file = *file};
     exr_context_t context = NULL;
     lmb_result result = source_open(&source, &context, error);
     if (result == LMB_OK) {
@@ -437,69 +433,77 @@ lmb_result lmb_exr_decode(const char *name, const unsigned char *data, size_t si
     return result;
 }
 
-static lmb_result channels_decode(const exr_source *source, exr_const_context_t context, const char *const *names,
-                                  size_t count, float **values, int32_t *width, int32_t *height, lmb_error *error)
+/* Allocates and reads `targets->count` channels, whose names `target` has. */
+static lmb_result channels_decode(const exr_source *source, exr_const_context_t context, lmb_exr_target *target,
+                                  lmb_exr_targets *targets, lmb_error *error)
 {
-    for (size_t i = 0; i < count; ++i) {
-        if (!channel_exists(context, names[i])) {
-            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no channel '%s'", source->name, names[i]);
+    const char *const name = source->file.name;
+    for (size_t i = 0; i < targets->count; ++i) {
+        if (!channel_exists(context, target[i].channel)) {
+            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no channel '%s'", name, target[i].channel);
         }
     }
-    lmb_result result = part_check(source, context, width, height, error);
+    const lmb_result result = part_check(source, context, &targets->width, &targets->height, error);
     if (result != LMB_OK) {
         return result;
     }
-    lmb_exr_target *const targets = calloc(count > 0 ? count : 1, sizeof *targets);
-    bool memory = targets != NULL;
-    for (size_t i = 0; i < count && memory; ++i) {
-        targets[i] = (lmb_exr_target){names[i], malloc(sizeof(float) * (size_t)*width * (size_t)*height), 1};
-        memory = targets[i].base != NULL;
-    }
-    result = memory ? pixels_decode(source, context, targets, count, *width, *height, error)
-                    : lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels of %zu channels",
-                                    source->name, *width, *height, count);
-    for (size_t i = 0; i < count && targets; ++i) {
-        if (result == LMB_OK) {
-            values[i] = targets[i].base;
-        } else {
-            free(targets[i].base);
+    const size_t pixels = (size_t)targets->width * (size_t)targets->height;
+    for (size_t i = 0; i < targets->count; ++i) {
+        target[i].base = malloc(sizeof(float) * pixels);
+        target[i].stride = 1;
+        if (!target[i].base) {
+            return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels of %zu channels", name,
+                                 targets->width, targets->height, targets->count);
         }
     }
-    free(targets);
+    return pixels_decode(source, context, targets, error);
+}
+
+/* The same of a file; header and values stay as they are when it fails. */
+static lmb_result file_decode(exr_source *source, const char *const *names, lmb_exr_targets *targets, float **values,
+                              lmb_exr_header *header, lmb_error *error)
+{
+    exr_context_t context = NULL;
+    lmb_exr_target *const target = calloc(targets->count + 1, sizeof *target);
+    lmb_result result = target ? source_open(source, &context, error)
+                               : lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", source->file.name);
+    if (result == LMB_OK) {
+        for (size_t i = 0; i < targets->count; ++i) {
+            target[i].channel = names[i];
+        }
+        targets->target = target;
+        result = channels_decode(source, context, target, targets, error);
+        if (result == LMB_OK) {
+            *header = (lmb_exr_header){targets->width, targets->height, 1.0f};
+            (void)exr_attr_get_float(context, 0, SCALE_ATTRIBUTE, &header->scale); /* absent: stays 1 */
+        }
+        exr_finish(&context);
+    }
+    for (size_t i = 0; i < targets->count && target; ++i) {
+        if (result == LMB_OK) {
+            values[i] = target[i].base;
+        } else {
+            free(target[i].base);
+        }
+    }
+    free(target);
     return result;
 }
 
 lmb_result lmb_exr_read_channels(const char *path, const char *const *names, size_t count, float **values,
-                                 int32_t *width, int32_t *height, float *scale, lmb_error *error)
+                                 lmb_exr_header *header, lmb_error *error)
 {
-    assert(path && names && values && width && height);
+    assert(path && names && values && header);
     unsigned char *data = NULL;
-    exr_source source = {.name = path};
-    lmb_result result = lmb_file_read(path, &data, &source.size, error);
+    exr_source source = {.file = {.name = path}};
+    lmb_result result = lmb_file_read(path, &data, &source.file.size, error);
     if (result != LMB_OK) {
         return result;
     }
-    source.data = data;
-    if (!lmb_exr_is(data, source.size)) {
-        free(data);
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not an OpenEXR file", path);
-    }
-    exr_context_t context = NULL;
-    result = source_open(&source, &context, error);
-    if (result == LMB_OK) {
-        int32_t size[2] = {0, 0};
-        result = channels_decode(&source, context, names, count, values, &size[0], &size[1], error);
-        if (result == LMB_OK) {
-            *width = size[0];
-            *height = size[1];
-            float found = 1.0f;
-            const bool has_scale = exr_attr_get_float(context, 0, SCALE_ATTRIBUTE, &found) == EXR_ERR_SUCCESS;
-            if (scale) {
-                *scale = has_scale ? found : 1.0f;
-            }
-        }
-        exr_finish(&context);
-    }
+    source.file.data = data;
+    lmb_exr_targets targets = {.count = count};
+    result = lmb_exr_is(&source.file) ? file_decode(&source, names, &targets, values, header, error)
+                                      : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not an OpenEXR file", path);
     free(data);
     return result;
 }

@@ -1,6 +1,6 @@
 /* EXR pixels through OpenEXR's C++ library, which decodes DWAA and DWAB where its C library (before 3.2) does not. No
  * C++ type or exception leaves this file. */
-#include "image/image_internal.h"
+#include "image/exr_internal.h"
 
 #include <cstring>
 #include <exception>
@@ -18,8 +18,7 @@ namespace {
 /* A file in memory. */
 class memory_stream : public Imf::IStream {
   public:
-    memory_stream(const char *name, const unsigned char *data, size_t size)
-        : Imf::IStream(name), data_(data), size_(size)
+    explicit memory_stream(const lmb_image_bytes *file) : Imf::IStream(file->name), data_(file->data), size_(file->size)
     {
     }
 
@@ -49,17 +48,17 @@ class memory_stream : public Imf::IStream {
     uint64_t at_ = 0;
 };
 
-void pixels_read(const char *name, const unsigned char *data, size_t size, const lmb_exr_target *targets, size_t count,
-                 int32_t width)
+void pixels_read(const lmb_image_bytes *from, const lmb_exr_targets *targets)
 {
-    memory_stream stream(name, data, size);
+    memory_stream stream(from);
     Imf::InputFile file(stream, 0);
     const Imath::Box2i window = file.header().dataWindow();
     Imf::FrameBuffer buffer;
-    for (size_t i = 0; i < count; ++i) {
-        const size_t step = static_cast<size_t>(targets[i].stride) * sizeof(float);
-        buffer.insert(targets[i].channel,
-                      Imf::Slice::Make(Imf::FLOAT, targets[i].base, window, step, step * static_cast<size_t>(width)));
+    for (size_t i = 0; i < targets->count; ++i) {
+        const lmb_exr_target &target = targets->target[i];
+        const size_t step = static_cast<size_t>(target.stride) * sizeof(float);
+        buffer.insert(target.channel, Imf::Slice::Make(Imf::FLOAT, target.base, window, step,
+                                                       step * static_cast<size_t>(targets->width)));
     }
     file.setFrameBuffer(buffer);
     file.readPixels(window.min.y, window.max.y);
@@ -67,17 +66,17 @@ void pixels_read(const char *name, const unsigned char *data, size_t size, const
 
 } // namespace
 
-lmb_result lmb_exr_decode_dwa(const char *name, const unsigned char *data, size_t size, const lmb_exr_target *targets,
-                              size_t count, int32_t width, lmb_error *error)
+lmb_result lmb_exr_decode_dwa(const lmb_image_bytes *file, const lmb_exr_targets *targets, lmb_error *error)
 {
     try {
-        pixels_read(name, data, size, targets, count, width);
+        pixels_read(file, targets);
         return LMB_OK;
     } catch (const std::bad_alloc &) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory to decode the EXR's pixels", name);
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory to decode the EXR's pixels", file->name);
     } catch (const std::exception &fault) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: cannot decode the EXR's pixels: %s", name, fault.what());
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: cannot decode the EXR's pixels: %s", file->name,
+                             fault.what());
     } catch (...) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: cannot decode the EXR's pixels", name);
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: cannot decode the EXR's pixels", file->name);
     }
 }

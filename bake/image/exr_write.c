@@ -1,5 +1,5 @@
 /* Writing OpenEXR to memory, through OpenEXRCore, and then to disk. */
-#include "image/image_internal.h"
+#include <lambent/exr.h>
 
 #include <assert.h>
 #include <math.h>
@@ -11,6 +11,8 @@
 
 #include <Imath/half.h>
 #include <OpenEXR/openexr.h>
+
+#include "image/image_bytes.h"
 
 static void message_drop(exr_const_context_t context, exr_result_t code, const char *message)
 {
@@ -51,16 +53,23 @@ static int64_t sink_write(exr_const_context_t context, void *user, const void *b
     return (int64_t)size;
 }
 
-/* All channels as halfs, one after the other, clamped to the largest finite one. NULL: no memory. */
-static uint16_t *halfs_make(const lmb_exr_channel *channels, size_t channel_count, size_t pixels, size_t *overflows)
+static size_t pixel_count(const lmb_exr_picture *picture)
 {
+    return (size_t)picture->width * (size_t)picture->height;
+}
+
+/* All channels as halfs, one after the other, clamped to the largest finite one. NULL: no memory. */
+static uint16_t *halfs_make(const lmb_exr_picture *picture, size_t *overflows)
+{
+    const size_t pixels = pixel_count(picture);
+    const size_t channel_count = picture->channel_count;
     if (pixels > SIZE_MAX / sizeof(uint16_t) / (channel_count > 0 ? channel_count : 1)) {
         return NULL;
     }
     uint16_t *const halfs = malloc(sizeof(uint16_t) * pixels * channel_count);
     for (size_t k = 0; k < channel_count && halfs; ++k) {
         for (size_t i = 0; i < pixels; ++i) {
-            float value = channels[k].values[i];
+            float value = picture->channels[k].values[i];
             if (fabsf(value) > 65504.0f) {
                 value = copysignf(65504.0f, value);
                 ++*overflows;
@@ -71,35 +80,35 @@ static uint16_t *halfs_make(const lmb_exr_channel *channels, size_t channel_coun
     return halfs;
 }
 
-static exr_result_t header_write(exr_context_t context, int32_t width, int32_t height, const lmb_exr_channel *channels,
-                                 size_t channel_count, const lmb_exr_attribute *attributes, size_t attribute_count)
+static exr_result_t header_write(exr_context_t context, const lmb_exr_picture *picture)
 {
     int part = 0;
     exr_result_t code = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
     if (code == EXR_ERR_SUCCESS) {
-        code = exr_initialize_required_attr_simple(context, part, width, height, EXR_COMPRESSION_ZIP);
+        code = exr_initialize_required_attr_simple(context, part, picture->width, picture->height, EXR_COMPRESSION_ZIP);
     }
     if (code == EXR_ERR_SUCCESS) {
         code = exr_set_zip_compression_level(context, part, 6);
     }
-    for (size_t i = 0; i < channel_count && code == EXR_ERR_SUCCESS; ++i) {
-        code = exr_add_channel(context, part, channels[i].name, EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    for (size_t i = 0; i < picture->channel_count && code == EXR_ERR_SUCCESS; ++i) {
+        code = exr_add_channel(context, part, picture->channels[i].name, EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LOGARITHMIC,
+                               1, 1);
     }
-    for (size_t i = 0; i < attribute_count && code == EXR_ERR_SUCCESS; ++i) {
-        code = attributes[i].text ? exr_attr_set_string(context, part, attributes[i].name, attributes[i].text)
-                                  : exr_attr_set_float(context, part, attributes[i].name, attributes[i].number);
+    for (size_t i = 0; i < picture->attribute_count && code == EXR_ERR_SUCCESS; ++i) {
+        const lmb_exr_attribute *attribute = &picture->attributes[i];
+        code = attribute->text ? exr_attr_set_string(context, part, attribute->name, attribute->text)
+                               : exr_attr_set_float(context, part, attribute->name, attribute->number);
     }
     return code == EXR_ERR_SUCCESS ? exr_write_header(context) : code;
 }
 
-static exr_result_t pixels_write(exr_context_t context, int32_t width, int32_t height, const lmb_exr_channel *channels,
-                                 size_t channel_count, const uint16_t *halfs)
+static exr_result_t pixels_write(exr_context_t context, const lmb_exr_picture *picture, const uint16_t *halfs)
 {
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
-    const size_t pixels = (size_t)width * (size_t)height;
+    const size_t pixels = pixel_count(picture), width = (size_t)picture->width;
     int32_t step = 0;
     exr_result_t code = exr_get_scanlines_per_chunk(context, 0, &step);
-    for (int32_t y = 0; y < height && code == EXR_ERR_SUCCESS; y += step) {
+    for (int32_t y = 0; y < picture->height && code == EXR_ERR_SUCCESS; y += step) {
         exr_chunk_info_t chunk;
         code = exr_write_scanline_chunk_info(context, 0, y, &chunk);
         if (code == EXR_ERR_SUCCESS) {
@@ -109,13 +118,13 @@ static exr_result_t pixels_write(exr_context_t context, int32_t width, int32_t h
         for (int i = 0; i < encoder.channel_count && code == EXR_ERR_SUCCESS; ++i) {
             exr_coding_channel_info_t *const channel = &encoder.channels[i];
             size_t k = 0;
-            while (k < channel_count && strcmp(channels[k].name, channel->channel_name) != 0) {
+            while (k < picture->channel_count && strcmp(picture->channels[k].name, channel->channel_name) != 0) {
                 ++k;
             }
-            assert(k < channel_count);
-            channel->encode_from_ptr = (const uint8_t *)(halfs + k * pixels + (size_t)y * (size_t)width);
+            assert(k < picture->channel_count);
+            channel->encode_from_ptr = (const uint8_t *)(halfs + k * pixels + (size_t)y * width);
             channel->user_pixel_stride = sizeof(uint16_t);
-            channel->user_line_stride = width * (int32_t)sizeof(uint16_t);
+            channel->user_line_stride = picture->width * (int32_t)sizeof(uint16_t);
         }
         if (code == EXR_ERR_SUCCESS && y == 0) {
             code = exr_encoding_choose_default_routines(context, 0, &encoder);
@@ -128,42 +137,40 @@ static exr_result_t pixels_write(exr_context_t context, int32_t width, int32_t h
     return code;
 }
 
-static lmb_result write_arguments_check(const char *path, int32_t width, int32_t height,
-                                        const lmb_exr_channel *channels, size_t channel_count, lmb_error *error)
+static lmb_result write_arguments_check(const char *path, const lmb_exr_picture *picture, lmb_error *error)
 {
+    const int32_t width = picture->width, height = picture->height;
     if (width < 1 || height < 1 || width > LMB_IMAGE_MAX_SIDE || height > LMB_IMAGE_MAX_SIDE ||
-        (int64_t)width * height > LMB_IMAGE_MAX_PIXELS || channel_count < 1) {
+        (int64_t)width * height > LMB_IMAGE_MAX_PIXELS || picture->channel_count < 1) {
         return lmb_error_set(error, LMB_ERROR_ARGUMENT, "%s: cannot write %d x %d pixels of %zu channels", path, width,
-                             height, channel_count);
+                             height, picture->channel_count);
     }
-    const size_t pixels = (size_t)width * (size_t)height;
-    for (size_t k = 0; k < channel_count; ++k) {
+    const size_t pixels = pixel_count(picture);
+    for (size_t k = 0; k < picture->channel_count; ++k) {
         for (size_t i = 0; i < pixels; ++i) {
-            if (isnan(channels[k].values[i])) {
+            if (isnan(picture->channels[k].values[i])) {
                 return lmb_error_set(error, LMB_ERROR_ARGUMENT,
-                                     "%s: channel '%s' is not a number at column %zu, row %zu", path, channels[k].name,
-                                     i % (size_t)width, i / (size_t)width);
+                                     "%s: channel '%s' is not a number at column %zu, row %zu", path,
+                                     picture->channels[k].name, i % (size_t)width, i / (size_t)width);
             }
         }
     }
     return LMB_OK;
 }
 
-lmb_result lmb_exr_write(const char *path, int32_t width, int32_t height, const lmb_exr_channel *channels,
-                         size_t channel_count, const lmb_exr_attribute *attributes, size_t attribute_count,
-                         size_t *overflow_count, lmb_error *error)
+lmb_result lmb_exr_write(const char *path, const lmb_exr_picture *picture, size_t *overflow_count, lmb_error *error)
 {
-    assert(path && channels && (attributes || attribute_count == 0));
-    lmb_result result = write_arguments_check(path, width, height, channels, channel_count, error);
+    assert(path && picture->channels && (picture->attributes || picture->attribute_count == 0));
+    lmb_result result = write_arguments_check(path, picture, error);
     if (result != LMB_OK) {
         return result;
     }
     size_t overflows = 0;
     exr_sink sink = {NULL, 0, 0};
-    uint16_t *const halfs = halfs_make(channels, channel_count, (size_t)width * (size_t)height, &overflows);
+    uint16_t *const halfs = halfs_make(picture, &overflows);
     if (!halfs) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels of %zu channels", path, width,
-                             height, channel_count);
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels of %zu channels", path,
+                             picture->width, picture->height, picture->channel_count);
     }
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
     settings.error_handler_fn = message_drop;
@@ -172,9 +179,9 @@ lmb_result lmb_exr_write(const char *path, int32_t width, int32_t height, const 
     exr_context_t context = NULL;
     exr_result_t code = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &settings);
     if (code == EXR_ERR_SUCCESS) {
-        code = header_write(context, width, height, channels, channel_count, attributes, attribute_count);
+        code = header_write(context, picture);
         if (code == EXR_ERR_SUCCESS) {
-            code = pixels_write(context, width, height, channels, channel_count, halfs);
+            code = pixels_write(context, picture, halfs);
         }
         const exr_result_t finished = exr_finish(&context);
         code = code == EXR_ERR_SUCCESS ? finished : code;

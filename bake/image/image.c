@@ -8,6 +8,9 @@
 
 #include <stb_image_write.h>
 
+#include "image/exr_internal.h"
+#include "image/radiance.h"
+
 void lmb_image_free(lmb_image *image)
 {
     if (image) {
@@ -35,18 +38,18 @@ static size_t pixels_repair(lmb_image *image)
     return bad;
 }
 
-lmb_result lmb_image_decode(const char *name, const unsigned char *data, size_t size, lmb_image *image,
-                            lmb_latlong_axes *axes, size_t *bad_pixels, lmb_error *error)
+lmb_result lmb_image_decode(const lmb_image_bytes *file, lmb_image *image, lmb_latlong_axes *axes, size_t *bad_pixels,
+                            lmb_error *error)
 {
     lmb_image decoded = {0, 0, NULL};
     lmb_latlong_axes decoded_axes = LMB_LATLONG_GLTF;
     lmb_result result;
-    if (lmb_radiance_is(data, size)) {
-        result = lmb_radiance_decode(name, data, size, &decoded, error);
-    } else if (lmb_exr_is(data, size)) {
-        result = lmb_exr_decode(name, data, size, &decoded, &decoded_axes, error);
+    if (lmb_radiance_is(file)) {
+        result = lmb_radiance_decode(file, &decoded, error);
+    } else if (lmb_exr_is(file)) {
+        result = lmb_exr_decode(file, &decoded, &decoded_axes, error);
     } else {
-        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: neither Radiance .hdr nor OpenEXR", name);
+        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: neither Radiance .hdr nor OpenEXR", file->name);
     }
     if (result != LMB_OK) {
         return result;
@@ -70,7 +73,7 @@ lmb_result lmb_image_read(const char *path, lmb_image *image, lmb_latlong_axes *
     size_t size = 0;
     lmb_result result = lmb_file_read(path, &data, &size, error);
     if (result == LMB_OK) {
-        result = lmb_image_decode(path, data, size, image, axes, bad_pixels, error);
+        result = lmb_image_decode(&(lmb_image_bytes){path, data, size}, image, axes, bad_pixels, error);
         free(data);
     }
     return result;

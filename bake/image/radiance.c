@@ -1,7 +1,7 @@
 /* Radiance .hdr (RGBE): G. Ward, "Real Pixels", Graphics Gems II, 1991, and Radiance's color.c for the run lengths.
  * stb_image is not used to read them: it never returns from a scanline that the end of the file cuts off. EXPOSURE is
  * left alone, as viewers and engines do. */
-#include "image/image_internal.h"
+#include "image/radiance.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,9 +23,10 @@ typedef struct scan_order {
     bool backwards[2];     /* the first scanline, the first pixel is the picture's last */
 } scan_order;
 
-bool lmb_radiance_is(const unsigned char *data, size_t size)
+bool lmb_radiance_is(const lmb_image_bytes *file)
 {
-    return (size >= 10 && memcmp(data, "#?RADIANCE", 10) == 0) || (size >= 6 && memcmp(data, "#?RGBE", 6) == 0);
+    return (file->size >= 10 && memcmp(file->data, "#?RADIANCE", 10) == 0) ||
+           (file->size >= 6 && memcmp(file->data, "#?RGBE", 6) == 0);
 }
 
 /* Copies the next line without its end; a longer one is cut. False at the end of the file. */
@@ -173,10 +174,9 @@ static void scanline_place(const unsigned char *rgbe, const scan_order *order, i
     }
 }
 
-lmb_result lmb_radiance_decode(const char *name, const unsigned char *data, size_t size, lmb_image *image,
-                               lmb_error *error)
+lmb_result lmb_radiance_decode(const lmb_image_bytes *file, lmb_image *image, lmb_error *error)
 {
-    reader in = {.name = name, .at = data, .end = data + size, .error = error};
+    reader in = {.name = file->name, .at = file->data, .end = file->data + file->size, .error = error};
     scan_order order = {0, 0, false, {false, false}};
     lmb_result result = header_read(&in, &order);
     if (result != LMB_OK) {
@@ -187,13 +187,13 @@ lmb_result lmb_radiance_decode(const char *name, const unsigned char *data, size
     /* The least that a scanline takes, so that a small file cannot ask for gigabytes: runs of 127, else flat pixels. */
     const size_t line_least = length >= 8 && length < 32768 ? 4 + 8 * ((length + 126) / 127) : 4 * length;
     if ((size_t)(in.end - in.at) / line_least < (size_t)order.lines) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: the file is too short for %d x %d pixels", name,
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: the file is too short for %d x %d pixels", in.name,
                              decoded.width, decoded.height);
     }
     unsigned char *const rgbe = malloc(4 * length);
     decoded.rgb = malloc(3 * sizeof(float) * length * (size_t)order.lines);
     if (!rgbe || !decoded.rgb) {
-        result = lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels", name, decoded.width,
+        result = lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels", in.name, decoded.width,
                                decoded.height);
     }
     for (int32_t i = 0; i < order.lines && result == LMB_OK; ++i) {

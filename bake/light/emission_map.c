@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/texture.h>
+
 #include "base/rgb.h"
 #include "base/scalar.h"
 

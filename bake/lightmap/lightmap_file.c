@@ -8,6 +8,7 @@
 
 #include <cjson/cJSON.h>
 
+#include <lambent/exr.h>
 #include <lambent/file.h>
 #include <lambent/gltf.h>
 
@@ -155,8 +156,9 @@ static lmb_result image_write(const lmb_lightmap_image *image, const char *path,
         {"lambent:scale", NULL, scale},
     };
     size_t overflows = 0;
-    const lmb_result result = lmb_exr_write(path, image->width, image->height, channels, CHANNEL_COUNT, attributes,
-                                            sizeof attributes / sizeof attributes[0], &overflows, error);
+    const lmb_exr_picture picture = {image->width,  image->height, channels,
+                                     CHANNEL_COUNT, attributes,    sizeof attributes / sizeof attributes[0]};
+    const lmb_result result = lmb_exr_write(path, &picture, &overflows, error);
     free(values);
     return result;
 }
@@ -438,16 +440,14 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error
 static lmb_result image_read(const lmb_lightmap_image *image, const char *path, lmb_irradz *texels, lmb_error *error)
 {
     float *values[CHANNEL_COUNT] = {NULL};
-    int32_t width = 0;
-    int32_t height = 0;
-    float scale = 1.0f;
-    const lmb_result result =
-        lmb_exr_read_channels(path, CHANNELS, CHANNEL_COUNT, values, &width, &height, &scale, error);
+    lmb_exr_header header;
+    const lmb_result result = lmb_exr_read_channels(path, CHANNELS, CHANNEL_COUNT, values, &header, error);
     if (result != LMB_OK) {
         return result;
     }
-    const bool good = width == image->width && height == image->height && scale > 0.0f && isfinite(scale);
-    const size_t count = good ? (size_t)width * (size_t)height : 0;
+    const float scale = header.scale;
+    const bool good = header.width == image->width && header.height == image->height && scale > 0.0f && isfinite(scale);
+    const size_t count = good ? (size_t)image->width * (size_t)image->height : 0;
     bool finite = true;
     for (int c = 0; c < CHANNEL_COUNT; ++c) {
         for (size_t i = 0; i < count; ++i) {

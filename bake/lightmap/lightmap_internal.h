@@ -4,6 +4,8 @@
 
 #include <lambent/lightmap.h>
 
+#include "lightmap/uv_islands.h"
+
 /* A region's texels in UV space: UV (u, v) is at ((u, v) density - (shift_x, shift_y)) texels from the region's corner.
  * Whole numbers, so that texel centres of charts stay texel centres of the image. */
 typedef struct lmb_texel_grid {
@@ -58,20 +60,6 @@ void lmb_texels_pieces(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lm
 
 /* The lightmap UV of a corner. `corner_uv` as above. */
 lmb_vec2 lmb_texels_corner_uv(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, uint32_t triangle, int corner);
-
-/* The islands of a mesh's lightmap UVs: triangles that hang together. */
-typedef struct lmb_uv_islands {
-    uint32_t count;
-    uint32_t small_count; /* of less than the area asked for */
-    double small_share;   /* of all area in UV */
-} lmb_uv_islands;
-
-/* Counts the islands of the mesh's TEXCOORD_1. @return LMB_ERROR_MEMORY */
-lmb_result lmb_uv_islands_find(const lmb_mesh *mesh, double small_uv_area, lmb_uv_islands *islands);
-
-/* The same of charts that were made for it. */
-lmb_result lmb_uv_islands_of_charts(const lmb_charts *charts, uint32_t triangle_count, double small_uv_area,
-                                    lmb_uv_islands *islands);
 
 /* An island of less than this many texels shows its border: all of them are on it. */
 #define LMB_SMALL_ISLAND_TEXELS 16.0

@@ -1,5 +1,5 @@
 /* How many islands lightmap UVs have, and how many of them are small. */
-#include "lightmap/lightmap_internal.h"
+#include "lightmap/uv_islands.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,7 +7,8 @@
 #include <string.h>
 
 #include <lambent/file.h>
-#include <lambent/scene.h>
+#include <lambent/environment.h>
+#include <lambent/texture.h>
 
 static const double RAD_PER_DEG = 0.017453292519943295769;
 
@@ -175,7 +176,8 @@ static lmb_result place_read(const char *place, lmb_environment *environment, ui
     size_t size = 0;
     lmb_result result = lmb_file_read(place, &data, &size, error);
     if (result == LMB_OK) {
-        result = lmb_image_decode(place, data, size, &environment->image, &environment->axes, NULL, error);
+        result = lmb_image_decode(&(lmb_image_bytes){place, data, size}, &environment->image, &environment->axes, NULL,
+                                  error);
         *hash = lmb_hash(*hash, data, size);
         free(data);
     }

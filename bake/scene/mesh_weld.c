@@ -3,23 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static uint32_t position_bits(float value)
-{
-    const float positive_zero = value + 0.0f; /* -0 and 0 are the same place */
-    uint32_t bits;
-    memcpy(&bits, &positive_zero, sizeof bits);
-    return bits;
-}
+#include <lambent/file.h>
 
-static uint32_t position_hash(lmb_vec3 p)
+static uint64_t position_hash(lmb_vec3 p)
 {
-    uint32_t hash = 2166136261U;
-    const uint32_t words[3] = {position_bits(p.x), position_bits(p.y), position_bits(p.z)};
-    for (int i = 0; i < 3; ++i) {
-        hash = (hash ^ words[i]) * 0x9e3779b1U;
-        hash ^= hash >> 15;
-    }
-    return hash;
+    const float positive_zero[3] = {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}; /* -0 and 0 are the same place */
+    return lmb_hash(LMB_HASH_SEED, positive_zero, sizeof positive_zero);
 }
 
 bool lmb_mesh_weld(const lmb_mesh *mesh, uint32_t *weld)
@@ -35,7 +24,7 @@ bool lmb_mesh_weld(const lmb_mesh *mesh, uint32_t *weld)
     memset(table, 0, size * sizeof *table);
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
         const lmb_vec3 p = mesh->position[v];
-        size_t slot = position_hash(p) & (size - 1);
+        size_t slot = (size_t)position_hash(p) & (size - 1);
         weld[v] = v;
         while (table[slot] != 0) {
             const lmb_vec3 q = mesh->position[table[slot] - 1];

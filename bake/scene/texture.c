@@ -1,4 +1,4 @@
-#include <lambent/scene.h>
+#include <lambent/texture.h>
 
 #include <math.h>
 

@@ -1,4 +1,4 @@
-/* Recorded rays, as ray_replay.c reads them. */
+/* Recorded rays, as ray_record_replay.c reads them. */
 #ifndef LMB_RAY_RECORD_INTERNAL_H
 #define LMB_RAY_RECORD_INTERNAL_H
 

@@ -1,5 +1,6 @@
 /* What is found at a hit: where it is, how it faces, what its material does. */
 #include <lambent/surface.h>
+#include <lambent/texture.h>
 
 #include <math.h>
 

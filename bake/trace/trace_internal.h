@@ -1,4 +1,4 @@
-/* What surface.c, placement and ray_replay.c need of the tracer's inside. */
+/* What surface.c, placement and ray_record_replay.c need of the tracer's inside. */
 #ifndef LMB_TRACE_INTERNAL_H
 #define LMB_TRACE_INTERNAL_H
 

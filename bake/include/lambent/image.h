@@ -40,32 +40,6 @@ void lmb_image_free(lmb_image *image);
 /* 8-bit sRGB PNG of 3 bytes a pixel. Writes beside, then renames. @return LMB_ERROR_WRITE, _MEMORY, _ARGUMENT */
 lmb_result lmb_png_write(const char *path, int32_t width, int32_t height, const uint8_t *srgb, lmb_error *error);
 
-/* One named channel of an EXR: width x height floats, tightly packed. */
-typedef struct lmb_exr_channel {
-    const char *name; /* channels are stored sorted by name, as the format asks */
-    const float *values;
-} lmb_exr_channel;
-
-/* A text or number attribute of an EXR's header. `text` NULL means a float attribute. */
-typedef struct lmb_exr_attribute {
-    const char *name;
-    const char *text;
-    float number;
-} lmb_exr_attribute;
-
-/* Half-float scanline EXR, ZIP compressed, written beside and renamed; equal input gives equal bytes. Values beyond
- * fp16 are the caller's business (scale first): they are clamped to +-65504 here and counted in `*overflow_count`
- * (may be NULL); NaN is LMB_ERROR_ARGUMENT. @return LMB_ERROR_WRITE, _MEMORY, _ARGUMENT */
-lmb_result lmb_exr_write(const char *path, int32_t width, int32_t height, const lmb_exr_channel *channels,
-                         size_t channel_count, const lmb_exr_attribute *attributes, size_t attribute_count,
-                         size_t *overflow_count, lmb_error *error);
-
-/* Reads named channels of an EXR of ours back: values[i] gets width x height malloc'ed floats of channel names[i].
- * `scale` (may be NULL) gets the float attribute "lambent:scale", or 1. @return as lmb_image_read, and LMB_ERROR_FORMAT
- * when a channel is missing */
-lmb_result lmb_exr_read_channels(const char *path, const char *const *names, size_t count, float **values,
-                                 int32_t *width, int32_t *height, float *scale, lmb_error *error);
-
 #ifdef __cplusplus
 }
 #endif

@@ -178,22 +178,8 @@ float lmb_scene_position_step(const lmb_scene *scene);
 /* Checks every index, every vertex and every unit vector. @return LMB_ERROR_FORMAT with the place in `error` */
 lmb_result lmb_scene_validate(const lmb_scene *scene, lmb_error *error);
 
-/* Sets the environment from a description:
- *     a path to .hdr or .exr, or #rrggbb (sRGB constant colour), or "none";
- * each may be followed by options, ",rotation=DEG" and ",strength=X". A picture must be twice as wide as high, within
- * 1 % of its height. Continues scene->content_hash.
- * @return LMB_ERROR_FORMAT, _IO, _UNSUPPORTED, _MEMORY */
-lmb_result lmb_scene_set_environment(lmb_scene *scene, const char *description, lmb_error *error);
-
 /* Whether anything in the scene gives light. */
 bool lmb_scene_has_light(const lmb_scene *scene);
-
-/* Bilinear (or nearest) lookup at (u, v) before the texture's own transform; RGBA in [0, 1], colour channels decoded
- * from sRGB when `srgb`. White when the texture has no image. */
-void lmb_texture_sample(const lmb_scene *scene, const lmb_texture *texture, lmb_vec2 uv, bool srgb, float rgba[4]);
-
-/* sRGB byte to linear value, exact to float; the same on every machine. */
-float lmb_srgb_to_linear(uint8_t byte);
 
 #ifdef __cplusplus
 }
