@@ -176,12 +176,13 @@ static panel_sums panel_add_up(const panel *made, const panel_case *wanted, int 
             const double s = from + width * (i + 0.37) / steps, t = (j + 0.61) / steps;
             const lmb_hit hit = panel_hit(s, t);
             const lmb_vec3 direction = hit_direction(&hit, s, t);
-            const lmb_surface surface = lmb_trace_surface(
+            const lmb_mesh_point point = lmb_trace_mesh_point(
                 made->tracer, &(lmb_hit){.instance = 0, .triangle = hit.triangle, .u = hit.u, .v = hit.v});
+            const lmb_rgb emission = lmb_material_emission(&point);
             const double cosine = -(double)direction.z, distance = (double)hit.distance;
             const double angle = area * cosine / (distance * distance);
-            const double light = (double)(surface.emission.c[0] + surface.emission.c[1] + surface.emission.c[2]) / 3.0 *
-                                 (double)surface.opacity * angle * cosine / PI;
+            const double light = (double)(emission.c[0] + emission.c[1] + emission.c[2]) / 3.0 *
+                                 (double)lmb_material_coverage(&point).opacity * angle * cosine / PI;
             const double density = (double)lmb_emitters_triangle_density(made->emitters, &query, &hit, direction);
             sums.irradiance += light;
             sums.density += density * angle;

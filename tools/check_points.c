@@ -14,7 +14,7 @@ enum { PAIR_TRIANGLE, PAIR_PLACE, PAIR_FREE, PAIR_FREE_HEIGHT };
 static bool triangle_is_opaque(const lmb_scene *scene, const lmb_mesh *mesh, uint32_t triangle)
 {
     const lmb_material *material = &scene->materials[mesh->material[triangle]];
-    return material->alpha_mode == LMB_ALPHA_OPAQUE && !(material->transmission > 0.0f);
+    return lmb_material_is_opaque(material);
 }
 
 static double triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)

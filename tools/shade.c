@@ -4,7 +4,6 @@
 
 #include <lambent/hlsh.h>
 #include <lambent/surface.h>
-#include <lambent/texture.h>
 
 #include "vector_math.h"
 
@@ -26,6 +25,7 @@ typedef struct seen_surface {
     bool back;       /* seen from behind */
     lmb_vec3 normal; /* shading normal, by the normal map */
     lmb_surface surface;
+    lmb_rgb emission;
 } seen_surface;
 
 static bool seen_nearest(const lmb_shader *shader, lmb_vec3 origin, lmb_vec3 direction, float start, seen_surface *seen)
@@ -51,7 +51,9 @@ static bool seen_nearest(const lmb_shader *shader, lmb_vec3 origin, lmb_vec3 dir
 static void seen_complete(seen_surface *seen, lmb_vec3 direction)
 {
     const lmb_hit *hit = &seen->hit;
-    seen->surface = lmb_trace_surface(seen->tracer, hit);
+    const lmb_mesh_point point = lmb_trace_mesh_point(seen->tracer, hit);
+    seen->surface = lmb_material_surface(&point);
+    seen->emission = lmb_material_emission(&point);
     seen->place = lmb_trace_place(seen->tracer, hit);
     seen->back = vector_dot(seen->place.geometric_normal, direction) > 0.0f;
     if (seen->back) {
@@ -133,29 +135,13 @@ static bool has_texels(const lmb_shader *shader, const seen_surface *seen)
 /* Unlit surfaces take no light: they show their base colour. */
 static bool seen_unlit_colour(const seen_surface *seen, lmb_rgb *colour)
 {
-    const lmb_scene *scene = lmb_tracer_scene(seen->tracer);
-    const lmb_mesh *mesh = &scene->meshes[scene->instances[seen->hit.instance].mesh];
-    const lmb_material *material = &scene->materials[mesh->material[seen->hit.triangle]];
-    if (!material->unlit) {
+    const lmb_mesh_point point = lmb_trace_mesh_point(seen->tracer, &seen->hit);
+    if (!lmb_material_at(&point)->unlit) {
         return false;
     }
-    const uint32_t *vertex = mesh->triangle[seen->hit.triangle];
-    const float weight[3] = {1.0f - seen->hit.u - seen->hit.v, seen->hit.u, seen->hit.v};
-    const lmb_vec2 *uv = mesh->uv[material->base_color_texture.uv_set];
-    lmb_vec2 at = {0.0f, 0.0f};
-    lmb_rgb vertex_colour = mesh->color ? black : (lmb_rgb){{1.0f, 1.0f, 1.0f}};
-    for (int k = 0; k < 3; ++k) {
-        at.x += uv ? weight[k] * uv[vertex[k]].x : 0.0f;
-        at.y += uv ? weight[k] * uv[vertex[k]].y : 0.0f;
-        for (int c = 0; c < 3 && mesh->color; ++c) {
-            vertex_colour.c[c] += weight[k] * mesh->color[vertex[k]][c];
-        }
-    }
-    float texel[4];
-    lmb_texture_sample(scene, &material->base_color_texture, at, true, texel);
-    for (int c = 0; c < 3; ++c) {
-        colour->c[c] = material->base_color[c] * texel[c] * vertex_colour.c[c];
-    }
+    float base[4];
+    lmb_material_base_color(&point, base);
+    *colour = (lmb_rgb){{base[0], base[1], base[2]}};
     return true;
 }
 
@@ -173,7 +159,7 @@ static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, 
     }
     const lmb_rgb bounce =
         lmb_self_bounce(seen->surface.albedo, light.irradiance_z, seen->place.shading_normal, seen->normal);
-    return colour_add(colour_mul(seen->surface.albedo, colour_add(light.irradiance, bounce)), seen->surface.emission);
+    return colour_add(colour_mul(seen->surface.albedo, colour_add(light.irradiance, bounce)), seen->emission);
 }
 
 lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 origin, lmb_vec3 direction)
@@ -189,11 +175,11 @@ lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 or
             return colour_add(radiance, colour_mul(share, sky));
         }
         seen_complete(&seen, direction);
-        if (seen.surface.opacity > 0.0f) {
-            const lmb_rgb own = colour_scale(seen_radiance(shader, source, &seen), seen.surface.opacity);
+        if (seen.surface.coverage.opacity > 0.0f) {
+            const lmb_rgb own = colour_scale(seen_radiance(shader, source, &seen), seen.surface.coverage.opacity);
             radiance = colour_add(radiance, colour_mul(share, own));
         }
-        share = colour_mul(share, seen.surface.pass);
+        share = colour_mul(share, seen.surface.coverage.pass);
         if (!(colour_max(share) > MIN_SHARE)) {
             break;
         }

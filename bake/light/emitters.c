@@ -145,14 +145,19 @@ static lmb_light_sample point_light(const lmb_emitters *emitters, const lmb_emit
                                .radiance = chosen->radiance,
                                .density = points->density[i]};
     if (!chosen->even) {
-        const lmb_surface surface = lmb_trace_surface(emitters->tracer, &(lmb_hit){.instance = chosen->instance,
-                                                                                   .triangle = chosen->triangle,
-                                                                                   .u = points->u[i],
-                                                                                   .v = points->v[i]});
-        sample.radiance = rgb_scale(surface.emission, surface.opacity);
+        const lmb_hit there = {
+            .instance = chosen->instance, .triangle = chosen->triangle, .u = points->u[i], .v = points->v[i]};
+        sample.radiance = rgb_scale(lmb_emitters_emission(emitters, &there),
+                                    lmb_trace_surface(emitters->tracer, &there).coverage.opacity);
         sample.density = rgb_max(sample.radiance) > 0.0f ? sample.density : 0.0f;
     }
     return sample;
+}
+
+lmb_rgb lmb_emitters_emission(const lmb_emitters *emitters, const lmb_hit *hit)
+{
+    const lmb_mesh_point point = lmb_trace_mesh_point(emitters->tracer, hit);
+    return lmb_material_emission(&point);
 }
 
 void lmb_emitters_sample_triangles(const lmb_emitters *emitters, const lmb_triangle_query *query,
@@ -256,6 +261,11 @@ void lmb_emitters_punctual_again(const lmb_emitters *emitters, const lmb_punctua
                                  lmb_punctual_sample *sample)
 {
     lmb_punctual_again(emitters->punctual, query, sample);
+}
+
+bool lmb_emitters_have_punctual(const lmb_emitters *emitters)
+{
+    return lmb_punctual_count(emitters->punctual) > 0;
 }
 
 bool lmb_emitters_punctual_are_soft(const lmb_emitters *emitters)

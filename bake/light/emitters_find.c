@@ -22,16 +22,10 @@ typedef struct finding {
     mesh_light **known; /* [mesh] NULL, or [triangle] */
 } finding;
 
-static bool material_emits(const lmb_material *material)
-{
-    return !material->unlit && rgb_max(material->emissive) > 0.0f;
-}
-
 /* Whether a material's emission is the same all over. */
 static bool material_emits_evenly(const lmb_material *material)
 {
-    return material->emissive_texture.image < 0 && material->alpha_mode == LMB_ALPHA_OPAQUE &&
-           !(material->transmission > 0.0f);
+    return material->emissive_texture.image < 0 && lmb_material_is_opaque(material);
 }
 
 /* Mean luminance over a triangle that no texture has a part in: over a grid of points. */
@@ -48,9 +42,9 @@ static float points_luminance(const lmb_tracer *tracer, uint32_t instance, uint3
                 u = 1.0f - u;
                 v = 1.0f - v;
             }
-            const lmb_surface surface =
-                lmb_trace_surface(tracer, &(lmb_hit){.instance = instance, .triangle = triangle, .u = u, .v = v});
-            sum += lmb_luminance(surface.emission) * surface.opacity;
+            const lmb_mesh_point point =
+                lmb_trace_mesh_point(tracer, &(lmb_hit){.instance = instance, .triangle = triangle, .u = u, .v = v});
+            sum += lmb_luminance(lmb_material_emission(&point)) * lmb_material_coverage(&point).opacity;
         }
     }
     return sum / (STEPS * STEPS);
@@ -204,7 +198,7 @@ static bool instance_find(finding *found, uint32_t number)
     for (uint32_t t = 0; t < mesh->triangle_count && !instance->dynamic; ++t) {
         lmb_emitter made;
         lmb_emitter_shape shape;
-        if (!material_emits(&scene->materials[mesh->material[t]])) {
+        if (!lmb_material_emits(&scene->materials[mesh->material[t]])) {
             continue;
         }
         if (!emitter_make(found, number, t, &made, &shape)) {
@@ -248,7 +242,7 @@ static lmb_result maps_make(lmb_emitters *emitters, const bool *worn, lmb_emissi
     for (uint32_t i = 0; i < scene->material_count; ++i) {
         lmb_emitter_material *material = &emitters->materials[i];
         lmb_emission_key key;
-        if (!worn[i] || !material_emits(&scene->materials[i]) ||
+        if (!worn[i] || !lmb_material_emits(&scene->materials[i]) ||
             !lmb_emission_key_of(scene, &scene->materials[i], &key, &material->texture)) {
             continue;
         }

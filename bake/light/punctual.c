@@ -22,19 +22,19 @@ typedef struct lamp_lanes {
 } lamp_lanes;
 
 /* Lights of a kind. */
-typedef struct light_set {
+typedef struct punctual_kind {
     uint32_t *light; /* numbers in the scene */
     uint32_t count;
     lmb_light_tree *tree; /* NULL while they are few enough to look at all */
     bool soft;            /* some have an extent */
     lamp_lanes lanes;     /* of few lamps, none soft */
-} light_set;
+} punctual_kind;
 
 struct lmb_punctual {
     const lmb_scene *scene;
     float *extent; /* [light] lmb_light_extent */
-    light_set lamps;
-    light_set suns;
+    punctual_kind lamps;
+    punctual_kind suns;
 };
 
 /* Share of the choices that any light that gives light has the same chance of. What is chosen by strength alone never
@@ -62,7 +62,7 @@ static lmb_light_bound light_bound(const lmb_light *light)
                              .range = light->range > 0.0f ? light->range : INFINITY};
 }
 
-static bool light_set_tree(light_set *set, const lmb_scene *scene)
+static bool punctual_kind_tree(punctual_kind *set, const lmb_scene *scene)
 {
     lmb_light_bound *bounds = malloc(set->count * sizeof *bounds);
     if (!bounds) {
@@ -86,7 +86,7 @@ static float spot_width(const lmb_light *light)
     return float_larger(light->cos_inner - light->cos_outer, 1e-4f);
 }
 
-static void lamp_lanes_make(light_set *set, const lmb_scene *scene)
+static void lamp_lanes_make(punctual_kind *set, const lmb_scene *scene)
 {
     lamp_lanes *lanes = &set->lanes;
     for (uint32_t i = 0; i < set->count; ++i) {
@@ -105,7 +105,7 @@ static void lamp_lanes_make(light_set *set, const lmb_scene *scene)
     }
 }
 
-static bool light_set_make(light_set *set, const lmb_punctual *punctual, bool suns)
+static bool punctual_kind_make(punctual_kind *set, const lmb_punctual *punctual, bool suns)
 {
     const lmb_scene *scene = punctual->scene;
     set->light = malloc((scene->light_count + 1u) * sizeof *set->light);
@@ -119,7 +119,7 @@ static bool light_set_make(light_set *set, const lmb_punctual *punctual, bool su
         return false;
     }
     if (set->count > LMB_PUNCTUAL_MAX) {
-        return light_set_tree(set, scene);
+        return punctual_kind_tree(set, scene);
     }
     if (!suns) {
         lamp_lanes_make(set, scene);
@@ -138,8 +138,8 @@ lmb_result lmb_punctual_create(const lmb_scene *scene, lmb_punctual **punctual)
     for (uint32_t i = 0; created->extent && i < scene->light_count; ++i) {
         created->extent[i] = lmb_light_extent(&scene->lights[i]);
     }
-    if (!created->extent || !light_set_make(&created->lamps, created, false) ||
-        !light_set_make(&created->suns, created, true)) {
+    if (!created->extent || !punctual_kind_make(&created->lamps, created, false) ||
+        !punctual_kind_make(&created->suns, created, true)) {
         lmb_punctual_destroy(created);
         return LMB_ERROR_MEMORY;
     }
@@ -147,7 +147,7 @@ lmb_result lmb_punctual_create(const lmb_scene *scene, lmb_punctual **punctual)
     return LMB_OK;
 }
 
-static void light_set_free(light_set *set)
+static void punctual_kind_free(punctual_kind *set)
 {
     free(set->light);
     lmb_light_tree_destroy(set->tree);
@@ -156,8 +156,8 @@ static void light_set_free(light_set *set)
 void lmb_punctual_destroy(lmb_punctual *punctual)
 {
     if (punctual) {
-        light_set_free(&punctual->lamps);
-        light_set_free(&punctual->suns);
+        punctual_kind_free(&punctual->lamps);
+        punctual_kind_free(&punctual->suns);
         free(punctual->extent);
         free(punctual);
     }
@@ -320,7 +320,7 @@ static void lamps_weigh(const lamp_lanes *lamps, const lmb_punctual_query *query
     }
 }
 
-static void candidates_of_few(const lmb_punctual *punctual, const light_set *set, const lmb_punctual_query *query,
+static void candidates_of_few(const lmb_punctual *punctual, const punctual_kind *set, const lmb_punctual_query *query,
                               candidates *found)
 {
     const lmb_scene *scene = punctual->scene;
@@ -339,7 +339,7 @@ static void candidates_of_few(const lmb_punctual *punctual, const light_set *set
     }
 }
 
-static void candidates_of_many(const lmb_punctual *punctual, const light_set *set, const lmb_punctual_query *query,
+static void candidates_of_many(const lmb_punctual *punctual, const punctual_kind *set, const lmb_punctual_query *query,
                                float choice, int max, candidates *found)
 {
     /* Suns have no place: for them all bounds are their power. */
@@ -422,8 +422,8 @@ static int candidates_take(const lmb_punctual *punctual, const candidates *found
     return given;
 }
 
-static int light_set_choose(const lmb_punctual *punctual, const light_set *set, const lmb_punctual_query *query,
-                            const float choice[2], int max, lmb_punctual_sample *sample)
+static int punctual_kind_choose(const lmb_punctual *punctual, const punctual_kind *set, const lmb_punctual_query *query,
+                                const float choice[2], int max, lmb_punctual_sample *sample)
 {
     candidates found;
     found.count = 0;
@@ -434,6 +434,11 @@ static int light_set_choose(const lmb_punctual *punctual, const light_set *set, 
         candidates_of_few(punctual, set, query, &found);
     }
     return candidates_take(punctual, &found, query, choice[1], max, sample);
+}
+
+uint32_t lmb_punctual_count(const lmb_punctual *punctual)
+{
+    return punctual->lamps.count + punctual->suns.count;
 }
 
 bool lmb_punctual_are_soft(const lmb_punctual *punctual)
@@ -456,6 +461,6 @@ bool lmb_punctual_are_few(const lmb_punctual *punctual)
 int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, const float choice[2], int max,
                         lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX])
 {
-    const int lamps = light_set_choose(punctual, &punctual->lamps, query, choice, max, sample);
-    return lamps + light_set_choose(punctual, &punctual->suns, query, choice, max, sample + lamps);
+    const int lamps = punctual_kind_choose(punctual, &punctual->lamps, query, choice, max, sample);
+    return lamps + punctual_kind_choose(punctual, &punctual->suns, query, choice, max, sample + lamps);
 }

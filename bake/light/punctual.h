@@ -10,6 +10,9 @@ typedef struct lmb_punctual lmb_punctual;
 lmb_result lmb_punctual_create(const lmb_scene *scene, lmb_punctual **punctual);
 void lmb_punctual_destroy(lmb_punctual *punctual);
 
+/* How many there are. */
+uint32_t lmb_punctual_count(const lmb_punctual *punctual);
+
 bool lmb_punctual_are_soft(const lmb_punctual *punctual);
 bool lmb_punctual_are_few(const lmb_punctual *punctual);
 

@@ -1,4 +1,4 @@
-#include <lambent/scene.h>
+#include <lambent/material.h>
 
 #include <assert.h>
 #include <math.h>
@@ -356,7 +356,7 @@ static bool environment_has_light(const lmb_environment *environment)
 /* Whether a material gives light anywhere: exporters write a factor of 1 beside textures that are all black. */
 static bool material_has_light(const lmb_scene *scene, const lmb_material *material)
 {
-    if (material->unlit || !(rgb_max(material->emissive) > 0.0f)) {
+    if (!lmb_material_emits(material)) {
         return false;
     }
     const int32_t number = material->emissive_texture.image;

@@ -94,7 +94,7 @@ static void skies_sample(const sample_batch *batch, lmb_direct_start *starts)
 static void starts_find(const sample_batch *batch, lmb_direct_start *starts)
 {
     const lmb_transport *transport = batch->transport;
-    if (lmb_emitters_triangle_count(transport->emitters) > 0 || lmb_tracer_scene(transport->tracer)->light_count > 0) {
+    if (lmb_emitters_triangle_count(transport->emitters) > 0 || lmb_emitters_have_punctual(transport->emitters)) {
         sample_numbers choice, triangle;
         numbers_find(batch, PAIR_CHOICE, &choice);
         numbers_find(batch, PAIR_TRIANGLE, &triangle);

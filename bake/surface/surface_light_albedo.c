@@ -23,9 +23,7 @@ static bool albedo_even(const lmb_tracer *tracer, const lmb_hit *hit, bool small
     const lmb_scene *scene = lmb_tracer_scene(tracer);
     const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
     if (!mesh->color && scene->materials[mesh->material[hit->triangle]].base_color_texture.image < 0) {
-        *mean = lmb_trace_surface(
-                    tracer, &(lmb_hit){.instance = hit->instance, .triangle = hit->triangle, .u = 0.0f, .v = 0.0f})
-                    .albedo;
+        *mean = lmb_trace_surface(tracer, hit).albedo;
         return true;
     }
     lmb_rgb albedo[POINTS];
@@ -57,8 +55,7 @@ static bool albedo_even(const lmb_tracer *tracer, const lmb_hit *hit, bool small
 
 static bool material_only_reflects(const lmb_material *material)
 {
-    return (material->unlit || !(rgb_max(material->emissive) > 0.0f)) && material->alpha_mode == LMB_ALPHA_OPAQUE &&
-           !(material->transmission > 0.0f);
+    return !lmb_material_emits(material) && lmb_material_is_opaque(material);
 }
 
 static float cell_size_largest(const lmb_surface_light *light)

@@ -40,8 +40,7 @@ static bool object_is_dark(const lmb_scene *scene, const lmb_mesh *mesh, const u
             continue;
         }
         const lmb_material *material = &scene->materials[mesh->material[t]];
-        if (material->alpha_mode != LMB_ALPHA_OPAQUE || material->transmission > 0.0f ||
-            rgb_max(material->emissive) > 0.0f) {
+        if (!lmb_material_is_opaque(material) || lmb_material_emits(material)) {
             return false;
         }
         *double_sided = *double_sided && material->double_sided;
@@ -249,7 +248,7 @@ static bool holds_marks(const candidate *object)
 static bool seen_add(const candidate *object, const lmb_hit *hit, uint32_t seen[MOST_SEEN], uint32_t *count)
 {
     const lmb_mesh *mesh = instance_mesh(object->scene, hit->instance);
-    if (rgb_max(object->scene->materials[mesh->material[hit->triangle]].emissive) > 0.0f) {
+    if (lmb_material_emits(&object->scene->materials[mesh->material[hit->triangle]])) {
         return false;
     }
     for (uint32_t i = 0; i < *count; ++i) {

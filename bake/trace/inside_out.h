@@ -2,13 +2,7 @@
 #ifndef LMB_INSIDE_OUT_H
 #define LMB_INSIDE_OUT_H
 
-#include <lambent/trace.h>
-
-typedef enum lmb_facing {
-    LMB_FACING_AS_WOUND,
-    LMB_FACING_TURNED, /* inside out and double-sided: what the winding calls its back is its front */
-    LMB_FACING_WRONG   /* inside out, but not double-sided: nothing helps but turning its winding */
-} lmb_facing;
+#include "trace/trace_internal.h"
 
 /* Finds out how each instance of the tracer's scene faces, from a tracer that believes all windings.
  *
@@ -29,8 +23,5 @@ lmb_result lmb_mesh_mark_inward(const lmb_mesh *mesh, uint8_t *inward, uint32_t 
 
 /* Whether all parts of a mesh are closed and face inwards. @return LMB_ERROR_MEMORY */
 lmb_result lmb_mesh_is_inward(const lmb_mesh *mesh, bool *inward);
-
-/* What was found. */
-lmb_facing lmb_tracer_facing(const lmb_tracer *tracer, uint32_t instance);
 
 #endif

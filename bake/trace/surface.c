@@ -1,6 +1,5 @@
 /* What is found at a hit: where it is, how it faces, what its material does. */
 #include <lambent/surface.h>
-#include <lambent/texture.h>
 
 #include <math.h>
 
@@ -91,87 +90,16 @@ lmb_place lmb_trace_place(const lmb_tracer *tracer, const lmb_hit *hit)
     return place;
 }
 
-/* UVs of set `set` at a hit; (0, 0) where the mesh has none. */
-static lmb_vec2 mesh_uv(const lmb_mesh *mesh, int set, const lmb_hit *hit)
+lmb_mesh_point lmb_trace_mesh_point(const lmb_tracer *tracer, const lmb_hit *hit)
 {
-    const lmb_vec2 *uv = mesh->uv[set];
-    if (!uv) {
-        return (lmb_vec2){0.0f, 0.0f};
-    }
-    const uint32_t *vertex = mesh->triangle[hit->triangle];
-    const float u = hit->u, v = hit->v, w = 1.0f - u - v;
-    return (lmb_vec2){w * uv[vertex[0]].x + u * uv[vertex[1]].x + v * uv[vertex[2]].x,
-                      w * uv[vertex[0]].y + u * uv[vertex[1]].y + v * uv[vertex[2]].y};
-}
-
-static void texture_at(const lmb_scene *scene, const lmb_texture *texture, const lmb_mesh *mesh, const lmb_hit *hit,
-                       bool srgb, float rgba[4])
-{
-    const lmb_vec2 uv = texture->image >= 0 ? mesh_uv(mesh, texture->uv_set, hit) : (lmb_vec2){0.0f, 0.0f};
-    lmb_texture_sample(scene, texture, uv, srgb, rgba);
-}
-
-/* Base colour factor x texture x vertex colour, RGBA. */
-static void base_color_at(const lmb_scene *scene, const lmb_material *material, const lmb_mesh *mesh,
-                          const lmb_hit *hit, float rgba[4])
-{
-    const uint32_t *vertex = mesh->triangle[hit->triangle];
-    const float u = hit->u, v = hit->v;
-    texture_at(scene, &material->base_color_texture, mesh, hit, true, rgba);
-    for (int i = 0; i < 4; ++i) {
-        float vertex_color = 1.0f;
-        if (mesh->color) {
-            vertex_color = (1.0f - u - v) * mesh->color[vertex[0]][i] + u * mesh->color[vertex[1]][i] +
-                           v * mesh->color[vertex[2]][i];
-        }
-        rgba[i] = float_smaller(float_larger(rgba[i] * material->base_color[i] * vertex_color, 0.0f), 1.0f);
-    }
-}
-
-/* `base`: RGBA. */
-static inline lmb_coverage coverage_of(const lmb_material *material, const float base[4])
-{
-    float alpha = 1.0f;
-    if (material->alpha_mode == LMB_ALPHA_MASK) {
-        alpha = base[3] >= material->alpha_cutoff ? 1.0f : 0.0f;
-    } else if (material->alpha_mode == LMB_ALPHA_BLEND) {
-        alpha = base[3];
-    }
-    /* Of the light that the coat of coverage alpha meets, `transmission` goes on, tinted; the rest is diffuse. */
-    const float through = alpha * material->transmission;
-    lmb_coverage coverage = {.opacity = alpha - through};
-    for (int c = 0; c < 3; ++c) {
-        coverage.pass.c[c] = (1.0f - alpha) + through * base[c];
-    }
-    return coverage;
-}
-
-lmb_coverage lmb_material_coverage(const lmb_material *material)
-{
-    return coverage_of(material, material->base_color);
+    const lmb_scene *scene = lmb_tracer_scene(tracer);
+    return (lmb_mesh_point){scene, &scene->meshes[scene->instances[hit->instance].mesh], hit->triangle, hit->u, hit->v};
 }
 
 lmb_surface lmb_trace_surface(const lmb_tracer *tracer, const lmb_hit *hit)
 {
-    const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
-    const lmb_material *material = &scene->materials[mesh->material[hit->triangle]];
-    float base[4];
-    base_color_at(scene, material, mesh, hit, base);
-    const lmb_coverage coverage = coverage_of(material, base);
-    lmb_surface surface = {.opacity = coverage.opacity, .pass = coverage.pass};
-    for (int c = 0; c < 3; ++c) {
-        surface.albedo.c[c] = material->unlit ? 0.0f : base[c];
-    }
-    surface.emission = (lmb_rgb){{0.0f, 0.0f, 0.0f}};
-    if (!material->unlit && rgb_max(material->emissive) > 0.0f) {
-        float emissive[4];
-        texture_at(scene, &material->emissive_texture, mesh, hit, true, emissive);
-        for (int c = 0; c < 3; ++c) {
-            surface.emission.c[c] = material->emissive.c[c] * emissive[c];
-        }
-    }
-    return surface;
+    const lmb_mesh_point point = lmb_trace_mesh_point(tracer, hit);
+    return lmb_material_surface(&point);
 }
 
 /* World-space tangent of increasing texture u: the mesh's own, or derived from the triangle's UVs. `*handedness` tells
@@ -218,9 +146,8 @@ static bool tangent_at(const lmb_tracer *tracer, const lmb_hit *hit, int set, lm
 
 lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, const lmb_hit *hit, const lmb_place *place)
 {
-    const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_mesh *mesh = &scene->meshes[scene->instances[hit->instance].mesh];
-    const lmb_material *material = &scene->materials[mesh->material[hit->triangle]];
+    const lmb_mesh_point point = lmb_trace_mesh_point(tracer, hit);
+    const lmb_material *material = lmb_material_at(&point);
     const lmb_vec3 normal = place->shading_normal;
     const lmb_texture *map = &material->normal_texture;
     lmb_vec3 tangent;
@@ -229,7 +156,7 @@ lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, const lmb_hit *hit, c
         return normal;
     }
     float texel[4];
-    texture_at(scene, map, mesh, hit, false, texel);
+    lmb_material_texel(&point, map, false, texel);
     tangent = vec3_normalize_or(vec3_mad(tangent, normal, -vec3_dot(tangent, normal)), normal);
     const lmb_vec3 bitangent = vec3_scale(vec3_cross(normal, tangent), handedness);
     const float x = (2.0f * texel[0] - 1.0f) * material->normal_scale;

@@ -11,6 +11,15 @@
 #include "base/scalar.h"
 #include "base/vec3.h"
 
+/* How an instance's winding tells its front. */
+typedef enum lmb_facing {
+    LMB_FACING_AS_WOUND,
+    LMB_FACING_TURNED, /* inside out and double-sided: what the winding calls its back is its front */
+    LMB_FACING_WRONG   /* inside out, but not double-sided: nothing helps but turning its winding */
+} lmb_facing;
+
+lmb_facing lmb_tracer_facing(const lmb_tracer *tracer, uint32_t instance);
+
 /* Far distance of a shadow ray whose direction runs from one point to another. Both lie just off their surfaces
  * already; it stops a hair short of the far one. */
 #define LMB_TRACE_UP_TO_END (1.0f - 4.0f * FLT_EPSILON)

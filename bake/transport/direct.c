@@ -78,7 +78,7 @@ int lmb_direct_aim(const lmb_transport *transport, const lmb_receiver *receiver,
                    lmb_aimed_light aimed[LMB_AIMED_MOST])
 {
     int count = 0;
-    if (lmb_tracer_scene(transport->tracer)->light_count > 0) {
+    if (lmb_emitters_have_punctual(transport->emitters)) {
         count += punctual_aim(transport, receiver, start, aimed);
     }
     if (lmb_emitters_triangle_count(transport->emitters) > 0) {
@@ -95,7 +95,7 @@ static lmb_direct_start path_start(const lmb_path *path)
     const lmb_emitters *emitters = path->transport->emitters;
     lmb_direct_start start;
     const bool triangles = lmb_emitters_triangle_count(emitters) > 0;
-    if (triangles || lmb_tracer_scene(path->transport->tracer)->light_count > 0) {
+    if (triangles || lmb_emitters_have_punctual(path->transport->emitters)) {
         lmb_path_numbers(path, PAIR_CHOICE, start.choice);
     }
     if (triangles) {

@@ -537,7 +537,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
             gather_environment(&batch);
             found_make_room(&batch, sink, context);
         }
-        if (lmb_tracer_scene(transport->tracer)->light_count > 0 && !samples->without_punctual) {
+        if (lmb_emitters_have_punctual(transport->emitters) && !samples->without_punctual) {
             gather_punctual(&batch, sink, context);
             found_make_room(&batch, sink, context);
         }

@@ -43,10 +43,12 @@ lmb_path_vertex lmb_segment_vertex(const lmb_path *path, lmb_segment *segment, c
         return (lmb_path_vertex){.on_surface = true, .hit = *hit, .albedo = *albedo};
     }
     const lmb_surface surface = lmb_trace_surface(transport->tracer, hit);
-    segment->throughput = rgb_scale(segment->throughput, rgb_max(surface.pass) + surface.opacity);
-    const float mis = rgb_max(surface.emission) > 0.0f ? emission_mis(transport, segment, hit) : 0.0f;
+    const lmb_coverage *coverage = &surface.coverage;
+    segment->throughput = rgb_scale(segment->throughput, rgb_max(coverage->pass) + coverage->opacity);
+    const lmb_rgb emission = lmb_emitters_emission(transport->emitters, hit);
+    const float mis = rgb_max(emission) > 0.0f ? emission_mis(transport, segment, hit) : 0.0f;
     return (lmb_path_vertex){
-        .on_surface = true, .hit = *hit, .albedo = surface.albedo, .emitted = rgb_scale(surface.emission, mis)};
+        .on_surface = true, .hit = *hit, .albedo = surface.albedo, .emitted = rgb_scale(emission, mis)};
 }
 
 lmb_path_vertex lmb_segment_follow(const lmb_path *path, lmb_segment *segment)

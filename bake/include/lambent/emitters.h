@@ -58,6 +58,10 @@ void lmb_emitters_sample_triangles(const lmb_emitters *emitters, const lmb_trian
 float lmb_emitters_triangle_density(const lmb_emitters *emitters, const lmb_triangle_query *query, const lmb_hit *hit,
                                     lmb_vec3 direction);
 
+/* Radiance that the emitters' triangle gives at a hit, of the part of the light that it does not let through: at a
+ * ray's end, too, this alone is light of surfaces. */
+lmb_rgb lmb_emitters_emission(const lmb_emitters *emitters, const lmb_hit *hit);
+
 /* Whether the environment is an image in which something stands out that is worth aiming at. In an even one rays that
  * leave the scene find the light with less noise. */
 bool lmb_emitters_environment_sampled(const lmb_emitters *emitters);
@@ -116,6 +120,9 @@ int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query
 /* Another point of the light of a sample that the query gave, if that is soft: by `query->point`. */
 void lmb_emitters_punctual_again(const lmb_emitters *emitters, const lmb_punctual_query *query,
                                  lmb_punctual_sample *sample);
+
+/* Whether there are any punctual lights. */
+bool lmb_emitters_have_punctual(const lmb_emitters *emitters);
 
 /* Whether any has an extent. */
 bool lmb_emitters_punctual_are_soft(const lmb_emitters *emitters);

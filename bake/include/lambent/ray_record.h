@@ -29,9 +29,6 @@ typedef struct lmb_ray_recorder lmb_ray_recorder;
 lmb_result lmb_ray_recorder_create(uint64_t keep_one_in, lmb_ray_recorder **recorder);
 void lmb_ray_recorder_destroy(lmb_ray_recorder *recorder);
 
-/* Lets `recorder` see every ray that the tracer traces from now on; NULL: none does. Not while any thread traces. */
-void lmb_tracer_record(lmb_tracer *tracer, lmb_ray_recorder *recorder);
-
 /* Notes a ray, from any thread; what traces rays calls this. */
 void lmb_ray_record(lmb_ray_recorder *recorder, lmb_ray_kind kind, lmb_vec3 origin, lmb_vec3 direction,
                     float near_distance, float far_distance);

@@ -2,6 +2,7 @@
 #ifndef LAMBENT_SURFACE_H
 #define LAMBENT_SURFACE_H
 
+#include <lambent/material.h>
 #include <lambent/trace.h>
 
 #ifdef __cplusplus
@@ -25,19 +26,14 @@ void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance, uint32_t tri
 /* lmb_trace_place's position alone. */
 lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, const lmb_hit *hit);
 
-/* What the material does at a hit. */
-typedef struct lmb_surface {
-    lmb_rgb albedo;   /* diffuse, of the part of the light that is not let through */
-    lmb_rgb emission; /* radiance, likewise */
-    float opacity;    /* share of the light that the surface takes part in: 1 for opaque */
-    lmb_rgb pass;     /* share of each channel that goes straight through */
-} lmb_surface;
+/* The point of the mesh that was hit. */
+lmb_mesh_point lmb_trace_mesh_point(const lmb_tracer *tracer, const lmb_hit *hit);
 
+/* What the material there reflects and lets through. What it emits is for lmb_emitters_emission to say. */
 lmb_surface lmb_trace_surface(const lmb_tracer *tracer, const lmb_hit *hit);
 
 /* The shading normal bent by the material's normal map, on the same side of the surface as `place->shading_normal`. */
-lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, const lmb_hit *hit,
-                                 const lmb_place *place);
+lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, const lmb_hit *hit, const lmb_place *place);
 
 #ifdef __cplusplus
 }

@@ -15,6 +15,7 @@ extern "C" {
 #endif
 
 typedef struct lmb_tracer lmb_tracer;
+struct lmb_ray_recorder;
 
 /* Builds the BVH. `isa` pins Embree's instruction set ("sse4.2", "avx2", "avx512"), NULL lets it choose; Embree's last
  * bits differ between sets. `threads` <= 0: one for each processor. The scene must outlive the tracer.
@@ -34,6 +35,10 @@ bool lmb_tracer_is_turned(const lmb_tracer *tracer, uint32_t instance);
 /* Says what of the level looks like a mistake: objects wound inside out that are not double-sided, and point and spot
  * lights that opaque surfaces shut in. */
 void lmb_tracer_warn(const lmb_tracer *tracer, const lmb_warnings *warnings);
+
+/* Lets a recorder (lambent/ray_record.h) see every ray that the tracer traces from now on; NULL: none does. Not while
+ * any thread traces. */
+void lmb_tracer_record(lmb_tracer *tracer, struct lmb_ray_recorder *recorder);
 
 /* Bytes that Embree holds for geometry and BVH. */
 size_t lmb_tracer_bytes(const lmb_tracer *tracer);
