@@ -28,12 +28,12 @@ struct lmb_emission_map {
     uint64_t *sum; /* [row][column], (size[0] + 1) x (size[1] + 1): of all cells above and left of it */
 };
 
-static const lmb_texture_image *image_at(const lmb_scene *scene, int32_t number)
+static const lmb_texture_image *image_at(const lmb_scene *scene, int32_t index)
 {
-    if (number < 0 || (uint32_t)number >= scene->image_count) {
+    if (index < 0 || (uint32_t)index >= scene->image_count) {
         return NULL;
     }
-    const lmb_texture_image *image = &scene->images[number];
+    const lmb_texture_image *image = &scene->images[index];
     return image->rgba && image->width > 0 && image->height > 0 ? image : NULL;
 }
 

@@ -14,8 +14,8 @@
 /* Cells that are compared to tell whether a part is even. */
 enum { MOST_COMPARED = 256 };
 
-/* Step between the numbers that samples come from. */
-#define NUMBER_STEP 0x1p-24
+/* Step between the variates that samples come from. */
+#define VARIATE_STEP 0x1p-24
 
 bool lmb_emission_lattice_of(const lmb_mesh *mesh, uint32_t triangle, const lmb_texture *texture,
                              const lmb_emission_map *map, lmb_emission_lattice *lattice)
@@ -223,10 +223,10 @@ static double first_probability(const lmb_emission_map *map, const lmb_emission_
 }
 
 /* A point even over a convex polygon. */
-static void polygon_point(const lmb_emission_part *part, const double numbers[2], float weight[2])
+static void polygon_point(const lmb_emission_part *part, const double u[2], float weight[2])
 {
     const lmb_part_corner *from = &part->corner[0];
-    double left = numbers[0] * lmb_emission_part_area(part), area = 0.0;
+    double left = u[0] * lmb_emission_part_area(part), area = 0.0;
     int k = 1;
     for (;; ++k) {
         area = corners_area(from, &part->corner[k], &part->corner[k + 1]);
@@ -237,7 +237,7 @@ static void polygon_point(const lmb_emission_part *part, const double numbers[2]
     }
     const double share = area > 0.0 && left < area ? left / area : 0.0;
     const double root = sqrt(share);
-    const double a = root * (1.0 - numbers[1]), b = root * numbers[1];
+    const double a = root * (1.0 - u[1]), b = root * u[1];
     for (int i = 0; i < 2; ++i) {
         weight[i] = (float)(from->weight[i] + (part->corner[k].weight[i] - from->weight[i]) * a +
                             (part->corner[k + 1].weight[i] - from->weight[i]) * b);
@@ -260,36 +260,36 @@ static void full_point(const lmb_emission_part *part, const lmb_texel_range *ran
 }
 
 /* Numbers in [0, 1)^2, of which choices use up the first bits. */
-typedef struct choice_numbers {
+typedef struct choice_variates {
     double left[2];
     double used[2]; /* probability of the choices */
-} choice_numbers;
+} choice_variates;
 
-static bool second_choose(choice_numbers *numbers, int axis, double first)
+static bool second_choose(choice_variates *u, int axis, double first)
 {
-    const bool second = numbers->left[axis] >= first;
+    const bool second = u->left[axis] >= first;
     const double share = second ? 1.0 - first : first;
-    const double left = (second ? numbers->left[axis] - first : numbers->left[axis]) / share;
-    numbers->left[axis] = left < 1.0 - NUMBER_STEP ? left : 1.0 - NUMBER_STEP;
-    numbers->used[axis] *= share;
+    const double left = (second ? u->left[axis] - first : u->left[axis]) / share;
+    u->left[axis] = left < 1.0 - VARIATE_STEP ? left : 1.0 - VARIATE_STEP;
+    u->used[axis] *= share;
     return second;
 }
 
 /* Makes up last bits in place of those that have been used. */
-static void numbers_refill(choice_numbers *numbers, const float original[2])
+static void variates_refill(choice_variates *u, const float original[2])
 {
     uint32_t bits[2];
     memcpy(bits, original, sizeof bits);
     const uint64_t mixed = lmb_mix(bits[0], bits[1]);
     const double made_up[2] = {(double)(mixed >> 40) * 0x1p-24, (double)(mixed & 0xffffff) * 0x1p-24};
     for (int i = 0; i < 2; ++i) {
-        const double step = fmin(NUMBER_STEP / numbers->used[i], 1.0);
-        numbers->left[i] = fmin(numbers->left[i] + made_up[i] * step, 1.0 - NUMBER_STEP);
+        const double step = fmin(VARIATE_STEP / u->used[i], 1.0);
+        u->left[i] = fmin(u->left[i] + made_up[i] * step, 1.0 - VARIATE_STEP);
     }
 }
 
 /* Narrows a range down to one cell, by weight. */
-static lmb_texel_range cell_choose(const lmb_emission_map *map, const lmb_texel_range *range, choice_numbers *numbers)
+static lmb_texel_range cell_choose(const lmb_emission_map *map, const lmb_texel_range *range, choice_variates *u)
 {
     lmb_texel_range at = *range;
     lmb_emission_cut cut;
@@ -299,7 +299,7 @@ static lmb_texel_range cell_choose(const lmb_emission_map *map, const lmb_texel_
         half[0].end[cut.axis] = cut.line;
         half[1].first[cut.axis] = cut.line;
         const double first = lmb_emission_map_sum(map, &half[0]);
-        const bool second = second_choose(numbers, cut.axis, first / sum);
+        const bool second = second_choose(u, cut.axis, first / sum);
         sum = second ? sum - first : first;
         at = half[second];
     }
@@ -324,12 +324,12 @@ static bool choice_ends(const lmb_emission_map *map, const lmb_emission_part *pa
     return !range_cut(map, range, cut) || part_is_full(part, range);
 }
 
-bool lmb_emission_part_sample(const lmb_emission_map *map, const lmb_emission_part *part, const float numbers[2],
+bool lmb_emission_part_sample(const lmb_emission_map *map, const lmb_emission_part *part, const float u[2],
                               float weight[2], float *density)
 {
     lmb_emission_part room[2][2]; /* halves of a part that is one of the other two */
     const lmb_emission_part *at = part;
-    choice_numbers choice = {{(double)numbers[0], (double)numbers[1]}, {1.0, 1.0}};
+    choice_variates choice = {{(double)u[0], (double)u[1]}, {1.0, 1.0}};
     lmb_texel_range range;
     lmb_emission_cut cut;
     for (int turn = 0; !choice_ends(map, at, &range, &cut); turn ^= 1) {
@@ -344,7 +344,7 @@ bool lmb_emission_part_sample(const lmb_emission_map *map, const lmb_emission_pa
     if (map && part_is_full(at, &range)) {
         const lmb_texel_range cell = cell_choose(map, &range, &choice);
         double share[2];
-        numbers_refill(&choice, numbers);
+        variates_refill(&choice, u);
         for (int axis = 0; axis < 2; ++axis) {
             share[axis] = (cell.first[axis] - range.first[axis] + choice.left[axis]) /
                           (double)(range.end[axis] - range.first[axis]);
@@ -352,7 +352,7 @@ bool lmb_emission_part_sample(const lmb_emission_map *map, const lmb_emission_pa
         found *= cell_density(map, &range, cell.first);
         full_point(at, &range, share, weight);
     } else {
-        numbers_refill(&choice, numbers);
+        variates_refill(&choice, u);
         polygon_point(at, choice.left, weight);
     }
     *density = (float)found;

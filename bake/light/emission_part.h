@@ -56,10 +56,10 @@ bool lmb_emission_part_is_even(const lmb_emission_map *map, const lmb_emission_p
 /* The whole triangle's is 1. */
 double lmb_emission_part_area(const lmb_emission_part *part);
 
-/* A point of the part for (x, y) in [0, 1)^2, and how many times denser such points are there than points even over the
- * whole triangle. Neighbouring (x, y) give neighbouring points, for the most. False where no point is found. Without a
+/* A point of the part for u in [0, 1)^2, and how many times denser such points are there than points even over the
+ * whole triangle. Neighbouring u give neighbouring points, for the most. False where no point is found. Without a
  * map points are even over the part. */
-bool lmb_emission_part_sample(const lmb_emission_map *map, const lmb_emission_part *part, const float numbers[2],
+bool lmb_emission_part_sample(const lmb_emission_map *map, const lmb_emission_part *part, const float u[2],
                               float weight[2], float *density);
 
 /* That density at a point of the part. */

@@ -38,24 +38,24 @@ float lmb_emitter_density(const lmb_emitter_shape *shape, float probability, flo
     return density_of(probability / shape->area, distance, fabsf(vec3_dot(direction, normal)));
 }
 
-/* The chosen triangles' shapes, one array for each number. */
+/* The chosen triangles' shapes, one array for each float. */
 typedef union picked_shapes {
-    float number[SHAPE_FLOATS][LMB_EMITTER_POINTS];
+    float value[SHAPE_FLOATS][LMB_EMITTER_POINTS];
     struct {
         float corner[3][LMB_EMITTER_POINTS], edge_u[3][LMB_EMITTER_POINTS], edge_v[3][LMB_EMITTER_POINTS];
         float middle[3][LMB_EMITTER_POINTS], normal[3][LMB_EMITTER_POINTS];
         float rounding[LMB_EMITTER_POINTS], area[LMB_EMITTER_POINTS];
     };
 } picked_shapes;
-_Static_assert(sizeof(picked_shapes) == sizeof(lmb_emitter_shape) * LMB_EMITTER_POINTS, "one array for each number");
+_Static_assert(sizeof(picked_shapes) == sizeof(lmb_emitter_shape) * LMB_EMITTER_POINTS, "one array for each float");
 
 static void shapes_pick(const lmb_emitter_shape *shapes, const lmb_emitter_points *points, picked_shapes *picked)
 {
     for (uint32_t i = 0; i < points->count; ++i) {
-        float number[SHAPE_FLOATS];
-        memcpy(number, &shapes[points->emitter[i]], sizeof number);
+        float value[SHAPE_FLOATS];
+        memcpy(value, &shapes[points->emitter[i]], sizeof value);
         for (uint32_t k = 0; k < SHAPE_FLOATS; ++k) {
-            picked->number[k][i] = number[k];
+            picked->value[k][i] = value[k];
         }
     }
 }

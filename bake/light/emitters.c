@@ -96,11 +96,11 @@ static uint32_t emitter_choose(const lmb_emitters *emitters, const lmb_triangle_
     return (uint32_t)((double)choice * emitters->count);
 }
 
-static double emitter_probability(const lmb_emitters *emitters, const lmb_triangle_query *query, uint32_t number)
+static double emitter_probability(const lmb_emitters *emitters, const lmb_triangle_query *query, uint32_t index)
 {
     if (emitters->tree) {
         const lmb_light_query asked = tree_query(query);
-        return lmb_light_tree_probability(emitters->tree, &asked, number);
+        return lmb_light_tree_probability(emitters->tree, &asked, index);
     }
     return 1.0 / emitters->count;
 }
@@ -114,7 +114,7 @@ static const lmb_emission_map *points_map(const lmb_emitters *emitters, const lm
 }
 
 /* Puts the i-th point, which is even over the triangle, where its emitter gives light. */
-static void point_place(const lmb_emitters *emitters, lmb_emitter_points *points, uint32_t i, const float numbers[2])
+static void point_place(const lmb_emitters *emitters, lmb_emitter_points *points, uint32_t i, const float u[2])
 {
     const lmb_emitter *emitter = &emitters->emitters[points->emitter[i]];
     lmb_emission_lattice lattice;
@@ -128,7 +128,7 @@ static void point_place(const lmb_emitters *emitters, lmb_emitter_points *points
         return;
     }
     float weight[2], density = 0.0f;
-    if (lmb_emission_part_sample(points_map(emitters, emitter), part, numbers, weight, &density)) {
+    if (lmb_emission_part_sample(points_map(emitters, emitter), part, u, weight, &density)) {
         points->u[i] = weight[0];
         points->v[i] = weight[1];
     }
@@ -177,8 +177,8 @@ void lmb_emitters_sample_triangles(const lmb_emitters *emitters, const lmb_trian
     }
     lmb_emitter_points_even(&points, x, y);
     for (uint32_t i = 0; emitters->map_count > 0 && i < count; ++i) {
-        const float numbers[2] = {x[i], y[i]};
-        point_place(emitters, &points, i, numbers);
+        const float u[2] = {x[i], y[i]};
+        point_place(emitters, &points, i, u);
     }
     lmb_emitter_points_find(emitters->shapes, &points);
     for (uint32_t i = 0; i < count; ++i) {
@@ -194,10 +194,10 @@ static uint32_t emitter_at(const lmb_emitters *emitters, uint32_t whole, const d
     }
     lmb_emitter_half half = {LMB_HALF_CUT, emitters->emitters[whole].cut};
     while (half.kind == LMB_HALF_CUT) {
-        const lmb_emitter_cut *cut = &emitters->cuts[half.number];
+        const lmb_emitter_cut *cut = &emitters->cuts[half.index];
         half = cut->half[texel[cut->line.axis] >= cut->line.line];
     }
-    return half.kind == LMB_HALF_EMITTER ? half.number : LMB_NONE;
+    return half.kind == LMB_HALF_EMITTER ? half.index : LMB_NONE;
 }
 
 static double points_density(const lmb_emitters *emitters, const lmb_emitter *emitter,
@@ -213,24 +213,24 @@ static double points_density(const lmb_emitters *emitters, const lmb_emitter *em
 float lmb_emitters_triangle_density(const lmb_emitters *emitters, const lmb_triangle_query *query, const lmb_hit *hit,
                                     lmb_vec3 direction)
 {
-    const uint32_t *numbers = emitters->emitter_of[hit->instance];
-    if (!numbers || numbers[hit->triangle] == LMB_NONE) {
+    const uint32_t *emitter_of = emitters->emitter_of[hit->instance];
+    if (!emitter_of || emitter_of[hit->triangle] == LMB_NONE) {
         return 0.0f;
     }
-    uint32_t number = numbers[hit->triangle];
+    uint32_t index = emitter_of[hit->triangle];
     lmb_emission_lattice lattice;
     double points = 1.0; /* density beside that of points even over the triangle */
-    if (emitters->map_count > 0 && lmb_emitter_lattice(emitters, &emitters->emitters[number], &lattice)) {
+    if (emitters->map_count > 0 && lmb_emitter_lattice(emitters, &emitters->emitters[index], &lattice)) {
         double texel[2];
         lmb_emission_texel(&lattice, hit->u, hit->v, texel);
-        number = emitter_at(emitters, number, texel);
-        points = number != LMB_NONE ? points_density(emitters, &emitters->emitters[number], &lattice, texel) : 0.0;
+        index = emitter_at(emitters, index, texel);
+        points = index != LMB_NONE ? points_density(emitters, &emitters->emitters[index], &lattice, texel) : 0.0;
     }
     if (!(points > 0.0)) {
         return 0.0f;
     }
-    const float probability = (float)(emitter_probability(emitters, query, number) * points);
-    return lmb_emitter_density(&emitters->shapes[number], probability, hit->distance, direction);
+    const float probability = (float)(emitter_probability(emitters, query, index) * points);
+    return lmb_emitter_density(&emitters->shapes[index], probability, hit->distance, direction);
 }
 
 bool lmb_emitters_environment_sampled(const lmb_emitters *emitters)

@@ -78,10 +78,10 @@ static const lmb_emission_map *emitter_map(const lmb_emitters *emitters, const l
 }
 
 /* Makes an emitter that part of its triangle. */
-static void emitter_narrow(lmb_emitters *emitters, uint32_t number, const lmb_emission_part *part, double power)
+static void emitter_narrow(lmb_emitters *emitters, uint32_t index, const lmb_emission_part *part, double power)
 {
-    lmb_emitter *emitter = &emitters->emitters[number];
-    const lmb_emitter_shape *shape = &emitters->shapes[number];
+    lmb_emitter *emitter = &emitters->emitters[index];
+    const lmb_emitter_shape *shape = &emitters->shapes[index];
     if (emitter->part == LMB_NONE) {
         emitter->part = emitters->part_count++;
     }
@@ -119,7 +119,7 @@ static bool emitter_part(const lmb_emitters *emitters, const lmb_emitter *emitte
 static void half_set(lmb_emitters *emitters, const wide_emitter *divided, lmb_emitter_half half)
 {
     if (divided->cut == LMB_NONE) {
-        emitters->emitters[divided->emitter].cut = half.number;
+        emitters->emitters[divided->emitter].cut = half.index;
     } else {
         emitters->cuts[divided->cut].half[divided->half] = half;
     }
@@ -151,7 +151,7 @@ static bool emitter_divide(dividing *work, const wide_emitter *divided)
     if (!lit[0] && !lit[1]) {
         return true;
     }
-    const uint32_t numbers[2] = {divided->emitter, lit[0] ? emitters->count : divided->emitter};
+    const uint32_t halves[2] = {divided->emitter, lit[0] ? emitters->count : divided->emitter};
     if (lit[0] && lit[1]) {
         lmb_emitter second = *emitter;
         const lmb_emitter_shape shape = emitters->shapes[divided->emitter];
@@ -161,17 +161,17 @@ static bool emitter_divide(dividing *work, const wide_emitter *divided)
             return false;
         }
     }
-    const uint32_t cut_number = emitters->cut_count++;
-    half_set(emitters, divided, (lmb_emitter_half){LMB_HALF_CUT, cut_number});
+    const uint32_t cut_index = emitters->cut_count++;
+    half_set(emitters, divided, (lmb_emitter_half){LMB_HALF_CUT, cut_index});
     for (int i = 0; i < 2; ++i) {
-        cut.half[i] = (lmb_emitter_half){lit[i] ? LMB_HALF_EMITTER : LMB_HALF_DARK, numbers[i]};
+        cut.half[i] = (lmb_emitter_half){lit[i] ? LMB_HALF_EMITTER : LMB_HALF_DARK, halves[i]};
     }
-    emitters->cuts[cut_number] = cut;
+    emitters->cuts[cut_index] = cut;
     for (int i = 0; i < 2; ++i) {
         if (lit[i]) {
-            emitter_narrow(emitters, numbers[i], &half[i], power[i]);
-            const double width = bound_width(&emitters->emitters[numbers[i]].bound);
-            heap_add(work, (wide_emitter){width, divided->unit, numbers[i], cut_number, i});
+            emitter_narrow(emitters, halves[i], &half[i], power[i]);
+            const double width = bound_width(&emitters->emitters[halves[i]].bound);
+            heap_add(work, (wide_emitter){width, divided->unit, halves[i], cut_index, i});
         }
     }
     return true;

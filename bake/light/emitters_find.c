@@ -93,7 +93,7 @@ static mesh_light light_look(const lmb_emitters *emitters, const lmb_emitter *em
 {
     const lmb_scene *scene = lmb_tracer_scene(emitters->tracer);
     const lmb_mesh *mesh = &scene->meshes[scene->instances[emitter->instance].mesh];
-    const uint32_t number = mesh->material[emitter->triangle];
+    const uint32_t material = mesh->material[emitter->triangle];
     lmb_emission_lattice lattice;
     if (!lmb_emitter_lattice(emitters, emitter, &lattice)) {
         float mean = points_luminance(emitters->tracer, emitter->instance, emitter->triangle);
@@ -102,7 +102,7 @@ static mesh_light light_look(const lmb_emitters *emitters, const lmb_emitter *em
         }
         return (mesh_light){mean, true};
     }
-    const lmb_emission_map *map = emitters->materials[number].map;
+    const lmb_emission_map *map = emitters->materials[material].map;
     const lmb_emission_part whole = lmb_emission_part_whole(&lattice);
     const double light = lmb_emission_part_light(map, &whole);
     return (mesh_light){lmb_luminance(emitter->radiance) * factors_opacity(scene, mesh, emitter->triangle) *
@@ -113,9 +113,9 @@ static mesh_light light_look(const lmb_emitters *emitters, const lmb_emitter *em
 static bool light_find(finding *found, const lmb_emitter *emitter, mesh_light *light)
 {
     const lmb_scene *scene = lmb_tracer_scene(found->emitters->tracer);
-    const uint32_t number = scene->instances[emitter->instance].mesh;
-    const uint32_t count = scene->meshes[number].triangle_count;
-    mesh_light **known = &found->known[number];
+    const uint32_t mesh = scene->instances[emitter->instance].mesh;
+    const uint32_t count = scene->meshes[mesh].triangle_count;
+    mesh_light **known = &found->known[mesh];
     if (!*known) {
         *known = malloc(count * sizeof **known);
         for (uint32_t t = 0; *known && t < count; ++t) {
@@ -189,11 +189,11 @@ static bool emitter_make(finding *found, uint32_t instance, uint32_t triangle, l
 }
 
 /* Finds the emissive triangles of one instance. */
-static bool instance_find(finding *found, uint32_t number)
+static bool instance_find(finding *found, uint32_t index)
 {
     lmb_emitters *emitters = found->emitters;
     const lmb_scene *scene = lmb_tracer_scene(emitters->tracer);
-    const lmb_instance *instance = &scene->instances[number];
+    const lmb_instance *instance = &scene->instances[index];
     const lmb_mesh *mesh = &scene->meshes[instance->mesh];
     for (uint32_t t = 0; t < mesh->triangle_count && !instance->dynamic; ++t) {
         lmb_emitter made;
@@ -201,22 +201,22 @@ static bool instance_find(finding *found, uint32_t number)
         if (!lmb_material_emits(&scene->materials[mesh->material[t]])) {
             continue;
         }
-        if (!emitter_make(found, number, t, &made, &shape)) {
+        if (!emitter_make(found, index, t, &made, &shape)) {
             return false;
         }
         if (!(made.bound.power > 0.0f) || !isfinite(made.bound.power)) {
             continue;
         }
-        if (!emitters->emitter_of[number]) {
-            emitters->emitter_of[number] = malloc(mesh->triangle_count * sizeof(uint32_t));
-            if (!emitters->emitter_of[number]) {
+        if (!emitters->emitter_of[index]) {
+            emitters->emitter_of[index] = malloc(mesh->triangle_count * sizeof(uint32_t));
+            if (!emitters->emitter_of[index]) {
                 return false;
             }
             for (uint32_t k = 0; k < mesh->triangle_count; ++k) {
-                emitters->emitter_of[number][k] = LMB_NONE;
+                emitters->emitter_of[index][k] = LMB_NONE;
             }
         }
-        emitters->emitter_of[number][t] = emitters->count;
+        emitters->emitter_of[index][t] = emitters->count;
         if (!lmb_emitters_add(emitters, &made, &shape)) {
             return false;
         }

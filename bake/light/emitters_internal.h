@@ -20,14 +20,14 @@ typedef struct lmb_emitter {
     bool even;        /* opaque and without texture: `radiance` is its emission everywhere */
     bool even_points; /* its points are chosen evenly over the triangle */
     lmb_rgb radiance;
-    uint32_t part; /* number in `parts`, or LMB_NONE: the whole triangle */
+    uint32_t part; /* index into `parts`, or LMB_NONE: the whole triangle */
     uint32_t cut;  /* the triangle's first cut, where it was found whole; LMB_NONE: it has not been divided */
 } lmb_emitter;
 
 /* A half of what a cut divides: an emitter, another cut, or dark. */
 typedef struct lmb_emitter_half {
     enum { LMB_HALF_DARK, LMB_HALF_EMITTER, LMB_HALF_CUT } kind;
-    uint32_t number;
+    uint32_t index;
 } lmb_emitter_half;
 
 typedef struct lmb_emitter_cut {
@@ -49,7 +49,7 @@ struct lmb_emitters {
     uint32_t capacity;
     uint32_t triangle_count;
     lmb_light_tree *tree;            /* of the emitters; NULL when there are none, or they are chosen evenly */
-    uint32_t **emitter_of;           /* [instance] NULL, or [triangle]: number in `emitters`, or LMB_NONE */
+    uint32_t **emitter_of;           /* [instance] NULL, or [triangle]: index into `emitters`, or LMB_NONE */
     lmb_emitter_material *materials; /* [material] */
     lmb_emission_map **maps;
     uint32_t map_count;

@@ -7,7 +7,7 @@
 #include "base/lanes.h"
 #include "light/light_tree_internal.h"
 
-#define EVEN_SHARE 0.1
+#define LMB_LIGHT_EVEN_SHARE 0.1
 
 /* A bound must miss by this much, in cosines and in shares of a range, before it counts: far more than rounding. */
 #define SLACK 1e-3f
@@ -21,9 +21,9 @@ enum { CHILDREN = LMB_LIGHT_CHILDREN };
 /* The cluster of all lights; any other is a slot + 1. */
 enum { WHOLE = 0 };
 
-static inline float float_between(float low, float number, float high)
+static inline float float_between(float low, float value, float high)
 {
-    return float_smaller(float_larger(number, low), high);
+    return float_smaller(float_larger(value, low), high);
 }
 
 /* About the most that the lights of each child can give, 0 only where they can give nothing: power, over the square of
@@ -91,20 +91,20 @@ static void shares_find(const lmb_light_tree *tree, const lmb_light_node *node, 
 }
 
 /* `room` is used where the query keeps nothing. */
-static const lmb_light_shares *node_shares(const lmb_light_tree *tree, uint32_t number, const lmb_light_query *query,
+static const lmb_light_shares *node_shares(const lmb_light_tree *tree, uint32_t node, const lmb_light_query *query,
                                            lmb_light_shares *room)
 {
     lmb_light_memo *memo = query->memo;
     if (!memo) {
-        shares_find(tree, &tree->node[number], query, room);
+        shares_find(tree, &tree->node[node], query, room);
         return room;
     }
-    const uint32_t place = number % LMB_LIGHT_MEMO;
-    if (memo->node[place] != number + 1) {
-        memo->node[place] = number + 1;
-        shares_find(tree, &tree->node[number], query, &memo->shares[place]);
+    const uint32_t slot = node % LMB_LIGHT_MEMO;
+    if (memo->node[slot] != node + 1) {
+        memo->node[slot] = node + 1;
+        shares_find(tree, &tree->node[node], query, &memo->shares[slot]);
     }
-    return &memo->shares[place];
+    return &memo->shares[slot];
 }
 
 static double shares_before(const lmb_light_shares *shares, uint32_t child)
@@ -132,13 +132,13 @@ uint32_t lmb_light_tree_cluster(const lmb_light_tree *tree, uint32_t cluster, co
     }
     const uint32_t slot = cluster - 1;
     const lmb_light_node *node = &tree->node[slot / CHILDREN];
-    *light = &tree->light[node->first_place[slot % CHILDREN]];
+    *light = &tree->light[node->first_leaf[slot % CHILDREN]];
     return node->count[slot % CHILDREN];
 }
 
 static double with_even_share(uint32_t count, double probability)
 {
-    return (1.0 - EVEN_SHARE) * probability + EVEN_SHARE / count;
+    return (1.0 - LMB_LIGHT_EVEN_SHARE) * probability + LMB_LIGHT_EVEN_SHARE / count;
 }
 
 /* Probability of getting to a light from a node above it, by strength alone. */
@@ -148,22 +148,22 @@ static double light_probability(const lmb_light_tree *tree, const lmb_light_quer
     double probability = 1.0;
     for (;;) {
         lmb_light_shares room;
-        const uint32_t number = slot / CHILDREN, child = slot % CHILDREN;
-        const lmb_light_shares *shares = node_shares(tree, number, query, &room);
+        const uint32_t above = slot / CHILDREN, child = slot % CHILDREN;
+        const lmb_light_shares *shares = node_shares(tree, above, query, &room);
         probability *= shares->up_to[child] - shares_before(shares, child);
-        if (number == top) {
+        if (above == top) {
             return probability;
         }
-        slot = tree->node[number].slot;
+        slot = tree->node[above].slot;
     }
 }
 
-/* The first child whose share, times `whole`, is not all below the number. */
-static uint32_t child_choose(const lmb_light_shares *shares, double number, double whole)
+/* The first child whose share, times `whole`, is not all below `u`. */
+static uint32_t child_choose(const lmb_light_shares *shares, double u, double whole)
 {
     uint32_t chosen = 0;
     for (int k = 0; k < CHILDREN; ++k) {
-        chosen += number >= shares->up_to[k] * whole;
+        chosen += u >= shares->up_to[k] * whole;
     }
     if (chosen == CHILDREN) { /* rounding: the last one that has a share */
         do {
@@ -173,50 +173,49 @@ static uint32_t child_choose(const lmb_light_shares *shares, double number, doub
     return chosen;
 }
 
-/* The light that `number` chooses by strength, and its probability. */
-static uint32_t light_choose(const lmb_light_tree *tree, const lmb_light_query *query, uint32_t top, double number,
+/* The light that `u` chooses by strength, and its probability. */
+static uint32_t light_choose(const lmb_light_tree *tree, const lmb_light_query *query, uint32_t top, double u,
                              double *probability)
 {
     uint32_t at = top;
-    double whole = 1.0; /* share of the numbers that lead here, and `number` is how far into it */
+    double whole = 1.0; /* share of all u that lead here, and `u` is how far into it */
     for (;;) {
         lmb_light_shares room;
         const lmb_light_shares *shares = node_shares(tree, at, query, &room);
-        const uint32_t child = child_choose(shares, number, whole);
+        const uint32_t child = child_choose(shares, u, whole);
         const double before = shares_before(shares, child);
-        number -= before * whole;
+        u -= before * whole;
         whole *= shares->up_to[child] - before;
         if (tree->node[at].inside[child] == 0) {
             *probability = whole;
-            return tree->light[tree->node[at].first_place[child]];
+            return tree->light[tree->node[at].first_leaf[child]];
         }
         at = tree->node[at].inside[child];
     }
 }
 
-uint32_t lmb_light_tree_choose_in(const lmb_light_tree *tree, uint32_t cluster, const lmb_light_query *query,
-                                  double number, double *probability)
+uint32_t lmb_light_tree_choose_in(const lmb_light_tree *tree, uint32_t cluster, const lmb_light_query *query, double u,
+                                  double *probability)
 {
     const uint32_t *lights;
     const uint32_t count = lmb_light_tree_cluster(tree, cluster, &lights);
     const uint32_t top = cluster_node(tree, cluster);
     uint32_t light = lights[0];
     *probability = 1.0;
-    if (number < EVEN_SHARE) {
-        const uint32_t even = (uint32_t)(number / EVEN_SHARE * count);
+    if (u < LMB_LIGHT_EVEN_SHARE) {
+        const uint32_t even = (uint32_t)(u / LMB_LIGHT_EVEN_SHARE * count);
         light = lights[even < count ? even : count - 1];
         *probability = top != NO_NODE ? light_probability(tree, query, top, light) : 1.0;
     } else if (top != NO_NODE) {
-        light = light_choose(tree, query, top, (number - EVEN_SHARE) / (1.0 - EVEN_SHARE), probability);
+        light = light_choose(tree, query, top, (u - LMB_LIGHT_EVEN_SHARE) / (1.0 - LMB_LIGHT_EVEN_SHARE), probability);
     }
     *probability = with_even_share(count, *probability);
     return light;
 }
 
-uint32_t lmb_light_tree_choose(const lmb_light_tree *tree, const lmb_light_query *query, double number,
-                               double *probability)
+uint32_t lmb_light_tree_choose(const lmb_light_tree *tree, const lmb_light_query *query, double u, double *probability)
 {
-    return lmb_light_tree_choose_in(tree, WHOLE, query, number, probability);
+    return lmb_light_tree_choose_in(tree, WHOLE, query, u, probability);
 }
 
 double lmb_light_tree_probability(const lmb_light_tree *tree, const lmb_light_query *query, uint32_t light)
@@ -243,10 +242,10 @@ static int strongest_find(const clusters *found)
 }
 
 /* Puts the children of a cluster that can give anything in its place, if there is room for them. */
-static void cluster_divide(const lmb_light_tree *tree, const lmb_light_query *query, int max, int number,
+static void cluster_divide(const lmb_light_tree *tree, const lmb_light_query *query, int max, int index,
                            clusters *found)
 {
-    const uint32_t node = cluster_node(tree, found->cluster[number]);
+    const uint32_t node = cluster_node(tree, found->cluster[index]);
     float weight[CHILDREN];
     children_look(&tree->node[node], query, tree->two_sided, weight);
     int giving = 0;
@@ -254,13 +253,13 @@ static void cluster_divide(const lmb_light_tree *tree, const lmb_light_query *qu
         giving += weight[k] > 0.0f;
     }
     if (found->count - 1 + giving > max) {
-        found->is_final[number] = true;
+        found->is_final[index] = true;
         return;
     }
     --found->count;
-    found->cluster[number] = found->cluster[found->count];
-    found->importance[number] = found->importance[found->count];
-    found->is_final[number] = found->is_final[found->count];
+    found->cluster[index] = found->cluster[found->count];
+    found->importance[index] = found->importance[found->count];
+    found->is_final[index] = found->is_final[found->count];
     for (int k = 0; k < CHILDREN; ++k) {
         if (weight[k] > 0.0f) {
             const int i = found->count++;

@@ -55,11 +55,12 @@ typedef struct lmb_light_query {
     lmb_light_memo *memo;   /* of this place and this tree; NULL: none */
 } lmb_light_query;
 
-/* The light that `number` in [0, 1) chooses, and the probability of that. It is never 0, whatever the bounds say: a
- * tenth of the choices are even. What is chosen by strength alone never finds a candle in a room whose walls keep the
- * sun out. */
-uint32_t lmb_light_tree_choose(const lmb_light_tree *tree, const lmb_light_query *query, double number,
-                               double *probability);
+/* Share of the choices that any light that gives light has the same chance of. What is chosen by strength alone never
+ * finds a candle in a room whose walls keep the sun out; this bounds how much rarer than any other it is chosen. */
+#define LMB_LIGHT_EVEN_SHARE 0.1
+
+/* The light that `u` in [0, 1) chooses, and the probability of that. It is never 0, whatever the bounds say. */
+uint32_t lmb_light_tree_choose(const lmb_light_tree *tree, const lmb_light_query *query, double u, double *probability);
 
 /* The probability with which that chooses `light`. */
 double lmb_light_tree_probability(const lmb_light_tree *tree, const lmb_light_query *query, uint32_t light);
@@ -74,7 +75,7 @@ int lmb_light_tree_split(const lmb_light_tree *tree, const lmb_light_query *quer
 uint32_t lmb_light_tree_cluster(const lmb_light_tree *tree, uint32_t cluster, const uint32_t **light);
 
 /* lmb_light_tree_choose within a cluster. */
-uint32_t lmb_light_tree_choose_in(const lmb_light_tree *tree, uint32_t cluster, const lmb_light_query *query,
-                                  double number, double *probability);
+uint32_t lmb_light_tree_choose_in(const lmb_light_tree *tree, uint32_t cluster, const lmb_light_query *query, double u,
+                                  double *probability);
 
 #endif

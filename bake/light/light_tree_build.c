@@ -11,11 +11,11 @@
 
 enum { BINS = 12 };
 
-/* A set of lights that is divided in two: light[first_place .. first_place + count - 1]. Set i's first half is i + 1.
+/* A set of lights that is divided in two: light[first_leaf .. first_leaf + count - 1]. Set i's first half is i + 1.
  */
 typedef struct light_pair {
     lmb_light_bound bound;
-    uint32_t first_place, count;
+    uint32_t first_leaf, count;
     uint32_t second; /* half; 0: a single light */
 } light_pair;
 
@@ -175,7 +175,7 @@ static double cut_find(const build *made, uint32_t first, uint32_t end, const sl
     return best;
 }
 
-/* Brings the lights of the first half of places first .. end - 1 to the front; returns where the second begins. */
+/* Brings the lights of the first half of leaves first .. end - 1 to the front; returns where the second begins. */
 static uint32_t lights_divide(const build *made, uint32_t first, uint32_t end)
 {
     uint32_t *light = made->tree->light;
@@ -211,11 +211,11 @@ static uint32_t lights_divide(const build *made, uint32_t first, uint32_t end)
     return middle;
 }
 
-/* Makes the pair of places first .. end - 1 and all below it. */
+/* Makes the pair of leaves first .. end - 1 and all below it. */
 static void pair_make(build *made, uint32_t first, uint32_t end)
 {
     light_pair *pair = &made->pair[made->pair_count++];
-    *pair = (light_pair){.first_place = first, .count = end - first};
+    *pair = (light_pair){.first_leaf = first, .count = end - first};
     if (end - first == 1) {
         pair->bound = made->lights[made->tree->light[first]];
         return;
@@ -247,7 +247,7 @@ static void child_set(lmb_light_node *node, int k, const light_pair *pair, float
     node->sin_spread[k] = sqrtf(float_larger(0.0f, (1.0f - bound->cos_spread) * (1.0f + bound->cos_spread)));
     node->cos_reach[k] = bound->cos_reach;
     node->inverse_range[k] = float_smaller(1.0f / bound->range, FLT_MAX);
-    node->first_place[k] = pair->first_place;
+    node->first_leaf[k] = pair->first_leaf;
     node->count[k] = pair->count;
 }
 
@@ -261,10 +261,10 @@ static bool pair_is_wider(const light_pair *a, const light_pair *b)
 }
 
 /* Opens a pair into up to LMB_LIGHT_CHILDREN ones, the widest first. Returns how many. */
-static int pair_open(const build *made, uint32_t number, uint32_t child[LMB_LIGHT_CHILDREN])
+static int pair_open(const build *made, uint32_t opened, uint32_t child[LMB_LIGHT_CHILDREN])
 {
     int count = 1;
-    child[0] = number;
+    child[0] = opened;
     while (count < LMB_LIGHT_CHILDREN) {
         int widest = -1;
         for (int k = 0; k < count; ++k) {
@@ -286,22 +286,22 @@ static int pair_open(const build *made, uint32_t number, uint32_t child[LMB_LIGH
 static uint32_t node_make(build *made, uint32_t pair, uint32_t slot)
 {
     lmb_light_tree *tree = made->tree;
-    const uint32_t number = tree->node_count++;
-    lmb_light_node *node = &tree->node[number];
+    const uint32_t index = tree->node_count++;
+    lmb_light_node *node = &tree->node[index];
     uint32_t child[LMB_LIGHT_CHILDREN];
     const int count = pair_open(made, pair, child);
     *node = (lmb_light_node){.slot = slot};
     for (int k = 0; k < count; ++k) {
         const light_pair *opened = &made->pair[child[k]];
-        const uint32_t child_slot = number * LMB_LIGHT_CHILDREN + (uint32_t)k;
+        const uint32_t child_slot = index * LMB_LIGHT_CHILDREN + (uint32_t)k;
         child_set(node, k, opened, made->pair[0].bound.power);
         if (opened->second == 0) {
-            tree->slot_of[tree->light[opened->first_place]] = child_slot;
+            tree->slot_of[tree->light[opened->first_leaf]] = child_slot;
         } else {
             node->inside[k] = node_make(made, child[k], child_slot);
         }
     }
-    return number;
+    return index;
 }
 
 lmb_result lmb_light_tree_create(const lmb_light_bound *lights, uint32_t count, bool two_sided, lmb_light_tree **tree)

@@ -14,8 +14,8 @@ typedef struct lmb_light_node {
     float cos_reach[LMB_LIGHT_CHILDREN];
     float inverse_range[LMB_LIGHT_CHILDREN]; /* of the longest */
     uint32_t inside[LMB_LIGHT_CHILDREN];     /* the child's node; 0: it is a single light */
-    /* The lights below a child are light[first_place .. first_place + count - 1]. */
-    uint32_t first_place[LMB_LIGHT_CHILDREN];
+    /* The lights below a child are light[first_leaf .. first_leaf + count - 1]. */
+    uint32_t first_leaf[LMB_LIGHT_CHILDREN];
     uint32_t count[LMB_LIGHT_CHILDREN];
     uint32_t slot; /* that this is inside of; unused in the root */
 } lmb_light_node;
@@ -24,7 +24,7 @@ typedef struct lmb_light_node {
 struct lmb_light_tree {
     lmb_light_node *node; /* the root first */
     uint32_t node_count;
-    uint32_t *light;   /* [place] leaves from left to right */
+    uint32_t *light;   /* [leaf] from left to right */
     uint32_t *slot_of; /* [light] */
     uint32_t count;
     bool two_sided;

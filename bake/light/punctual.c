@@ -11,7 +11,7 @@
 #include "light/light_tree.h"
 #include "light/soft_light.h"
 
-/* Point and spot lights, one array for each number. What has no range or cone has neutral numbers there. */
+/* Point and spot lights, one array for each float. What has no range or cone has neutral ones there. */
 typedef struct lamp_lanes {
     float position[3][LMB_PUNCTUAL_MAX];
     float luminance[LMB_PUNCTUAL_MAX];
@@ -37,14 +37,10 @@ struct lmb_punctual {
     punctual_kind suns;
 };
 
-/* Share of the choices that any light that gives light has the same chance of. What is chosen by strength alone never
- * finds a candle in a room whose walls keep the sun out; this bounds how much rarer than any other it is chosen. */
-#define EVEN_SHARE 0.1
-
 /* Candidates that are looked at for each light that is wanted, up to LMB_LIGHT_CLUSTERS. */
 enum { CANDIDATES_PER_SAMPLE = 8 };
 
-/* Of clusters' numbers, each by this further on than the one before, any few lie far apart. */
+/* Of clusters' variates, each by this further on than the one before, any few lie far apart. */
 #define GOLDEN_RATIO 0.6180339887498949
 
 static lmb_light_bound light_bound(const lmb_light *light)
@@ -203,7 +199,7 @@ static inline bool light_evaluate(const lmb_light *light, lmb_vec3 position, flo
     return isfinite(factor) && factor > 0.0f;
 }
 
-/* Numbers of one sample for another of its lights: moved on by steps that keep apart (the plastic number's powers). */
+/* Variates of one sample for another of its lights: moved on by steps that keep apart (the plastic number's powers). */
 static void point_of_light(const float point[2], uint32_t light, float moved[2])
 {
     static const uint32_t step[2] = {UINT32_C(3242174889), UINT32_C(2447445414)}; /* 0.75488, 0.56984 of 2^32 */
@@ -214,22 +210,22 @@ static void point_of_light(const float point[2], uint32_t light, float moved[2])
 }
 
 /* light_evaluate at a point of a light of an extent. */
-static bool light_sample(const lmb_punctual *punctual, uint32_t number, const lmb_punctual_query *query,
+static bool light_sample(const lmb_punctual *punctual, uint32_t index, const lmb_punctual_query *query,
                          lmb_punctual_sample *sample)
 {
-    const lmb_light *light = &punctual->scene->lights[number];
-    const float extent = punctual->extent[number];
+    const lmb_light *light = &punctual->scene->lights[index];
+    const float extent = punctual->extent[index];
     if (!light_evaluate(light, query->position, query->min_distance, sample)) {
         return false;
     }
-    float numbers[2];
-    point_of_light(query->point, number, numbers);
+    float u[2];
+    point_of_light(query->point, index, u);
     lmb_light_point point;
     if (sample->at_infinity) {
-        point = lmb_sun_point(sample->direction, extent, numbers);
+        point = lmb_sun_point(sample->direction, extent, u);
     } else {
         const float distance = vec3_length(vec3_sub(light->position, query->position));
-        point = lmb_lamp_point(light->position, extent, query->position, query->min_distance, numbers);
+        point = lmb_lamp_point(light->position, extent, query->position, query->min_distance, u);
         point.factor = lamp_fall(light, sample->direction, distance, point.factor);
     }
     sample->direction = point.direction;
@@ -240,10 +236,10 @@ static bool light_sample(const lmb_punctual *punctual, uint32_t number, const lm
 
 /* Sine of the angle that half the light takes, seen from `position`: what of it may be above the horizon that its
  * middle is below. 2 from inside, from where some always is. */
-static float light_sine(const lmb_punctual *punctual, uint32_t number, lmb_vec3 position)
+static float light_sine(const lmb_punctual *punctual, uint32_t index, lmb_vec3 position)
 {
-    const lmb_light *light = &punctual->scene->lights[number];
-    const float extent = punctual->extent[number];
+    const lmb_light *light = &punctual->scene->lights[index];
+    const float extent = punctual->extent[index];
     if (!(extent > 0.0f) || light->type == LMB_LIGHT_DIRECTIONAL) {
         return extent;
     }
@@ -281,16 +277,16 @@ static inline float weight_of(float luminance, float cosine)
     return cosine > 0.0f ? luminance * (0.5f + cosine) : 0.0f;
 }
 
-static void light_look(const lmb_punctual *punctual, uint32_t number, const lmb_punctual_query *query, double factor,
+static void light_look(const lmb_punctual *punctual, uint32_t index, const lmb_punctual_query *query, double factor,
                        candidates *found)
 {
-    const lmb_light *light = &punctual->scene->lights[number];
+    const lmb_light *light = &punctual->scene->lights[index];
     lmb_punctual_sample sample;
     if (is_asked(light, query) && light_evaluate(light, query->position, query->min_distance, &sample)) {
         const float cosine = query->normal ? vec3_dot(*query->normal, sample.direction) : 1.0f;
-        const float highest = cosine + light_sine(punctual, number, query->position);
+        const float highest = cosine + light_sine(punctual, index, query->position);
         const double weight = factor * (double)weight_of(lmb_luminance(sample.irradiance), highest);
-        candidate_add(found, number, factor, weight);
+        candidate_add(found, index, factor, weight);
     }
 }
 
@@ -350,13 +346,13 @@ static void candidates_of_many(const lmb_punctual *punctual, const punctual_kind
     const int wanted = max * CANDIDATES_PER_SAMPLE;
     const int most = wanted < LMB_LIGHT_CLUSTERS ? wanted : LMB_LIGHT_CLUSTERS;
     const int count = lmb_light_tree_split(set->tree, &asked, most, cluster);
-    double number = (double)choice;
+    double u = (double)choice;
     for (int k = 0; k < count; ++k) {
         double probability;
-        const uint32_t i = lmb_light_tree_choose_in(set->tree, cluster[k], &asked, number, &probability);
+        const uint32_t i = lmb_light_tree_choose_in(set->tree, cluster[k], &asked, u, &probability);
         light_look(punctual, set->light[i], query, 1.0 / probability, found);
-        number += GOLDEN_RATIO;
-        number -= floor(number);
+        u += GOLDEN_RATIO;
+        u -= floor(u);
     }
 }
 
@@ -369,7 +365,7 @@ static void inclusions_find(const candidates *found, int max, double inclusion[L
     double rest = 1.0; /* sum of the shares that are not certain */
     int left = max;
     for (int i = 0; i < found->count; ++i) {
-        share[i] = (1.0 - EVEN_SHARE) * found->weight[i] / found->total + EVEN_SHARE / found->count;
+        share[i] = (1.0 - LMB_LIGHT_EVEN_SHARE) * found->weight[i] / found->total + LMB_LIGHT_EVEN_SHARE / found->count;
     }
     for (bool changed = true; changed;) {
         changed = false;
@@ -386,13 +382,13 @@ static void inclusions_find(const candidates *found, int max, double inclusion[L
     }
 }
 
-static bool candidate_take(const lmb_punctual *punctual, const candidates *found, int number, double inclusion,
+static bool candidate_take(const lmb_punctual *punctual, const candidates *found, int k, double inclusion,
                            const lmb_punctual_query *query, lmb_punctual_sample *sample)
 {
-    const uint32_t light = found->light[number];
+    const uint32_t light = found->light[k];
     sample->light = light;
     sample->soft = punctual->extent[light] > 0.0f;
-    sample->weight = (float)(found->factor[number] / inclusion);
+    sample->weight = (float)(found->factor[k] / inclusion);
     const bool gives =
         sample->soft ? light_sample(punctual, light, query, sample)
                      : light_evaluate(&punctual->scene->lights[light], query->position, query->min_distance, sample);

@@ -72,16 +72,16 @@ static void cumulative_make(lmb_sky *sky)
     sky->total = total;
 }
 
-/* For each of equal shares of the total, the first place in `aimed` whose running sum exceeds it. */
+/* For each of equal shares of the total, the first entry in `aimed` whose running sum exceeds it. */
 static void guide_make(lmb_sky *sky)
 {
-    uint32_t place = 0;
+    uint32_t entry = 0;
     for (uint32_t i = 0; i < sky->aimed_count; ++i) {
         const double target = (double)i / (double)sky->aimed_count * sky->total;
-        while (place + 1 < sky->aimed_count && !(sky->cumulative[place] > target)) {
-            ++place;
+        while (entry + 1 < sky->aimed_count && !(sky->cumulative[entry] > target)) {
+            ++entry;
         }
-        sky->guide[i] = place;
+        sky->guide[i] = entry;
     }
 }
 
@@ -208,16 +208,16 @@ void lmb_sky_look_batch(const lmb_sky *sky, const float *const direction[3], uin
     }
 }
 
-static uint32_t guide_place(const lmb_sky *sky, float number)
+static uint32_t guide_entry(const lmb_sky *sky, float u)
 {
-    return (uint32_t)((double)number * (double)sky->aimed_count);
+    return (uint32_t)((double)u * (double)sky->aimed_count);
 }
 
-/* The pixel that a number picks, where the guide sends it to `found`, and how far into its share of the total the
- * number is, in [0, 1]. */
-static uint32_t pixel_pick(const lmb_sky *sky, float number, uint32_t found, float *across)
+/* The pixel that u in [0, 1) picks, where the guide sends it to `found`, and how far into its share of the total it is,
+ * in [0, 1]. */
+static uint32_t pixel_pick(const lmb_sky *sky, float u, uint32_t found, float *across)
 {
-    const double target = (double)number * sky->total;
+    const double target = (double)u * sky->total;
     while (found + 1 < sky->aimed_count && !(sky->cumulative[found] > target)) {
         ++found;
     }
@@ -267,19 +267,19 @@ static void points_directions(const lmb_sky *sky, const pixel_points *restrict p
     }
 }
 
-/* Picks pixels for up to BATCH numbers: each table is asked for all of them before any answer is needed. */
-static void pixels_pick(const lmb_sky *sky, const float *number, uint32_t count, uint32_t *picked, float *across)
+/* Picks pixels by up to BATCH variates: each table is asked for all of them before any answer is needed. */
+static void pixels_pick(const lmb_sky *sky, const float *u, uint32_t count, uint32_t *picked, float *across)
 {
     for (uint32_t i = 0; i < count; ++i) {
-        __builtin_prefetch(&sky->guide[guide_place(sky, number[i])]);
+        __builtin_prefetch(&sky->guide[guide_entry(sky, u[i])]);
     }
     for (uint32_t i = 0; i < count; ++i) {
-        picked[i] = sky->guide[guide_place(sky, number[i])];
+        picked[i] = sky->guide[guide_entry(sky, u[i])];
         __builtin_prefetch(&sky->cumulative[picked[i]]);
         __builtin_prefetch(&sky->aimed[picked[i]]);
     }
     for (uint32_t i = 0; i < count; ++i) {
-        picked[i] = pixel_pick(sky, number[i], picked[i], &across[i]);
+        picked[i] = pixel_pick(sky, u[i], picked[i], &across[i]);
         __builtin_prefetch(&sky->pixel[picked[i]]);
     }
 }

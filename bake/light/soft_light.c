@@ -40,15 +40,14 @@ static float cone_height(float sine)
     return sine * sine / (1.0f + cosine_of(sine));
 }
 
-lmb_light_point lmb_sun_point(lmb_vec3 to_sun, float sine, const float numbers[2])
+lmb_light_point lmb_sun_point(lmb_vec3 to_sun, float sine, const float u[2])
 {
     /* L times the solid angle 2 pi (1 - cos), where L = E / (pi sine^2). */
-    return (lmb_light_point){.direction = direction_about(to_sun, numbers[0] * cone_height(sine), numbers[1]),
+    return (lmb_light_point){.direction = direction_about(to_sun, u[0] * cone_height(sine), u[1]),
                              .factor = 2.0f / (1.0f + cosine_of(sine))};
 }
 
-lmb_light_point lmb_lamp_point(lmb_vec3 centre, float radius, lmb_vec3 position, float min_distance,
-                               const float numbers[2])
+lmb_light_point lmb_lamp_point(lmb_vec3 centre, float radius, lmb_vec3 position, float min_distance, const float u[2])
 {
     const lmb_vec3 to_centre = vec3_sub(centre, position);
     const float distance = vec3_length(to_centre);
@@ -57,7 +56,7 @@ lmb_light_point lmb_lamp_point(lmb_vec3 centre, float radius, lmb_vec3 position,
     const bool outside = distance > radius;
     const float sine = outside ? radius / distance : 1.0f;
     lmb_light_point point;
-    point.direction = direction_about(axis, numbers[0] * (outside ? cone_height(sine) : 2.0f), numbers[1]);
+    point.direction = direction_about(axis, u[0] * (outside ? cone_height(sine) : 2.0f), u[1]);
     /* L times the solid angle 2 pi (1 - cos), where L = I / (pi radius^2); 4 pi from inside. */
     point.factor = (outside ? 2.0f / (1.0f + cosine_of(sine)) : 4.0f) / counted / counted;
     const float along = vec3_dot(point.direction, to_centre);

@@ -6,7 +6,7 @@
  * 1965, in the form of H. F. Walker and P. Ni, "Anderson acceleration for fixed-point iterations", SIAM J. Numer.
  * Anal. 49(4), 2011, eq. 2.2. Between cycles only passes are taken (as P. P. Pratapa, P. Suryanarayana and J. E. Pask,
  * "Anderson acceleration of the Jacobi iterative method", J. Comput. Phys. 306, 2016): these get rid of what changes
- * from place to place, and the combination of what a whole room has in common. */
+ * from patch to patch, and the combination of what a whole room has in common. */
 #include "solve/bounces.h"
 
 #include <float.h>
@@ -25,7 +25,7 @@ enum { AHEAD = 24 };
 enum { CYCLE = 4, HISTORY = 3, VECTORS = 4 + 2 * HISTORY };
 
 /* Light stands still when a cycle, its combination included, changes it by less than this share: by the mean over all
- * places, or a few that are shut in between white surfaces, as within a lamp, would keep all waiting. */
+ * patches, or a few that are shut in between white surfaces, as within a lamp, would keep all waiting. */
 #define STILL 5e-4
 
 /* What is darker than this share of the mean light may change by a share of that. */
@@ -37,7 +37,7 @@ enum { MIN_PASSES = 256, MAX_PASSES = 2000, LINKS_IN_ALL = 400000000 };
 /* Keeps the least squares solvable when cycles repeat each other. */
 #define RIDGE 1e-8
 
-/* Sums over some places, each by how many samples it has. */
+/* Sums over some rows, each by how many samples it has. */
 typedef struct cycle_sums {
     double product[HISTORY][HISTORY]; /* of changes of the residual, relative to the light; j <= i */
     double residual[HISTORY];         /* of these with the residual */
@@ -48,7 +48,7 @@ typedef struct cycle_sums {
 
 typedef struct bounce_work {
     const lmb_bounce_rows *rows;
-    lmb_rgb *light; /* [place] */
+    lmb_rgb *light; /* [row] */
     lmb_rgb *next;
     lmb_rgb *begin;         /* light at the beginning of the cycle */
     lmb_rgb *residual;      /* what the last cycle's passes changed */
@@ -253,12 +253,12 @@ static int passes_most(size_t links)
 /* One block of memory for all vectors. */
 static lmb_rgb *vectors_lay_out(bounce_work *work)
 {
-    const size_t places = work->rows->count;
-    lmb_rgb *const memory = malloc((VECTORS * places + 1) * sizeof *memory);
+    const size_t rows = work->rows->count;
+    lmb_rgb *const memory = malloc((VECTORS * rows + 1) * sizeof *memory);
     lmb_rgb **const vector[VECTORS] = {&work->light,   &work->next,    &work->begin,   &work->residual, &work->turn[0],
                                        &work->turn[1], &work->turn[2], &work->gain[0], &work->gain[1],  &work->gain[2]};
     for (size_t i = 0; memory && i < VECTORS; ++i) {
-        *vector[i] = memory + i * places;
+        *vector[i] = memory + i * rows;
     }
     return memory;
 }

@@ -1,4 +1,4 @@
-/* The bounces E = D + T E between places that are numbered from 0 without gaps, each with one row of T. */
+/* The bounces E = D + T E: one row of T for each patch that is lit. */
 #ifndef LMB_BOUNCES_H
 #define LMB_BOUNCES_H
 
@@ -9,9 +9,9 @@
 #include <lambent/pool.h>
 #include <lambent/types.h>
 
-/* What one sample of a place sees: part of one row of T. */
+/* What one sample of a row's patch sees: part of that row. */
 typedef struct lmb_link {
-    uint32_t target;    /* place */
+    uint32_t target;    /* row */
     uint16_t weight[3]; /* albedo and tint in 1/65535; 0 when the sample sees nothing that reflects */
     bool open;          /* a ray of the cell's size gets away from the sample's point; nothing to the bounces */
 } lmb_link;
@@ -35,10 +35,10 @@ static inline uint32_t lmb_links_open(const lmb_link *begin, const lmb_link *end
 
 typedef struct lmb_bounce_rows {
     uint32_t count;
-    const size_t *first;   /* [place] its first link, and the count of all at its end */
+    const size_t *first;   /* [row] its first link, and the count of all at its end */
     const lmb_link *links; /* those that weigh nothing may be left out */
-    const float *samples;  /* [place] how many it has, > 0 */
-    lmb_rgb *light;        /* [place] D, which becomes E */
+    const float *samples;  /* [row] how many it has, > 0 */
+    lmb_rgb *light;        /* [row] D, which becomes E */
 } lmb_bounce_rows;
 
 /* Adds `bounces` bounces to direct light, or all when < 0.

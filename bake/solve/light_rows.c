@@ -147,11 +147,11 @@ static void queue_correct(const lmb_light_rows *rows, sample_queue *queue)
     queue->count = 0;
 }
 
-static void sample_number(const lmb_light_rows *rows, uint32_t patch, uint32_t number, lmb_side_sample *sample)
+static void sample_set(const lmb_light_rows *rows, uint32_t patch, uint32_t index, lmb_side_sample *sample)
 {
     const uint32_t sides = 2 * rows->light->cell_count;
-    sample->path.sample = number;
-    sample->start_sample = patch < sides ? number : piece_start(&rows->light->piece[patch - sides], number);
+    sample->path.sample = index;
+    sample->start_sample = patch < sides ? index : piece_start(&rows->light->piece[patch - sides], index);
 }
 
 static void queue_patch(const lmb_light_rows *rows, sample_queue *queue, uint32_t patch, uint32_t first, uint64_t *rays)
@@ -162,7 +162,7 @@ static void queue_patch(const lmb_light_rows *rows, sample_queue *queue, uint32_
     }
     lmb_side_sample sample = sample_make(rows, patch, rays);
     for (uint32_t i = first; i < samples; ++i) {
-        sample_number(rows, patch, i, &sample);
+        sample_set(rows, patch, i, &sample);
         queue->patch[queue->count] = patch;
         queue->sample[queue->count++] = sample;
         if (queue->count == LMB_SIDE_SAMPLES) {
@@ -180,7 +180,7 @@ static void queue_patch_again(const lmb_light_rows *rows, sample_queue *queue, u
             continue;
         }
         lmb_side_sample sample = sample_make(rows, patch, rays);
-        sample_number(rows, patch, (uint32_t)(k - rows->row[patch]), &sample);
+        sample_set(rows, patch, (uint32_t)(k - rows->row[patch]), &sample);
         sample.link = *link;
         queue->patch[queue->count] = patch;
         queue->sample[queue->count++] = sample;

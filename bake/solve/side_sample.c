@@ -30,13 +30,13 @@ static void ray_add(sample_batch *batch, uint32_t sample, lmb_vec3 origin, lmb_v
     lmb_ray_batch_add(&batch->rays, origin, direction, far_distance);
 }
 
-/* Two numbers of each sample, for the samples of a side at once. */
-typedef struct sample_numbers {
+/* Two variates of each sample, for the samples of a side at once. */
+typedef struct sample_variates {
     float x[LMB_SIDE_SAMPLES];
     float y[LMB_SIDE_SAMPLES];
-} sample_numbers;
+} sample_variates;
 
-static void numbers_find(const sample_batch *batch, uint32_t pair, sample_numbers *numbers)
+static void variates_find(const sample_batch *batch, uint32_t pair, sample_variates *pairs)
 {
     for (uint32_t i = 0, end; i < batch->count; i = end) {
         const lmb_path *path = &batch->sample[i].path;
@@ -44,12 +44,12 @@ static void numbers_find(const sample_batch *batch, uint32_t pair, sample_number
         while (end < batch->count && batch->sample[end].path.stream == path->stream) {
             ++end;
         }
-        lmb_sample_numbers(path->transport, path->stream, path->sample, end - i, pair, &numbers->x[i], &numbers->y[i]);
+        lmb_sample_variates(path->transport, path->stream, path->sample, end - i, pair, &pairs->x[i], &pairs->y[i]);
     }
 }
 
 /* The same of their starts. */
-static void starts_numbers_find(const sample_batch *batch, sample_numbers *numbers)
+static void start_variates_find(const sample_batch *batch, sample_variates *pairs)
 {
     for (uint32_t i = 0, end; i < batch->count; i = end) {
         const lmb_side_sample *sample = &batch->sample[i];
@@ -58,33 +58,30 @@ static void starts_numbers_find(const sample_batch *batch, sample_numbers *numbe
                sample[end - i].start_sample == sample->start_sample + (end - i)) {
             ++end;
         }
-        lmb_sample_numbers(batch->transport, sample->start_stream, sample->start_sample, end - i, LMB_PAIR_START,
-                           &numbers->x[i], &numbers->y[i]);
+        lmb_sample_variates(batch->transport, sample->start_stream, sample->start_sample, end - i, LMB_PAIR_START,
+                            &pairs->x[i], &pairs->y[i]);
     }
 }
 
 static void receivers_place(sample_batch *batch)
 {
-    sample_numbers points;
-    starts_numbers_find(batch, &points);
+    sample_variates points;
+    start_variates_find(batch, &points);
     for (uint32_t i = 0; i < batch->count; ++i) {
         const lmb_side_sample *sample = &batch->sample[i];
-        const float numbers[2] = {points.x[i], points.y[i]};
-        float u, v;
-        lmb_cell_point(&sample->cell, numbers, &u, &v);
-        const lmb_place place = lmb_trace_place(
-            batch->transport->tracer,
-            &(lmb_hit){.instance = sample->cell.instance, .triangle = sample->cell.triangle, .u = u, .v = v});
+        const float u[2] = {points.x[i], points.y[i]};
+        const lmb_hit start = lmb_cell_point(&sample->cell, u);
+        const lmb_place place = lmb_trace_place(batch->transport->tracer, &start);
         batch->receiver[i] = lmb_receiver_on_surface(&place, sample->front);
     }
 }
 
 static void skies_sample(const sample_batch *batch, lmb_direct_start *starts)
 {
-    sample_numbers numbers;
+    sample_variates pairs;
     lmb_light_sample sky[LMB_SIDE_SAMPLES];
-    numbers_find(batch, PAIR_ENVIRONMENT, &numbers);
-    lmb_emitters_sample_environment(batch->transport->emitters, numbers.x, numbers.y, batch->count, sky);
+    variates_find(batch, PAIR_ENVIRONMENT, &pairs);
+    lmb_emitters_sample_environment(batch->transport->emitters, pairs.x, pairs.y, batch->count, sky);
     for (uint32_t i = 0; i < batch->count; ++i) {
         starts[i].environment = sky[i];
     }
@@ -95,17 +92,17 @@ static void starts_find(const sample_batch *batch, lmb_direct_start *starts)
 {
     const lmb_transport *transport = batch->transport;
     if (lmb_emitters_triangle_count(transport->emitters) > 0 || lmb_emitters_have_punctual(transport->emitters)) {
-        sample_numbers choice, triangle;
-        numbers_find(batch, PAIR_CHOICE, &choice);
-        numbers_find(batch, PAIR_TRIANGLE, &triangle);
+        sample_variates choice, triangle;
+        variates_find(batch, PAIR_CHOICE, &choice);
+        variates_find(batch, PAIR_TRIANGLE, &triangle);
         for (uint32_t i = 0; i < batch->count; ++i) {
             starts[i] =
                 (lmb_direct_start){.triangle = {triangle.x[i], triangle.y[i]}, .choice = {choice.x[i], choice.y[i]}};
         }
     }
     if (lmb_emitters_punctual_are_soft(transport->emitters)) {
-        sample_numbers light;
-        numbers_find(batch, lmb_light_pair(0), &light);
+        sample_variates light;
+        variates_find(batch, lmb_light_pair(0), &light);
         for (uint32_t i = 0; i < batch->count; ++i) {
             starts[i].light[0] = light.x[i];
             starts[i].light[1] = light.y[i];
@@ -150,14 +147,14 @@ static void direct_find(sample_batch *batch)
 static void openness_find(sample_batch *batch)
 {
     lmb_rgb share[LMB_RAY_BATCH];
-    sample_numbers directions;
-    numbers_find(batch, LMB_PAIR_OPENNESS, &directions);
+    sample_variates directions;
+    variates_find(batch, LMB_PAIR_OPENNESS, &directions);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
         lmb_side_sample *sample = &batch->sample[i];
         const lmb_receiver *receiver = &batch->receiver[i];
-        const float numbers[2] = {directions.x[i], directions.y[i]};
-        const lmb_vec3 direction = lmb_receiver_direction(receiver, numbers);
+        const float u[2] = {directions.x[i], directions.y[i]};
+        const lmb_vec3 direction = lmb_receiver_direction(receiver, u);
         sample->link = (lmb_link){.open = false};
         if (lmb_receiver_sees(receiver, direction)) {
             ray_add(batch, i, lmb_receiver_ray_origin(receiver, direction),
@@ -188,10 +185,10 @@ static bool path_reflect(lmb_path *path, lmb_segment *segment, lmb_path_vertex *
     segment->throughput = rgb_mul(segment->throughput, vertex->albedo);
     *here = lmb_vertex_receiver(path, vertex);
     *direct = rgb_add(*direct, rgb_mul(segment->throughput, lmb_direct_collect(path, here)));
-    float numbers[2];
-    lmb_path_numbers(path, PAIR_DIRECTION, numbers);
+    float u[2];
+    lmb_path_variates(path, PAIR_DIRECTION, u);
     segment->from = here;
-    segment->direction = lmb_receiver_direction(here, numbers);
+    segment->direction = lmb_receiver_direction(here, u);
     segment->origin = lmb_receiver_ray_origin(here, segment->direction);
     if (!lmb_receiver_sees(here, segment->direction)) {
         return false;
@@ -250,13 +247,13 @@ static void links_find(sample_batch *batch)
     uint64_t chance[LMB_RAY_BATCH];
     lmb_hit hit[LMB_RAY_BATCH];
     lmb_rgb share[LMB_RAY_BATCH];
-    sample_numbers directions;
-    numbers_find(batch, PAIR_DIRECTION, &directions);
+    sample_variates directions;
+    variates_find(batch, PAIR_DIRECTION, &directions);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
         const lmb_receiver *receiver = &batch->receiver[i];
-        const float numbers[2] = {directions.x[i], directions.y[i]};
-        const lmb_vec3 direction = lmb_receiver_direction(receiver, numbers);
+        const float u[2] = {directions.x[i], directions.y[i]};
+        const lmb_vec3 direction = lmb_receiver_direction(receiver, u);
         if (lmb_receiver_sees(receiver, direction)) {
             ray_add(batch, i, lmb_receiver_ray_origin(receiver, direction), direction, FLT_MAX);
         }

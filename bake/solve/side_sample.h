@@ -18,7 +18,7 @@ typedef struct lmb_side_sample {
     lmb_path path; /* at its first vertex */
     lmb_cell cell;
     bool front;
-    uint64_t start_stream; /* its start's numbers are those of this sample of this stream */
+    uint64_t start_stream; /* its start's variates are those of this sample of this stream */
     uint32_t start_sample;
     lmb_rgb direct; /* that was found: irradiance over pi */
     lmb_rgb sun;    /* the part of it that directional lights give */

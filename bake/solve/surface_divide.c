@@ -171,11 +171,11 @@ static void side_divide(const pieces_work *work, const side_frame *frame, uint32
     float x[LMB_CELL_STARTS], y[LMB_CELL_STARTS];
     lmb_vec3 start[LMB_CELL_STARTS], high[LMB_CELL_STARTS];
     uint32_t sees[LMB_CELL_STARTS];
-    lmb_sample_numbers(work->transport, stream, 0, LMB_CELL_STARTS, LMB_PAIR_START, x, y);
+    lmb_sample_variates(work->transport, stream, 0, LMB_CELL_STARTS, LMB_PAIR_START, x, y);
     for (int i = 0; i < LMB_CELL_STARTS; ++i) {
-        const float numbers[2] = {x[i], y[i]};
+        const float u[2] = {x[i], y[i]};
         float along, across;
-        lmb_cell_part_point(&frame->part, numbers, &along, &across);
+        lmb_cell_part_point(&frame->part, u, &along, &across);
         start[i] = frame_point(frame, along, across);
         high[i] = vec3_add(start[i], frame->lift);
     }

@@ -12,73 +12,73 @@
 enum { ENOUGH_SAMPLES = 8 };
 
 /* Of patches that stay dark. */
-#define NO_PLACE UINT32_MAX
+#define NO_ROW UINT32_MAX
 
 /* Numbers the lit patches from 0 without gaps, and gives how many there are. */
-static uint32_t places_number(const lmb_light_rows *rows, uint32_t *place)
+static uint32_t rows_number(const lmb_light_rows *rows, uint32_t *row_of)
 {
     uint32_t count = 0;
     for (uint32_t patch = 0; patch < rows->patch_count; ++patch) {
-        place[patch] = rows->row[patch] < rows->row[patch + 1] ? count++ : NO_PLACE;
+        row_of[patch] = rows->row[patch] < rows->row[patch + 1] ? count++ : NO_ROW;
     }
     return count;
 }
 
-/* Moves what the patches have to their places: the links that see something lit, of mixed ones only those of open
- * samples. `samples` has room for every place. */
-static lmb_bounce_rows rows_compact(lmb_light_rows *rows, const uint32_t *place, float *samples)
+/* Moves what the patches have to their rows: the links that see something lit, of mixed ones only those of open
+ * samples. `samples` has room for every row_of. */
+static lmb_bounce_rows rows_compact(lmb_light_rows *rows, const uint32_t *row_of, float *samples)
 {
-    lmb_bounce_rows places = {.first = rows->row, .samples = samples, .light = rows->direct};
+    lmb_bounce_rows compact = {.first = rows->row, .samples = samples, .light = rows->direct};
     size_t kept = 0, begin = 0;
     for (uint32_t patch = 0; patch < rows->patch_count; ++patch) {
         const size_t end = rows->row[patch + 1];
-        if (place[patch] != NO_PLACE) {
+        if (row_of[patch] != NO_ROW) {
             const bool mixed = rows->light->openness[patch] == LMB_CELL_MIXED;
             const lmb_rgb direct = mixed ? rows->open_direct[patch] : rows->direct[patch];
-            rows->row[places.count] = kept;
+            rows->row[compact.count] = kept;
             for (size_t k = begin; k < end; ++k) {
                 lmb_link link = rows->links[k];
-                link.target = place[link.target];
-                if (link.target != NO_PLACE && lmb_link_weight(&link) > 0 && (link.open || !mixed)) {
+                link.target = row_of[link.target];
+                if (link.target != NO_ROW && lmb_link_weight(&link) > 0 && (link.open || !mixed)) {
                     rows->links[kept++] = link;
                 }
             }
             const size_t counted = mixed ? lmb_links_open(rows->links + begin, rows->links + end) : end - begin;
-            samples[places.count] = (float)counted;
-            rows->direct[places.count] = rgb_scale(direct, 1.0f / samples[places.count]);
-            ++places.count;
+            samples[compact.count] = (float)counted;
+            rows->direct[compact.count] = rgb_scale(direct, 1.0f / samples[compact.count]);
+            ++compact.count;
         }
         begin = end;
     }
-    rows->row[places.count] = kept;
+    rows->row[compact.count] = kept;
     lmb_link *shorter = realloc(rows->links, (kept + 1) * sizeof *shorter);
     rows->links = shorter ? shorter : rows->links;
-    places.links = rows->links;
-    return places;
+    compact.links = rows->links;
+    return compact;
 }
 
 static lmb_result rows_bounce(lmb_light_rows *rows, lmb_pool *pool, const lmb_progress *progress, int *passes)
 {
     const int bounces = rows->transport->bounces;
-    uint32_t *place = malloc((rows->patch_count + 1u) * sizeof *place);
-    const uint32_t count = place ? places_number(rows, place) : 0;
+    uint32_t *row_of = malloc((rows->patch_count + 1u) * sizeof *row_of);
+    const uint32_t count = row_of ? rows_number(rows, row_of) : 0;
     float *samples = malloc((count + 1u) * sizeof *samples);
     lmb_result result = LMB_ERROR_MEMORY;
-    if (place && samples) {
+    if (row_of && samples) {
         lmb_light_rows_count_bytes(rows, rows->row[rows->patch_count],
-                                   rows->patch_count * sizeof *place + count * sizeof *samples +
+                                   rows->patch_count * sizeof *row_of + count * sizeof *samples +
                                        lmb_bounces_bytes(count));
-        const lmb_bounce_rows places = rows_compact(rows, place, samples);
+        const lmb_bounce_rows compact = rows_compact(rows, row_of, samples);
         free(rows->open_direct);
         rows->open_direct = NULL;
         /* The last bounce is that on the surface that is looked at. */
-        result = lmb_bounces_sum(&places, bounces < 0 ? -1 : bounces - 1, pool, progress, passes);
+        result = lmb_bounces_sum(&compact, bounces < 0 ? -1 : bounces - 1, pool, progress, passes);
         for (uint32_t patch = 0; patch < rows->patch_count; ++patch) {
             rows->light->irradiance[patch] =
-                place[patch] != NO_PLACE ? places.light[place[patch]] : rgb(0.0f, 0.0f, 0.0f);
+                row_of[patch] != NO_ROW ? compact.light[row_of[patch]] : rgb(0.0f, 0.0f, 0.0f);
         }
     }
-    free(place);
+    free(row_of);
     free(samples);
     return result;
 }

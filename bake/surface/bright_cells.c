@@ -76,10 +76,10 @@ static bright_cell bright_cell_make(const lmb_surface_light *light, const lmb_tr
                          .patch = patch};
 }
 
-static lmb_vec3 bright_cell_point(const bright_cell *cell, const float numbers[2])
+static lmb_vec3 bright_cell_point(const bright_cell *cell, const float u[2])
 {
     float along, across;
-    lmb_cell_part_point(&cell->part, numbers, &along, &across);
+    lmb_cell_part_point(&cell->part, u, &along, &across);
     return vec3_mad(vec3_mad(cell->apex, cell->edge[0], along * (1.0f - across)), cell->edge[1], along * across);
 }
 

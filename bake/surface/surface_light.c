@@ -210,7 +210,7 @@ bool lmb_surface_light_at(const lmb_surface_light *light, const lmb_tracer *trac
     return true;
 }
 
-/* The last of `count` rising numbers that is not above `target`; stride in bytes. */
+/* The last of `count` rising values that is not above `target`; stride in bytes. */
 static uint32_t last_not_above(const uint32_t *first, size_t stride, uint32_t count, uint32_t target)
 {
     uint32_t low = 0;
@@ -246,18 +246,17 @@ lmb_cell_part lmb_cell_part_of(const lmb_cell *cell)
                            .columns = (float)grid->columns};
 }
 
-void lmb_cell_point(const lmb_cell *cell, const float numbers[2], float *u, float *v)
+lmb_hit lmb_cell_point(const lmb_cell *cell, const float u[2])
 {
     const uint32_t apex = cell->grid->apex;
     const lmb_cell_part part = lmb_cell_part_of(cell);
     float along, across;
-    lmb_cell_part_point(&part, numbers, &along, &across);
+    lmb_cell_part_point(&part, u, &along, &across);
     float weight[3];
     weight[apex] = 1.0f - along;
     weight[(apex + 1) % 3] = along * (1.0f - across);
     weight[(apex + 2) % 3] = along * across;
-    *u = weight[1];
-    *v = weight[2];
+    return (lmb_hit){.instance = cell->instance, .triangle = cell->triangle, .u = weight[1], .v = weight[2]};
 }
 
 float lmb_cell_area(const lmb_cell *cell, const lmb_tracer *tracer)

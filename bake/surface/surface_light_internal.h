@@ -128,17 +128,17 @@ typedef struct lmb_cell_part {
 
 lmb_cell_part lmb_cell_part_of(const lmb_cell *cell);
 
-/* A point of the part, uniform over its area for uniform numbers in [0, 1): how far it is from the apex to the opposite
+/* A point of the part, uniform over its area for uniform u in [0, 1)^2: how far it is from the apex to the opposite
  * edge, and how far across from the next corner to the last one. */
-static inline void lmb_cell_part_point(const lmb_cell_part *part, const float numbers[2], float *along, float *across)
+static inline void lmb_cell_part_point(const lmb_cell_part *part, const float u[2], float *along, float *across)
 {
     /* A triangle's area from the apex on grows with the square of the way along. */
-    *along = sqrtf(part->strip * part->strip + numbers[0] * (2.0f * part->strip + 1.0f)) / part->strips;
-    *across = (part->column + numbers[1]) / part->columns;
+    *along = sqrtf(part->strip * part->strip + u[0] * (2.0f * part->strip + 1.0f)) / part->strips;
+    *across = (part->column + u[1]) / part->columns;
 }
 
-/* Barycentric coordinates of a point of the cell, likewise. */
-void lmb_cell_point(const lmb_cell *cell, const float numbers[2], float *u, float *v);
+/* A point of the cell, likewise, as a hit. */
+lmb_hit lmb_cell_point(const lmb_cell *cell, const float u[2]);
 
 /* Square metres. */
 float lmb_cell_area(const lmb_cell *cell, const lmb_tracer *tracer);

@@ -12,9 +12,9 @@
 bool lmb_surface_light_piece_find(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit,
                                   bool front, uint64_t *rays, uint32_t *patch)
 {
-    const uint32_t number = light->first_piece[*patch];
-    if (number >= LMB_SIDE_HOLE) {
-        return number == LMB_SIDE_WHOLE;
+    const uint32_t first = light->first_piece[*patch];
+    if (first >= LMB_SIDE_HOLE) {
+        return first == LMB_SIDE_WHOLE;
     }
     const lmb_place place = lmb_trace_place(tracer, hit);
     const lmb_vec3 from = vec3_mad(place.position, place.geometric_normal, front ? place.rounding : -place.rounding);
@@ -22,9 +22,9 @@ bool lmb_surface_light_piece_find(const lmb_surface_light *light, const lmb_trac
     float distance[LMB_CELL_MOST_PIECES];
     int count = 0;
     do {
-        towards[count] = vec3_sub(light->piece[number + (uint32_t)count].place, from);
+        towards[count] = vec3_sub(light->piece[first + (uint32_t)count].place, from);
         distance[count] = vec3_dot(towards[count], towards[count]);
-    } while (!light->piece[number + (uint32_t)count++].last);
+    } while (!light->piece[first + (uint32_t)count++].last);
     /* The nearest that is seen: through a slit, others are too. */
     for (int tries = 0; tries < count; ++tries) {
         int nearest = 0;
@@ -33,7 +33,7 @@ bool lmb_surface_light_piece_find(const lmb_surface_light *light, const lmb_trac
         }
         const lmb_rgb share = lmb_trace_transmittance_along(tracer, from, towards[nearest], LMB_TRACE_UP_TO_END, rays);
         if (rgb_max(share) > LMB_PIECE_OPEN_SHARE) {
-            *patch = 2 * light->cell_count + number + (uint32_t)nearest;
+            *patch = 2 * light->cell_count + first + (uint32_t)nearest;
             return true;
         }
         distance[nearest] = INFINITY;

@@ -8,8 +8,8 @@
 #include "base/directions.h"
 #include "trace/trace_internal.h"
 
-void lmb_sample_numbers(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
-                        float *x, float *y)
+void lmb_sample_variates(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
+                         float *x, float *y)
 {
     if (!transport->independent_numbers) {
         lmb_sequence_2d_batch(stream, first, count, pair, x, y);
@@ -26,10 +26,10 @@ uint64_t lmb_layer_chance(uint64_t stream, uint32_t sample, int32_t vertex)
     return lmb_mix(lmb_mix(stream ^ UINT64_C(0x5851f42d4c957f2d), sample), (uint32_t)vertex);
 }
 
-void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2])
+void lmb_path_variates(const lmb_path *path, uint32_t pair, float u[2])
 {
-    lmb_sample_numbers(path->transport, path->stream, path->sample, 1, path->vertex * PAIRS_PER_VERTEX + pair,
-                       &point[0], &point[1]);
+    lmb_sample_variates(path->transport, path->stream, path->sample, 1, path->vertex * PAIRS_PER_VERTEX + pair, &u[0],
+                        &u[1]);
 }
 
 lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front)
@@ -42,9 +42,9 @@ lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front)
                           .kind = LMB_LOBE_COSINE};
 }
 
-lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float point[2])
+lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float u[2])
 {
-    return lmb_direction_make(receiver->kind, receiver->normal, point);
+    return lmb_direction_make(receiver->kind, receiver->normal, u);
 }
 
 static int punctual_aim(const lmb_transport *transport, const lmb_receiver *receiver, const lmb_direct_start *start,
@@ -96,18 +96,18 @@ static lmb_direct_start path_start(const lmb_path *path)
     lmb_direct_start start;
     const bool triangles = lmb_emitters_triangle_count(emitters) > 0;
     if (triangles || lmb_emitters_have_punctual(path->transport->emitters)) {
-        lmb_path_numbers(path, PAIR_CHOICE, start.choice);
+        lmb_path_variates(path, PAIR_CHOICE, start.choice);
     }
     if (triangles) {
-        lmb_path_numbers(path, PAIR_TRIANGLE, start.triangle);
+        lmb_path_variates(path, PAIR_TRIANGLE, start.triangle);
     }
     if (lmb_emitters_punctual_are_soft(emitters)) {
-        lmb_sample_numbers(path->transport, path->stream, path->sample, 1, lmb_light_pair(path->vertex),
-                           &start.light[0], &start.light[1]);
+        lmb_sample_variates(path->transport, path->stream, path->sample, 1, lmb_light_pair(path->vertex),
+                            &start.light[0], &start.light[1]);
     }
     if (lmb_emitters_environment_sampled(emitters)) {
         float point[2];
-        lmb_path_numbers(path, PAIR_ENVIRONMENT, point);
+        lmb_path_variates(path, PAIR_ENVIRONMENT, point);
         lmb_emitters_sample_environment(emitters, &point[0], &point[1], 1, &start.environment);
     }
     return start;

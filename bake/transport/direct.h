@@ -1,4 +1,4 @@
-/* Where a path's random numbers come from, the points that it collects light at, and next-event estimation there. What
+/* Where a path's random variates come from, the points that it collects light at, and next-event estimation there. What
  * every estimator shares. */
 #ifndef LMB_DIRECT_H
 #define LMB_DIRECT_H
@@ -39,12 +39,12 @@ static inline uint32_t lmb_light_pair(uint32_t vertex)
     return UINT32_MAX - vertex;
 }
 
-/* Numbers in [0, 1) of `count` samples of a stream. */
-void lmb_sample_numbers(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
-                        float *x, float *y);
+/* Variates in [0, 1) of `count` samples of a stream. */
+void lmb_sample_variates(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
+                         float *x, float *y);
 
-/* Two numbers in [0, 1) of the path's present vertex. */
-void lmb_path_numbers(const lmb_path *path, uint32_t pair, float point[2]);
+/* Two variates in [0, 1) of the path's present vertex. */
+void lmb_path_variates(const lmb_path *path, uint32_t pair, float u[2]);
 
 /* What decides which layers let pass a sample's ray (lmb_trace_through): of its path's vertex, or a ray of its own. */
 enum { LMB_CHANCE_OF_AIM = -1 };
@@ -89,7 +89,7 @@ static inline float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 
     }
 }
 
-lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float point[2]);
+lmb_vec3 lmb_receiver_direction(const lmb_receiver *receiver, const float u[2]);
 
 /* Whether light from `direction` counts at all. A smooth shading normal's hemisphere reaches below the triangle: from
  * there the surface itself blocks the light. */
@@ -186,7 +186,7 @@ static inline lmb_punctual_query lmb_receiver_punctual(const lmb_receiver *recei
                                 .skip_indirect_only = receiver->kind != LMB_LOBE_COSINE};
 }
 
-/* What next-event estimation starts from: the path's numbers, and what those of PAIR_ENVIRONMENT sample. Only what the
+/* What next-event estimation starts from: the path's variates, and what those of PAIR_ENVIRONMENT sample. Only what the
  * level has of each kind need be set. */
 typedef struct lmb_direct_start {
     float triangle[2]; /* PAIR_TRIANGLE */

@@ -33,7 +33,8 @@ static bool patch_look_up(const lmb_path *path, const lmb_hit *hit, uint32_t *pa
 
 /* Whether what a vertex reflects is to be looked up, and that. A camera sees each cell's edges, so its own vertex is
  * traced. */
-static bool vertex_look_up(lmb_path *path, const lmb_segment *segment, const lmb_path_vertex *vertex, lmb_rgb *irradiance)
+static bool vertex_look_up(lmb_path *path, const lmb_segment *segment, const lmb_path_vertex *vertex,
+                           lmb_rgb *irradiance)
 {
     const lmb_surface_light *light = path->transport->surface;
     uint32_t patch;
@@ -83,11 +84,11 @@ lmb_rgb lmb_path_radiance(lmb_path *path, lmb_segment segment, lmb_path_vertex v
             return rgb_add(radiance, rgb_mul(segment.throughput, irradiance));
         }
         ++path->vertex;
-        float numbers[2];
+        float u[2];
         if (path->vertex > ROULETTE_AFTER) {
             const float survival = float_smaller(rgb_max(segment.throughput) / ROULETTE_BELOW, ROULETTE_MAX_SURVIVAL);
-            lmb_path_numbers(path, PAIR_ROULETTE, numbers);
-            if (numbers[0] >= survival) {
+            lmb_path_variates(path, PAIR_ROULETTE, u);
+            if (u[0] >= survival) {
                 return radiance;
             }
             segment.throughput = rgb_scale(segment.throughput, 1.0f / survival);
@@ -95,8 +96,8 @@ lmb_rgb lmb_path_radiance(lmb_path *path, lmb_segment segment, lmb_path_vertex v
         lmb_receiver *here = &receivers[turn];
         *here = lmb_vertex_receiver(path, &vertex);
         radiance = rgb_add(radiance, rgb_mul(segment.throughput, lmb_direct_collect(path, here)));
-        lmb_path_numbers(path, PAIR_DIRECTION, numbers);
-        segment.direction = lmb_receiver_direction(here, numbers);
+        lmb_path_variates(path, PAIR_DIRECTION, u);
+        segment.direction = lmb_receiver_direction(here, u);
         if (!lmb_receiver_sees(here, segment.direction)) {
             return radiance;
         }
