@@ -10,6 +10,7 @@
 #include <lambent/placement.h>
 
 #include "harness.h"
+#include "light/emitters_internal.h"
 #include "scenes/levels.h"
 #include "level_fixture.h"
 
@@ -424,7 +425,8 @@ static group_result group_gather(const lmb_transport *transport, const lmb_gathe
     static lmb_gather_point points[COUNT];
     group_result result = {.least = UINT32_MAX};
     for (int i = 0; i < COUNT; ++i) {
-        points[i] = (lmb_gather_point){.position = {0.05f * (float)(i % 8) - 0.2f, 1.0f, 0.05f * (float)(i / 8) - 0.2f}};
+        points[i] =
+            (lmb_gather_point){.position = {0.05f * (float)(i % 8) - 0.2f, 1.0f, 0.05f * (float)(i / 8) - 0.2f}};
         result.elements[i] = (lmb_gather_element){.points = &points[i], .point_count = 1};
     }
     lmb_gather_sh3_group(transport, effort, result.elements, COUNT);
@@ -512,11 +514,10 @@ static void ingredients_keep_the_light(void)
     static const struct {
         const char *name;
         unsigned without;
-        bool independent_numbers;
-    } variants[] = {{"aimed sky", LMB_WITHOUT_ENVIRONMENT_AIM, false},
-                    {"aimed triangles", LMB_WITHOUT_TRIANGLE_AIM, false},
-                    {"light tree", LMB_WITHOUT_TRIANGLE_TREE, false},
-                    {"sequence", 0, true}};
+    } variants[] = {{"aimed sky", LMB_WITHOUT_ENVIRONMENT_AIM},
+                    {"aimed triangles", LMB_WITHOUT_TRIANGLE_AIM},
+                    {"light tree", LMB_WITHOUT_TRIANGLE_TREE},
+                    {"sequence", LMB_WITHOUT_SEQUENCE}};
     lmb_error error = {{0}};
     level_fixture level;
     CHECK(lmb_level_cornell(output_path("ingredients"), &error) == LMB_OK, "%s", error.message);
@@ -535,7 +536,6 @@ static void ingredients_keep_the_light(void)
               "%s", variants[i].name);
         lmb_transport transport = level.transport;
         transport.emitters = emitters;
-        transport.independent_numbers = variants[i].independent_numbers;
         lmb_gathered without;
         lmb_gather_sh3(&transport, &point, 32768, &without);
         const double apart = moments_apart(&with, &without);

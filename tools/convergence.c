@@ -24,6 +24,7 @@
 
 #include "command.h"
 #include "level.h"
+#include "light/emitters_internal.h"
 #include "vector_math.h"
 
 static const char usage[] =
@@ -46,20 +47,18 @@ typedef struct point_set {
 typedef struct variant {
     const char *name;
     bool reference;
-    unsigned without; /* lmb_emitters_create_without */
-    bool independent_numbers;
-    bool bright_by_chance; /* lmb_surface_light_settings */
+    unsigned without; /* light/ablation.h */
     bool near_hits_looked_up;
 } variant;
 
 static const variant variants[] = {
     {.name = "reference", .reference = true},
     {.name = "cached"},
-    {.name = "cached without Sobol", .independent_numbers = true},
+    {.name = "cached without Sobol", .without = LMB_WITHOUT_SEQUENCE},
     {.name = "cached without aimed sky", .without = LMB_WITHOUT_ENVIRONMENT_AIM},
     {.name = "cached without aimed triangles", .without = LMB_WITHOUT_TRIANGLE_AIM},
     {.name = "cached without light tree", .without = LMB_WITHOUT_TRIANGLE_TREE},
-    {.name = "cached without aimed cells", .bright_by_chance = true},
+    {.name = "cached without aimed cells", .without = LMB_WITHOUT_CELL_AIM},
     {.name = "cached without near hits", .near_hits_looked_up = true},
 };
 
@@ -126,13 +125,12 @@ static double level_area(const lmb_level *level)
 /* A point on the front of a triangle, by the number of the point. */
 static lmb_gather_point texel_point(const lmb_level *level, uint32_t instance, uint32_t triangle, uint32_t number)
 {
-    float numbers[2];
-    lmb_sequence_2d(level->options.seed, number, 0, numbers);
-    const float root = sqrtf(numbers[0]);
-    const lmb_place place = lmb_trace_place(level->tracer, &(lmb_hit){.instance = instance,
-                                                                      .triangle = triangle,
-                                                                      .u = root * (1.0f - numbers[1]),
-                                                                      .v = root * numbers[1]});
+    float u[2];
+    lmb_sequence_2d(level->options.seed, number, 0, u);
+    const float root = sqrtf(u[0]);
+    const lmb_place place = lmb_trace_place(
+        level->tracer,
+        &(lmb_hit){.instance = instance, .triangle = triangle, .u = root * (1.0f - u[1]), .v = root * u[1]});
     bool pushed_out;
     return lmb_surface_gather_point(level->tracer, &place, 0.0f, &pushed_out);
 }
@@ -215,11 +213,9 @@ static lmb_result variant_measure(const convergence *work, const variant *with, 
     lmb_transport transport = level->transport;
     lmb_result result = lmb_emitters_create_without(level->tracer, with->without, &emitters);
     transport.emitters = emitters;
-    transport.independent_numbers = with->independent_numbers;
     if (result == LMB_OK && !with->reference) {
         lmb_surface_light_settings settings = lmb_surface_light_settings_default();
         settings.max_cells = max_cells ? max_cells : settings.max_cells;
-        settings.bright_by_chance = with->bright_by_chance;
         result = lmb_surface_light_solve(&transport, &settings, level->pool, NULL, &surface, &stats, error);
         transport.surface = surface;
     }

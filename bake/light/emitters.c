@@ -23,15 +23,19 @@ static lmb_result tree_create(lmb_emitters *emitters)
     return result;
 }
 
-static lmb_result triangles_collect(lmb_emitters *emitters, unsigned without)
+static lmb_result triangles_collect(lmb_emitters *emitters)
 {
     const lmb_scene *scene = lmb_tracer_scene(emitters->tracer);
     emitters->emitter_of = calloc(scene->instance_count + 1u, sizeof *emitters->emitter_of);
     if (!emitters->emitter_of) {
         return LMB_ERROR_MEMORY;
     }
-    const lmb_result result = without & LMB_WITHOUT_TRIANGLE_AIM ? LMB_OK : lmb_emitters_find(emitters);
-    return result != LMB_OK || without & LMB_WITHOUT_TRIANGLE_TREE ? result : tree_create(emitters);
+    if (lmb_emitters_go_without(emitters, LMB_WITHOUT_TRIANGLE_AIM)) {
+        return LMB_OK;
+    }
+    const lmb_result result = lmb_emitters_find(emitters);
+    return result != LMB_OK || lmb_emitters_go_without(emitters, LMB_WITHOUT_TRIANGLE_TREE) ? result
+                                                                                            : tree_create(emitters);
 }
 
 lmb_result lmb_emitters_create(const lmb_tracer *tracer, lmb_emitters **emitters)
@@ -47,13 +51,15 @@ lmb_result lmb_emitters_create_without(const lmb_tracer *tracer, unsigned withou
         return LMB_ERROR_MEMORY;
     }
     created->tracer = tracer;
-    lmb_result result = triangles_collect(created, without);
+    created->without = without;
+    lmb_result result = triangles_collect(created);
     if (result == LMB_OK) {
         result = lmb_punctual_create(scene, &created->punctual);
     }
     if (result == LMB_OK) {
         created->punctual_are_soft = lmb_punctual_are_soft(created->punctual);
-        result = lmb_sky_create(&scene->environment, !(without & LMB_WITHOUT_ENVIRONMENT_AIM), &created->sky);
+        result = lmb_sky_create(&scene->environment, !lmb_emitters_go_without(created, LMB_WITHOUT_ENVIRONMENT_AIM),
+                                &created->sky);
     }
     if (result != LMB_OK) {
         lmb_emitters_destroy(created);

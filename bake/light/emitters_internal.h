@@ -4,6 +4,7 @@
 
 #include <lambent/emitters.h>
 
+#include "light/ablation.h"
 #include "light/emission_part.h"
 #include "light/emitter_points.h"
 #include "light/light_tree.h"
@@ -43,6 +44,7 @@ typedef struct lmb_emitter_material {
 
 struct lmb_emitters {
     const lmb_tracer *tracer;
+    unsigned without; /* ablation.h */
     lmb_emitter *emitters;
     lmb_emitter_shape *shapes; /* [emitter] of the whole triangle */
     uint32_t count;
@@ -61,6 +63,15 @@ struct lmb_emitters {
     bool punctual_are_soft;
     lmb_sky sky;
 };
+
+/* lmb_emitters_create, without what `without` names (ablation.h): for measurements. The rooms above ask the emitters
+ * what they are to go without. @return LMB_ERROR_MEMORY */
+lmb_result lmb_emitters_create_without(const lmb_tracer *tracer, unsigned without, lmb_emitters **emitters);
+
+static inline bool lmb_emitters_go_without(const lmb_emitters *emitters, unsigned part)
+{
+    return (emitters->without & part) != 0;
+}
 
 /* Where an emitter's triangle lies in the texture; false where that does not matter. */
 bool lmb_emitter_lattice(const lmb_emitters *emitters, const lmb_emitter *emitter, lmb_emission_lattice *lattice);

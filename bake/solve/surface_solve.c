@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/rgb.h"
+#include "light/emitters_internal.h"
 #include "solve/light_rows.h"
 #include "solve/surface_divide.h"
 #include "surface/bright_cells.h"
@@ -129,7 +130,7 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
     if (result == LMB_OK) {
         result = lmb_surface_light_reflect(created, pool);
     }
-    if (result == LMB_OK && !settings->bright_by_chance) {
+    if (result == LMB_OK && !lmb_emitters_go_without(transport->emitters, LMB_WITHOUT_CELL_AIM)) {
         result = lmb_bright_cells_create(created, transport->tracer, &created->bright);
     }
     if (result != LMB_OK) {

@@ -6,12 +6,13 @@
 #include "base/rgb.h"
 #include "base/vec3.h"
 #include "base/directions.h"
+#include "light/emitters_internal.h"
 #include "trace/trace_internal.h"
 
 void lmb_sample_variates(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
                          float *x, float *y)
 {
-    if (!transport->independent_numbers) {
+    if (!lmb_emitters_go_without(transport->emitters, LMB_WITHOUT_SEQUENCE)) {
         lmb_sequence_2d_batch(stream, first, count, pair, x, y);
         return;
     }

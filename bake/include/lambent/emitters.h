@@ -15,17 +15,6 @@ typedef struct lmb_emitters lmb_emitters;
  * all of these. @return LMB_ERROR_MEMORY */
 lmb_result lmb_emitters_create(const lmb_tracer *tracer, lmb_emitters **emitters);
 
-/* Ways of finding light that can be left out, to measure what each is worth. Results stay unbiased; rays in all
- * directions find what is no longer aimed at. */
-enum {
-    LMB_WITHOUT_ENVIRONMENT_AIM = 1, /* lmb_emitters_environment_sampled is false */
-    LMB_WITHOUT_TRIANGLE_AIM = 2,    /* no triangle is sampled as a light */
-    LMB_WITHOUT_TRIANGLE_TREE = 4    /* triangles are chosen evenly */
-};
-
-/* The same without some of these, for measurements. @return LMB_ERROR_MEMORY */
-lmb_result lmb_emitters_create_without(const lmb_tracer *tracer, unsigned without, lmb_emitters **emitters);
-
 void lmb_emitters_destroy(lmb_emitters *emitters);
 
 /* Number of triangles that are sampled as lights. */

@@ -15,7 +15,6 @@ typedef struct lmb_surface_light_settings {
     uint32_t max_cells; /* the cell size grows until there are no more than this, beside the one that each triangle has
                            anyway; > 0 */
     uint32_t samples;   /* for each side of a cell, in proportion fewer for small cells, but 2; 0: 8 */
-    bool bright_by_chance; /* bright cells are not aimed at: only to measure what that is worth */
 } lmb_surface_light_settings;
 
 lmb_surface_light_settings lmb_surface_light_settings_default(void);

@@ -28,7 +28,6 @@ typedef struct lmb_transport {
     int bounces; /* reflections off surfaces at most; negative: no limit */
     uint64_t seed;
     const lmb_surface_light *surface; /* solved with the same tracer, emitters and bounces; NULL: `reference` */
-    bool independent_numbers;         /* in place of the sequence: only to measure what that is worth */
 } lmb_transport;
 
 /* Where light is gathered. */
