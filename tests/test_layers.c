@@ -286,7 +286,8 @@ static void batches_pass_like_single_rays(void)
             for (uint32_t i = 0; i < count; ++i) {
                 lmb_hit one;
                 lmb_rgb left = {{1, 1, 1}};
-                const bool found = lmb_trace_through(tracer, from[i], along[i], chance[i], &one, &left, &rays);
+                const bool found =
+                    lmb_trace_through(tracer, &(lmb_ray){from[i], along[i]}, chance[i], &one, &left, &rays);
                 const lmb_rgb aimed = lmb_trace_transmittance_along(tracer, from[i], along[i], FLT_MAX, &rays);
                 CHECK(memcmp(&aimed, &share[i], sizeof aimed) == 0, "%s: share of ray %u of %u", sets[k], i, count);
                 CHECK(memcmp(&left, &through[i], sizeof left) == 0, "%s: ray %u of %u by chance", sets[k], i, count);
@@ -304,8 +305,8 @@ static void batches_pass_like_single_rays(void)
             for (uint64_t t = 0; t < TRIES; ++t) {
                 lmb_hit hit;
                 lmb_rgb left = {{1, 1, 1}};
-                const bool found =
-                    lmb_trace_through(tracer, from, along, (t + 1) * 977 + 7 * (uint64_t)i, &hit, &left, &rays);
+                const bool found = lmb_trace_through(tracer, &(lmb_ray){from, along}, (t + 1) * 977 + 7 * (uint64_t)i,
+                                                     &hit, &left, &rays);
                 for (int c = 0; c < 3 && !found; ++c) {
                     sum[c] += (double)left.c[c] / TRIES;
                 }

@@ -183,7 +183,7 @@ lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 or
         if (!(colour_max(share) > MIN_SHARE)) {
             break;
         }
-        start = nextafterf(seen.hit.distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
+        start = lmb_trace_beyond(seen.hit.distance);
     }
     return radiance;
 }

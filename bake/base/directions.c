@@ -21,8 +21,9 @@ static inline float lobe_height(lmb_lobe lobe, float number)
 }
 
 static inline void lobe_directions(lmb_lobe lobe, lmb_vec3 axis, const float *restrict x, const float *restrict y,
-                                   uint32_t count, float *restrict to_x, float *restrict to_y, float *restrict to_z)
+                                   uint32_t count, float *const direction[3])
 {
+    float *restrict to_x = direction[0], *restrict to_y = direction[1], *restrict to_z = direction[2];
     lmb_vec3 tangent, bitangent;
     vec3_frame(axis, &tangent, &bitangent);
     for (uint32_t i = 0; i < count; ++i) {
@@ -44,13 +45,13 @@ void lmb_directions_make(lmb_lobe lobe, lmb_vec3 axis, const float *x, const flo
     const lmb_vec3 up = {0.0f, 0.0f, 1.0f};
     switch (lobe) {
     case LMB_LOBE_SPHERE:
-        lobe_directions(LMB_LOBE_SPHERE, up, x, y, count, direction[0], direction[1], direction[2]);
+        lobe_directions(LMB_LOBE_SPHERE, up, x, y, count, direction);
         break;
     case LMB_LOBE_HEMISPHERE:
-        lobe_directions(LMB_LOBE_HEMISPHERE, axis, x, y, count, direction[0], direction[1], direction[2]);
+        lobe_directions(LMB_LOBE_HEMISPHERE, axis, x, y, count, direction);
         break;
     default:
-        lobe_directions(LMB_LOBE_COSINE, axis, x, y, count, direction[0], direction[1], direction[2]);
+        lobe_directions(LMB_LOBE_COSINE, axis, x, y, count, direction);
         break;
     }
 }

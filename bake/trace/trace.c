@@ -1,6 +1,7 @@
 #include <lambent/trace.h>
 
 #include <float.h>
+#include <math.h>
 
 #include "trace/trace_embree.h"
 
@@ -94,6 +95,11 @@ int lmb_trace_crossings(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 dire
     ray_note(tracer, LMB_RAY_CROSSINGS, &ray.ray);
     rtcIntersect1(tracer->world, &context.embree, &ray);
     return context.crossings;
+}
+
+float lmb_trace_beyond(float distance)
+{
+    return nextafterf(distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
 }
 
 float lmb_trace_epsilon(lmb_vec3 position)

@@ -1,7 +1,6 @@
 #include "trace/trace_layers.h"
 
 #include <float.h>
-#include <math.h>
 #include <string.h>
 
 #include <lambent/material.h>
@@ -39,13 +38,6 @@ void lmb_layer_add(lmb_layers *passed, const lmb_layer *added)
     passed->layer[at] = *added;
 }
 
-/* The nearest distance that is not the same place. It is nudged by a hit's own rounding only: coincident layers count
- * once, which is what coincident faces are, and so does one whose two triangles meet under the ray. */
-static float layer_beyond(float distance)
-{
-    return nextafterf(distance * (1.0f + 4.0f * FLT_EPSILON), FLT_MAX);
-}
-
 lmb_rgb lmb_layers_share(const lmb_layers *passed, float end)
 {
     lmb_rgb share = {{1.0f, 1.0f, 1.0f}};
@@ -53,7 +45,7 @@ lmb_rgb lmb_layers_share(const lmb_layers *passed, float end)
     for (uint32_t i = 0; i < passed->count && passed->layer[i].distance < end; ++i) {
         if (passed->layer[i].distance >= start) {
             share = rgb_mul(share, passed->layer[i].share);
-            start = layer_beyond(passed->layer[i].distance);
+            start = lmb_trace_beyond(passed->layer[i].distance);
         }
     }
     return share;
@@ -62,7 +54,7 @@ lmb_rgb lmb_layers_share(const lmb_layers *passed, float end)
 float lmb_layers_left_from(const lmb_layers *passed, float end)
 {
     const float last = passed->more ? passed->layer[LMB_LAYERS - 1].distance : FLT_MAX;
-    return last < end ? layer_beyond(last) : 0.0f;
+    return last < end ? lmb_trace_beyond(last) : 0.0f;
 }
 
 /* A number, at an offset of Embree's structure of `count` rays or hits. */

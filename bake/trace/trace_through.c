@@ -34,9 +34,9 @@ static void chance_filter(const struct RTCFilterFunctionNArguments *arguments)
     }
 }
 
-/* The rest of a ray from `start` on. `*share` takes up what layers leave from there. */
-static bool chance_follow(const lmb_tracer *tracer, struct RTCRay from, float start, uint64_t chance, lmb_hit *hit,
-                          lmb_rgb *share, uint64_t *rays)
+/* The rest of a ray from its near distance on. `*share` takes up what layers leave from there. */
+static bool chance_follow(const lmb_tracer *tracer, struct RTCRay from, uint64_t chance, lmb_hit *hit, lmb_rgb *share,
+                          uint64_t *rays)
 {
     for (;;) {
         lmb_layer_walk walk;
@@ -45,7 +45,6 @@ static bool chance_follow(const lmb_tracer *tracer, struct RTCRay from, float st
             .ray = from,
             .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
         };
-        ray.ray.tnear = start;
         lmb_layer_walk_start(&walk, tracer, chance_filter, &chance, &passed, 1);
         ++*rays;
         ray_note(tracer, LMB_RAY_NEAREST, &ray.ray);
@@ -53,41 +52,52 @@ static bool chance_follow(const lmb_tracer *tracer, struct RTCRay from, float st
         const bool found = ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
         const float end = found ? ray.ray.tfar : FLT_MAX;
         *share = rgb_mul(*share, lmb_layers_share(&passed, end));
-        start = lmb_layers_left_from(&passed, end);
-        if (!(start > 0.0f && start < end)) {
+        from.tnear = lmb_layers_left_from(&passed, end);
+        if (!(from.tnear > 0.0f && from.tnear < end)) {
             hit_set_or_nothing(tracer, &ray, hit);
             return found;
         }
     }
 }
 
-bool lmb_trace_through(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, uint64_t chance, lmb_hit *hit,
-                       lmb_rgb *share, uint64_t *rays)
+bool lmb_trace_through(const lmb_tracer *tracer, const lmb_ray *ray, uint64_t chance, lmb_hit *hit, lmb_rgb *share,
+                       uint64_t *rays)
 {
     if (tracer->any_see_through) {
-        return chance_follow(tracer, ray_make(origin, direction, 0.0f, FLT_MAX), 0.0f, chance, hit, share, rays);
+        return chance_follow(tracer, ray_make(ray->origin, ray->direction, 0.0f, FLT_MAX), chance, hit, share, rays);
     }
     ++*rays;
-    return lmb_trace_nearest(tracer, origin, direction, 0.0f, FLT_MAX, hit);
+    return lmb_trace_nearest(tracer, ray->origin, ray->direction, 0.0f, FLT_MAX, hit);
 }
 
-static void packet_through(const lmb_tracer *tracer, const lmb_ray_batch *rays, uint32_t first, const uint64_t *chance,
-                           lmb_hit hit[PACKET], lmb_rgb share[PACKET], uint64_t *rays_traced)
+/* What lmb_trace_through_batch is given, and gives. */
+typedef struct through_batch {
+    const lmb_tracer *tracer;
+    const lmb_ray_batch *rays;
+    const uint64_t *chance;
+    lmb_hit *hit;
+    lmb_rgb *share;
+    uint64_t *rays_traced;
+} through_batch;
+
+static void packet_through(const through_batch *batch, uint32_t first)
 {
     lmb_layer_walk walk;
     lmb_layers passed[PACKET]; /* large: only what is used is set */
     struct RTCRayHit8 packet;
-    lmb_layer_walk_start(&walk, tracer, chance_filter, chance, passed, PACKET);
-    packet_intersect(tracer, &walk.embree, rays, first, &packet);
+    lmb_layer_walk_start(&walk, batch->tracer, chance_filter, batch->chance + first, passed, PACKET);
+    packet_intersect(batch->tracer, &walk.embree, batch->rays, first, &packet);
     for (uint32_t lane = 0; lane < PACKET; ++lane) {
+        const uint32_t i = first + lane;
         const struct RTCRayHit ray = packet_lane(&packet, (int)lane);
         const float end = ray.hit.geomID != RTC_INVALID_GEOMETRY_ID ? ray.ray.tfar : FLT_MAX;
-        share[lane] = lmb_layers_share(&passed[lane], end);
-        hit_set_or_nothing(tracer, &ray, &hit[lane]);
+        batch->share[i] = lmb_layers_share(&passed[lane], end);
+        hit_set_or_nothing(batch->tracer, &ray, &batch->hit[i]);
         const float start = lmb_layers_left_from(&passed[lane], end);
         if (start > 0.0f && start < end) {
-            chance_follow(tracer, ray_of_batch(rays, first + lane), start, chance[lane], &hit[lane], &share[lane],
-                          rays_traced);
+            struct RTCRay rest = ray_of_batch(batch->rays, i);
+            rest.tnear = start;
+            chance_follow(batch->tracer, rest, batch->chance[i], &batch->hit[i], &batch->share[i], batch->rays_traced);
         }
     }
 }
@@ -100,14 +110,15 @@ void lmb_trace_through_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays
         *rays_traced += rays->count;
         return;
     }
+    const through_batch batch = {tracer, rays, chance, hit, share, rays_traced};
     uint32_t i = 0;
     for (; i + PACKET <= rays->count; i += PACKET) {
-        packet_through(tracer, rays, i, &chance[i], &hit[i], &share[i], rays_traced);
+        packet_through(&batch, i);
     }
     batch_note(tracer, LMB_RAY_NEAREST, rays, i);
     *rays_traced += i;
     for (; i < rays->count; ++i) {
         share[i] = rgb(1.0f, 1.0f, 1.0f);
-        chance_follow(tracer, ray_of_batch(rays, i), 0.0f, chance[i], &hit[i], &share[i], rays_traced);
+        chance_follow(tracer, ray_of_batch(rays, i), chance[i], &hit[i], &share[i], rays_traced);
     }
 }

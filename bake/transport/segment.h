@@ -32,7 +32,7 @@ static inline bool lmb_segment_trace(const lmb_path *path, lmb_segment *segment,
         return lmb_trace_nearest(tracer, segment->origin, segment->direction, 0.0f, FLT_MAX, hit);
     }
     const uint64_t chance = lmb_layer_chance(path->stream, path->sample, (int32_t)path->vertex);
-    return lmb_trace_through(tracer, segment->origin, segment->direction, chance, hit, &segment->throughput,
+    return lmb_trace_through(tracer, &(lmb_ray){segment->origin, segment->direction}, chance, hit, &segment->throughput,
                              path->rays);
 }
 

@@ -55,6 +55,11 @@ typedef struct lmb_hit {
 bool lmb_trace_nearest(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float near_distance,
                        float far_distance, lmb_hit *hit);
 
+typedef struct lmb_ray {
+    lmb_vec3 origin;
+    lmb_vec3 direction;
+} lmb_ray;
+
 /* Rays that are traced together, one array for each number. */
 enum { LMB_RAY_BATCH = 64 };
 typedef struct lmb_ray_batch {
@@ -81,8 +86,8 @@ bool lmb_tracer_has_layers(const lmb_tracer *tracer);
  * leave of each channel, never more than all of it; where the hit itself is a layer, its opacity and the best channel's
  * pass together are the share of it that is met. Over all numbers the mean of what arrives is what
  * lmb_trace_transmittance and the opacities say. Adds the rays that it took to `*rays`. */
-bool lmb_trace_through(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, uint64_t chance, lmb_hit *hit,
-                       lmb_rgb *share, uint64_t *rays);
+bool lmb_trace_through(const lmb_tracer *tracer, const lmb_ray *ray, uint64_t chance, lmb_hit *hit, lmb_rgb *share,
+                       uint64_t *rays);
 
 /* The same of a batch. Sets `share`. Without layers neither `chance` nor `share` is touched: all of it arrives. */
 void lmb_trace_through_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays, const uint64_t chance[LMB_RAY_BATCH],
@@ -95,6 +100,10 @@ lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec
 /* The same along a direction, up to a distance in units of its length; FLT_MAX for no end. */
 lmb_rgb lmb_trace_transmittance_along(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 direction, float far_distance,
                                       uint64_t *rays);
+
+/* The nearest distance along a ray that is beyond a hit. It is nudged by a hit's own rounding only: coincident surfaces
+ * count once, and so does one whose two triangles meet under the ray. */
+float lmb_trace_beyond(float distance);
 
 /* How far rounding can have moved a point at `position`, in metres. On a triangle its corners count: lmb_place. */
 float lmb_trace_epsilon(lmb_vec3 position);
