@@ -7,8 +7,6 @@
 #include "base/lanes.h"
 #include "light/light_tree_internal.h"
 
-#define LMB_LIGHT_EVEN_SHARE 0.1
-
 /* A bound must miss by this much, in cosines and in shares of a range, before it counts: far more than rounding. */
 #define SLACK 1e-3f
 

@@ -20,7 +20,8 @@ enum { SIDES_PER_TASK = 512 };
 #define LIFT_SHARE (1.0f / 64.0f)
 #define INSET_SHARE 0.02f
 
-/* Below this share of the longest cell's length a side is no longer divided, but a hole. What a torch hangs on may well
+/* Below this share of the longest cell's length a side is no longer divided, but a hole: time against the huts of
+ * test_dark_places. What a torch hangs on may well
  * be small, and is aimed at only if it has light. */
 #define HOLE_SHARE 0.12f
 

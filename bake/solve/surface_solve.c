@@ -102,7 +102,7 @@ static lmb_result rows_solve(lmb_light_rows *rows, uint32_t samples, lmb_pool *p
 
 lmb_surface_light_settings lmb_surface_light_settings_default(void)
 {
-    return (lmb_surface_light_settings){.max_cells = 32768};
+    return (lmb_surface_light_settings){.max_cells = 32768}; /* by lambent_convergence, `cells` */
 }
 
 lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_surface_light_settings *settings,

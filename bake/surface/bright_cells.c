@@ -7,7 +7,8 @@
 
 #include "base/vec3.h"
 
-/* Bright is what reflects so many times the mean. */
+/* Bright is what reflects so many times the mean. This and the next by lambent_convergence, `cached without aimed
+ * cells`. */
 #define BRIGHT_TIMES 8.0
 
 /* Aiming pays when bright cells reflect this share of all light, or more. */

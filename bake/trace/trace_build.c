@@ -10,8 +10,8 @@
 #include "trace/inside_out.h"
 #include "trace/trace_embree.h"
 
-/* Up to this many placed triangles every instance becomes geometry of its own in world space, which traces faster;
- * beyond it, meshes that are used more than once become Embree instances. */
+/* Up to this many placed triangles every instance becomes geometry of its own in world space, which traces faster
+ * (lambent_growth); beyond it, meshes that are used more than once become Embree instances. */
 #define FLATTEN_MAX_TRIANGLES 16000000u
 
 static bool count_bytes(void *context, ssize_t bytes, bool post)

@@ -11,7 +11,7 @@
 #define ROULETTE_BELOW 0.1f
 #define ROULETTE_MAX_SURVIVAL 0.999f
 
-/* A gap is narrow below this share of a cell's size. */
+/* A gap is narrow below this share of a cell's size: by lambent_convergence, `cached without near hits`. */
 #define NARROW_SHARE 0.125f
 
 /* The patch whose light stands for that of the very hit. False where it does not: the hit sees none, or is so near to
