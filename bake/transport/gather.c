@@ -31,7 +31,8 @@ typedef struct gather_batch {
     uint32_t count;
     lmb_receiver receiver;      /* that samples share, but for the place */
     lmb_vec3 position[SAMPLES]; /* of each sample's receiver */
-    uint32_t per_receiver;      /* samples that one place has */
+    uint32_t per_receiver;      /* samples that one point has */
+    bool second_half;           /* they start at points of the second half */
     uint64_t *rays_traced;
     lmb_ray_batch rays;
     bool layers;            /* the level has any */
@@ -63,7 +64,7 @@ static lmb_receiver point_receiver(const lmb_gather_point *point)
                           .kind = point->hemisphere ? LMB_LOBE_HEMISPHERE : LMB_LOBE_SPHERE};
 }
 
-/* What all batches have in common; the place too, if it is the only one. */
+/* What all batches have in common; the position too, if it is the only one. */
 static void receiver_set(gather_batch *batch, const lmb_gather_samples *samples)
 {
     batch->receiver = point_receiver(&samples->points[0]);
@@ -82,21 +83,30 @@ static void queries_set(gather_batch *batch, const lmb_gather_point *point)
     memset(batch->bright_memo.node, 0, sizeof batch->bright_memo.node);
 }
 
+/* The points that the batch's samples start at: of one half of them, which ends the batch. */
+static void batch_points_set(gather_batch *batch, const lmb_gather_samples *samples)
+{
+    const uint32_t points = samples->point_count;
+    uint32_t point = (batch->first / LMB_GATHER_BLOCK + samples->replicate * points / LMB_GATHER_REPLICATES) % points;
+    batch->second_half = point >= points / 2;
+    const uint32_t end = batch->second_half ? points : points / 2;
+    const uint32_t most = (end - point) * LMB_GATHER_BLOCK;
+    batch->count = batch->count < most ? batch->count : most;
+    for (uint32_t i = 0; i < batch->count; i += LMB_GATHER_BLOCK, ++point) {
+        for (uint32_t k = 0; k < LMB_GATHER_BLOCK; ++k) {
+            batch->position[i + k] = samples->points[point].position;
+        }
+    }
+}
+
 static void batch_start(gather_batch *batch, const lmb_gather_samples *samples, uint32_t done)
 {
     const uint32_t left = samples->count - done;
     batch->first = samples->first + done;
     batch->count = left < SAMPLES ? left : SAMPLES;
     batch->per_receiver = samples->point_count == 1 ? SAMPLES : LMB_GATHER_BLOCK;
-    if (samples->point_count == 1) {
-        return;
-    }
-    uint32_t place =
-        batch->first / LMB_GATHER_BLOCK + samples->replicate * samples->point_count / LMB_GATHER_REPLICATES;
-    for (uint32_t i = 0; i < batch->count; i += LMB_GATHER_BLOCK, ++place) {
-        for (uint32_t k = 0; k < LMB_GATHER_BLOCK; ++k) {
-            batch->position[i + k] = samples->points[place % samples->point_count].position;
-        }
+    if (samples->point_count > 1) {
+        batch_points_set(batch, samples);
     }
 }
 
@@ -129,8 +139,10 @@ static void found_give(gather_batch *batch, lmb_gather_sink sink, void *context)
     while (batch->found.count % LMB_CONTRIBUTION_LANES != 0) {
         contribution_add(&batch->found, vec3(0.0f, 0.0f, 0.0f), rgb(0.0f, 0.0f, 0.0f));
     }
-    sink(context, &batch->found);
-    batch->found.count = 0;
+    if (batch->found.count > 0) {
+        sink(context, &batch->found);
+        batch->found.count = 0;
+    }
 }
 
 /* Gives what there is as soon as SAMPLES more might not fit. */
@@ -525,10 +537,15 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
     batch.rays_traced = rays;
     batch.layers = lmb_tracer_has_layers(transport->tracer);
     batch.found.count = 0;
+    batch.second_half = batch.found.second_half = false;
     receiver_set(&batch, samples);
     queries_set(&batch, &samples->points[0]);
     for (uint32_t done = 0; done < samples->count; done += batch.count) {
         batch_start(&batch, samples, done);
+        if (batch.second_half != batch.found.second_half) {
+            found_give(&batch, sink, context);
+            batch.found.second_half = batch.second_half;
+        }
         if (lmb_emitters_triangle_count(transport->emitters) > 0) {
             gather_triangles(&batch);
             found_make_room(&batch, sink, context);
@@ -564,6 +581,7 @@ bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point 
     batch.transport = transport;
     batch.rays_traced = rays;
     batch.found.count = 0;
+    batch.found.second_half = false;
     batch.rays.count = 0;
     aimed_lights lights;
     punctual_aim(&batch, &lights, &one, choice, LMB_PUNCTUAL_MAX, light);

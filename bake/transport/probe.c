@@ -62,11 +62,17 @@ static void moments_add(const lmb_contributions *found, const basis_batch *basis
     }
 }
 
+/* Of samples that start at the first half of an element's points, and at the second. */
+typedef struct moment_halves {
+    lmb_moment_sum half[2];
+} moment_halves;
+
 static void moment_sink(void *context, const lmb_contributions *found)
 {
+    moment_halves *sums = context;
     basis_batch basis;
     basis_make(found, &basis);
-    moments_add(found, &basis, context);
+    moments_add(found, &basis, &sums->half[found->second_half]);
 }
 
 /* The basis' factors, from where its polynomials are 1, or 2 in one case. */
@@ -83,16 +89,18 @@ static lmb_sh3 basis_factors(void)
 /* Samples of an element on their way. */
 typedef struct gather_work {
     const lmb_transport *transport;
-    lmb_gather_samples samples;                /* those to be taken now, of the first replicate */
-    lmb_moment_sum sum[LMB_GATHER_REPLICATES]; /* of polynomials */
+    lmb_gather_samples samples;               /* those to be taken now, of the first replicate */
+    moment_halves sum[LMB_GATHER_REPLICATES]; /* of polynomials */
     uint64_t rays[LMB_GATHER_REPLICATES];
-    lmb_moment_sum punctual; /* what they give each sample, where the samples leave it out */
+    moment_halves punctual; /* what they give each sample, where the samples leave it out */
     uint64_t punctual_rays;
 } gather_work;
 
 /* What an element's samples have found. */
 typedef struct element_sums {
     double replicate[LMB_GATHER_REPLICATES][3][LMB_SH3_COUNT]; /* of polynomials, summed over samples */
+    double contrast[LMB_GATHER_REPLICATES][3][LMB_SH3_COUNT];  /* the first half of the points less the second */
+    uint32_t points;
     double punctual[3][LMB_SH3_COUNT];
     uint32_t taken; /* by each replicate */
     uint64_t rays;
@@ -109,16 +117,41 @@ static void sums_add(element_sums *sums, const gather_work *work)
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
             for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
-                sums->replicate[r][c][i] += lanes_sum(work->sum[r].c[c][i]);
+                const double first = lanes_sum(work->sum[r].half[0].c[c][i]);
+                const double second = lanes_sum(work->sum[r].half[1].c[c][i]);
+                sums->replicate[r][c][i] += first + second;
+                sums->contrast[r][c][i] += first - second;
             }
-            sums->punctual[c][i] += lanes_sum(work->punctual.c[c][i]);
+            sums->punctual[c][i] += lanes_sum(work->punctual.half[0].c[c][i]);
         }
     }
+    sums->points = work->samples.point_count;
     sums->taken += work->samples.count;
     sums->rays += work->punctual_rays;
     for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
         sums->rays += work->rays[r];
     }
+}
+
+/* The squared error that all replicates have in common, because they start at the same points, in the squared contrast
+ * between two halves of the points: 1/2 for independent points, which those of a texel are all but. */
+#define COMMON_SHARE 0.5
+
+/* That error, once every replicate has started at every point. The product of two replicates' contrasts has the mean of
+ * the squared contrast of the points alone, whatever each one's own noise. */
+static double common_error(const element_sums *sums, const lmb_sh3 *factors)
+{
+    if (sums->points < 2 || sums->taken < LMB_GATHER_BLOCK * sums->points) {
+        return 0.0;
+    }
+    double sum = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            const double scale = (double)factors->c[i] / (double)sums->taken;
+            sum += scale * scale * sums->contrast[0][c][i] * sums->contrast[1][c][i];
+        }
+    }
+    return COMMON_SHARE * sum;
 }
 
 /* Mean of the replicates, and the standard error of that mean from their spread. */
@@ -146,6 +179,7 @@ static void replicates_combine(const element_sums *sums, lmb_gathered *gathered)
             gathered->moments.channel[c].c[i] = (float)whole;
         }
     }
+    gathered->squared_error = fmax(gathered->squared_error + common_error(sums, &factors), 0.0);
 }
 
 double lmb_relative_error(double squared_error, double squared_length)
@@ -330,7 +364,7 @@ enum { PARTS = 16 };
 
 typedef struct parallel_work {
     const gather_work *work;
-    lmb_moment_sum sum[LMB_GATHER_REPLICATES * PARTS];
+    moment_halves sum[LMB_GATHER_REPLICATES * PARTS];
     uint64_t rays[LMB_GATHER_REPLICATES * PARTS];
 } parallel_work;
 
@@ -373,7 +407,7 @@ lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gat
     const lmb_result result = lmb_pool_run(pool, LMB_GATHER_REPLICATES * PARTS, part_task, parallel, "probe", progress);
     if (result == LMB_OK) {
         for (int task = 0; task < LMB_GATHER_REPLICATES * PARTS; ++task) {
-            moments_sum(&parallel->sum[task], &work.sum[task / PARTS]);
+            moments_sum(&parallel->sum[task].half[0], &work.sum[task / PARTS].half[0]); /* a single point */
             work.rays[task / PARTS] += parallel->rays[task];
         }
         element_sums sums;

@@ -56,12 +56,13 @@ typedef struct lmb_gather_samples {
 
 /* Contributions, one array for each number: `weight` = radiance x solid angle that arrives from unit `direction`. Some
  * have weight 0; none has a NaN, infinite or negative one. `count` is a multiple of LMB_CONTRIBUTION_LANES, filled up
- * by some of weight and direction 0. */
+ * by some of weight and direction 0. All come from points of one half of the element's: `second_half`. */
 enum { LMB_CONTRIBUTION_BATCH = 128, LMB_CONTRIBUTION_LANES = 8 };
 typedef struct lmb_contributions {
     float direction[3][LMB_CONTRIBUTION_BATCH];
     float weight[3][LMB_CONTRIBUTION_BATCH];
     uint32_t count;
+    bool second_half; /* of the points, from point_count / 2 on */
 } lmb_contributions;
 
 /* Receives contributions as they are found. */
