@@ -2,10 +2,10 @@
 
 #include <string.h>
 
+#include <lambent/opaque_surface.h>
 #include <lambent/placement.h>
 #include <lambent/surface.h>
 
-#include "check_points.h"
 #include "command.h"
 
 /* A trial takes no more elements than this, nor more than one of so many, nor more samples at each. */
@@ -30,7 +30,7 @@ enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1024 };
 typedef struct trial_work {
     const lmb_bake *bake;
     lmb_transport transport;
-    opaque_surface surface;
+    lmb_opaque_surface surface;
     lmb_gather_effort effort;
     uint32_t count;
     uint32_t wanted[TRIAL_MOST]; /* samples that each element would take */
@@ -68,7 +68,7 @@ static void texel_task(void *context, size_t task, int worker)
     (void)worker;
     trial_work *work = context;
     const lmb_tracer *tracer = work->transport.tracer;
-    const lmb_hit at = opaque_surface_point(&work->surface, 0, (uint32_t)task, work->count);
+    const lmb_hit at = lmb_opaque_surface_point(&work->surface, 0, (uint32_t)task, work->count);
     const lmb_place place = lmb_trace_place(tracer, &at);
     bool pushed_out;
     const lmb_gather_point point =
@@ -144,14 +144,14 @@ lmb_result forecast_make(const lmb_bake *bake, lmb_forecast *forecast)
         forecast->seconds[FORECAST_PROBES] = trial_run(&work, probe_task, probes, &seconds_per_sample);
     }
     if (texels > 0.0) {
-        const lmb_result result = opaque_surface_create(work.transport.tracer, &work.surface);
+        const lmb_result result = lmb_opaque_surface_create(work.transport.tracer, &work.surface);
         if (result != LMB_OK) {
             return result;
         }
-        if (opaque_surface_area(&work.surface) > 0.0) {
+        if (lmb_opaque_surface_area(&work.surface) > 0.0) {
             forecast->seconds[FORECAST_LIGHTMAPS] = trial_run(&work, texel_task, texels, &(double){0.0});
         }
-        opaque_surface_free(&work.surface);
+        lmb_opaque_surface_free(&work.surface);
     }
     if (unsolved && probes > 0.0) {
         surface_guess(bake, seconds_per_sample, forecast);
