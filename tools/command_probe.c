@@ -4,7 +4,7 @@
 #include <lambent/probe.h>
 
 #include "command.h"
-#include "level.h"
+#include "level_arguments.h"
 #include "query.h"
 
 static const char usage[] =
@@ -114,14 +114,13 @@ static int answer_print(const lmb_query *query, const lmb_probe_answer *answer)
 int command_probe(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "probe", usage);
-    lmb_level_arguments level_arguments = {.options = level_options_default()};
+    lmb_level_settings settings = lmb_level_settings_default();
     lmb_query_arguments query_arguments = {0};
-    lmb_estimator estimator = ESTIMATOR_REFERENCE;
+    lmb_estimator estimator = LMB_ESTIMATOR_REFERENCE;
     uint32_t samples = 4096;
     bool json = false;
     for (const char *argument; (argument = arguments_next(&arguments));) {
-        if (level_argument(&level_arguments, &arguments, argument) ||
-            query_argument(&query_arguments, &arguments, argument) ||
+        if (level_argument(&settings, &arguments, argument) || query_argument(&query_arguments, &arguments, argument) ||
             estimator_argument(&estimator, &arguments, argument)) {
             continue;
         }
@@ -129,8 +128,8 @@ int command_probe(int count, char **values)
             samples = (uint32_t)arguments_integer(&arguments, argument, 1, 1 << 28);
         } else if (strcmp(argument, "--json") == 0) {
             json = true;
-        } else if (argument[0] != '-' && !level_arguments.options.path) {
-            level_arguments.options.path = argument;
+        } else if (argument[0] != '-' && !settings.path) {
+            settings.path = argument;
         } else {
             arguments_error(&arguments, "unexpected argument", argument);
         }
@@ -138,27 +137,28 @@ int command_probe(int count, char **values)
     if (arguments.failed || arguments.help) {
         return arguments_status(&arguments);
     }
-    if (!level_arguments.options.path) {
+    if (!settings.path) {
         arguments_error(&arguments, "missing argument", "LEVEL");
     }
     if (arguments.failed || !query_finish(&query_arguments, &arguments)) {
         return EXIT_USAGE;
     }
 
-    samples_say_rounded(samples, TRUTH_REPLICATES, level_arguments.options.quiet);
+    samples_say_rounded(samples, TRUTH_REPLICATES, arguments.quiet);
     samples = (samples + TRUTH_REPLICATES - 1) / TRUTH_REPLICATES * TRUTH_REPLICATES;
     lmb_error error = {{0}};
     lmb_level level;
-    lmb_result result = level_open(&level_arguments.options, &level, &error);
+    const lmb_warnings warnings = console_warnings(arguments.quiet);
+    lmb_result result = lmb_level_open(&settings, &warnings, NULL, &level, &error);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
     lmb_console console;
-    const lmb_progress progress = console_progress(&console, level_arguments.options.quiet || json, false);
-    result = level_solve(&level, estimator, &progress, &error);
+    const lmb_progress progress = console_progress(&console, arguments.quiet || json, false);
+    result = lmb_level_solve(&level, estimator, &progress, &error);
     if (result != LMB_OK) {
         console_finish(&console);
-        level_close(&level);
+        lmb_level_close(&level);
         return command_fail(result, &error);
     }
     lmb_query query = query_arguments.one;
@@ -179,6 +179,6 @@ int command_probe(int count, char **values)
         }
         more = query_arguments.has_position ? 0 : query_read_line(&query, &line);
     }
-    level_close(&level);
+    lmb_level_close(&level);
     return more < 0 ? EXIT_BAD_INPUT : status;
 }
