@@ -94,7 +94,7 @@ endfunction()
 
 file(GLOB folders LIST_DIRECTORIES true RELATIVE ${SOURCE}/bake ${SOURCE}/bake/*)
 foreach(folder IN LISTS folders)
-    if(IS_DIRECTORY ${SOURCE}/bake/${folder} AND NOT folder IN_LIST rooms AND NOT folder STREQUAL include)
+    if(IS_DIRECTORY ${SOURCE}/bake/${folder} AND NOT folder IN_LIST rooms AND NOT folder MATCHES "^(include|example)$")
         fault("bake/${folder} is not in the table of rooms")
     elseif(NOT IS_DIRECTORY ${SOURCE}/bake/${folder} AND folder MATCHES "\\.(c|cc|h)$")
         fault("bake/${folder} lies in no room")

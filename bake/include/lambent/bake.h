@@ -31,7 +31,6 @@ typedef struct lmb_bake_listener {
 /* Bakes into `folder`, opened for lightmaps if the settings have them: probes.lmb, probes.vdb, lightmap/ and bake.json.
  * On failure the folder is as it was. `listener` and `error` may be NULL; `*record` is set on success, and may be NULL.
  * The same settings give the same bytes for any number of threads (bake.json apart from times, threads and memory).
- * Bakes may run at the same time in several threads, each into its own folder.
  * @return what lmb_level_open and the phases of lambent/bake_phases.h return; LMB_ERROR_WRITE; LMB_ERROR_INTERRUPTED
  * (the listener stopped it); LMB_ERROR_ARGUMENT (the folder is not for these settings) */
 lmb_result lmb_bake_run(const lmb_bake_settings *settings, lmb_bake_folder *folder, const lmb_bake_listener *listener,
