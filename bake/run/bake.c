@@ -23,8 +23,10 @@ static bool report_progress(void *context, const char *name, double done)
         report->phase = phase;
         report->phase_start = now;
     }
-    lmb_bake_progress progress = {.phase = report->phase, .done = done, .elapsed = now - report->phase_start};
-    progress.seconds_left = lmb_forecast_left(&report->forecast, report->phase, done, progress.elapsed);
+    const lmb_bake_progress progress = {
+        .phase = report->phase,
+        .done = done,
+        .seconds_left = lmb_forecast_left(&report->forecast, report->phase, done, now - report->phase_start)};
     return !report->listener.progress || report->listener.progress(report->listener.context, &progress);
 }
 

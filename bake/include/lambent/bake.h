@@ -14,7 +14,6 @@ extern "C" {
 typedef struct lmb_bake_progress {
     lmb_bake_phase phase;
     double done;         /* share of the phase, in [0, 1] */
-    double elapsed;      /* seconds since the phase began */
     double seconds_left; /* until all is written, as forecast; negative: not known yet */
 } lmb_bake_progress;
 

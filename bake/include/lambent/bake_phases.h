@@ -18,8 +18,8 @@ typedef struct lmb_bake {
     lmb_bake_record record;       /* of the phases that have run */
 } lmb_bake;
 
-/* A bake of an open level, which is the caller's and must outlive it. Of `settings->level` only the seed and what the
- * record says count: how the level is traced was decided when it was opened. */
+/* A bake of an open level, which is the caller's and must outlive it. `settings->level` is for the record alone: how
+ * the level is traced was decided when it was opened. */
 lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, const lmb_progress *progress);
 
 /* The phases, in the order in which they run: each needs those before it. Warnings go to the level's listener. A bake
