@@ -34,8 +34,8 @@ const char *lmb_bake_phase_name(lmb_bake_phase phase);
 lmb_bake_phase lmb_bake_phase_find(const char *name);
 
 typedef struct lmb_bake_record {
-    lmb_bake_settings
-        settings;          /* as they were used: spacing and lightmap density are set, seeds are where floats are */
+    /* As they were used: spacing and lightmap density are set, seeds are where floats are. They make the same again. */
+    lmb_bake_settings settings;
     uint64_t content_hash; /* of level and environment */
     int threads;
     uint32_t triangles_dropped;
@@ -50,9 +50,10 @@ typedef struct lmb_bake_record {
     size_t surface_bytes;
     float surface_cell_size; /* metres */
     uint64_t rays[LMB_PHASE_COUNT];
-    double seconds[LMB_PHASE_COUNT];
-    double expected_seconds; /* of what a plan leaves to do */
-    double peak_rss_mb;      /* of the process */
+    double seconds[LMB_PHASE_COUNT]; /* wall-clock */
+    double expected_seconds;         /* of what a plan leaves to do; 0 after a bake */
+    /* What follows is of a bake that has been written. */
+    double peak_rss_mb; /* of the process */
     uint64_t bytes_vdb, bytes_lmb, bytes_lightmaps;
     uint64_t fp16_overflows; /* coefficients of probes.lmb */
 } lmb_bake_record;
@@ -64,8 +65,7 @@ double lmb_bake_record_mrays_per_s(const lmb_bake_record *record);
 /* Estimated standard error of probes and texels together, relative to their light. */
 double lmb_bake_record_error(const lmb_bake_record *record);
 
-/* The record as bake.json has it, but for its list of files: a JSON object. The caller frees it; NULL: out of memory.
- */
+/* The record as bake.json has it, but without `files`: a JSON object. The caller frees it; NULL: out of memory. */
 char *lmb_bake_record_text(const lmb_bake_record *record);
 
 #ifdef __cplusplus
