@@ -7,6 +7,7 @@
 #include "level_fixture.h"
 #include "levels.h"
 
+#include <lambent/opaque_surface.h>
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
 
@@ -242,12 +243,12 @@ static void surface_points_are_spread_by_area(void)
     if (!level_fixture_open(&level, path, write_quads(path, &error), &error, 1)) {
         return;
     }
-    opaque_surface surface;
-    CHECK(opaque_surface_create(level.tracer, &surface) == LMB_OK, "memory");
-    CHECK_NEAR(opaque_surface_area(&surface), 13.0, 1e-5, "1 + 2 * 6");
+    lmb_opaque_surface surface;
+    CHECK(lmb_opaque_surface_create(level.tracer, &surface) == LMB_OK, "memory");
+    CHECK_NEAR(lmb_opaque_surface_area(&surface), 13.0, 1e-5, "1 + 2 * 6");
     int small = 0, large = 0, other = 0, cell[2][2] = {{0}};
     for (uint32_t i = 0; i < COUNT; ++i) {
-        const lmb_hit point = opaque_surface_point(&surface, 3, i, COUNT);
+        const lmb_hit point = lmb_opaque_surface_point(&surface, 3, i, COUNT);
         const char *name = level.scene->instances[point.instance].name;
         CHECK(point.u >= 0.0f && point.v >= 0.0f && point.u + point.v <= 1.0f + 1e-6f, "point %u", i);
         if (strcmp(name, "small") == 0) {
@@ -266,12 +267,12 @@ static void surface_points_are_spread_by_area(void)
     for (int i = 0; i < 4; ++i) {
         CHECK_NEAR(cell[i / 2][i % 2], 3000, 200, "quarter %d of the large quad", i);
     }
-    const lmb_hit again = opaque_surface_point(&surface, 3, 17, COUNT);
-    const lmb_hit once = opaque_surface_point(&surface, 3, 17, COUNT);
-    const lmb_hit reseeded = opaque_surface_point(&surface, 4, 17, COUNT);
+    const lmb_hit again = lmb_opaque_surface_point(&surface, 3, 17, COUNT);
+    const lmb_hit once = lmb_opaque_surface_point(&surface, 3, 17, COUNT);
+    const lmb_hit reseeded = lmb_opaque_surface_point(&surface, 4, 17, COUNT);
     CHECK(again.triangle == once.triangle && again.u == once.u && again.v == once.v, "the same seed, the same point");
     CHECK(reseeded.u != once.u || reseeded.v != once.v, "another seed, another point");
-    opaque_surface_free(&surface);
+    lmb_opaque_surface_free(&surface);
     level_fixture_close(&level);
 }
 

@@ -6,6 +6,9 @@
 
 #include "command.h"
 
+const lmb_bake_phase bench_phases[BENCH_PHASES] = {LMB_PHASE_PLACE, LMB_PHASE_SURFACE, LMB_PHASE_PROBES,
+                                                   LMB_PHASE_LIGHTMAPS};
+
 /* About as many rays of each phase are kept. */
 #define RAYS_KEPT ((uint64_t)1 << 20)
 
@@ -24,9 +27,9 @@ typedef struct bench_work {
     const lmb_bake_settings *settings;
     lmb_level *level;
     const lmb_progress *progress;
-    lmb_ray_recorder *recorder[PHASE_COUNT];
-    uint64_t rays[PHASE_COUNT]; /* as the bake counts them */
-    phase_times times[2][PHASE_COUNT];
+    lmb_ray_recorder *recorder[BENCH_PHASES];
+    uint64_t rays[BENCH_PHASES]; /* as the bake counts them */
+    phase_times times[2][BENCH_PHASES];
 } bench_work;
 
 static time_pair time_now(void)
@@ -43,15 +46,15 @@ static time_pair time_since(time_pair start)
 }
 
 /* One whole bake in memory. `times`: where the time of each phase goes. `record`: whether to make recorders. */
-static lmb_result bake_once(bench_work *work, bool record, time_pair times[PHASE_COUNT], lmb_error *error)
+static lmb_result bake_once(bench_work *work, bool record, time_pair times[BENCH_PHASES], lmb_error *error)
 {
-    static lmb_result (*const phases[PHASE_COUNT])(lmb_bake *, lmb_error *) = {bake_place, bake_surface, bake_probes,
-                                                                               bake_lightmaps};
-    lmb_bake bake = {.settings = work->settings, .level = work->level, .progress = work->progress};
+    static lmb_result (*const phases[BENCH_PHASES])(lmb_bake *, lmb_error *) = {lmb_bake_place, lmb_bake_surface,
+                                                                                lmb_bake_probes, lmb_bake_lightmaps};
+    lmb_bake bake = lmb_bake_begin(work->settings, work->level, work->progress);
     lmb_result result = LMB_OK;
-    for (int phase = 0; phase < PHASE_COUNT && result == LMB_OK; ++phase) {
-        if (phase == PHASE_LIGHTMAPS) {
-            result = bake_layout(&bake, error);
+    for (int phase = 0; phase < BENCH_PHASES && result == LMB_OK; ++phase) {
+        if (bench_phases[phase] == LMB_PHASE_LIGHTMAPS) {
+            result = lmb_bake_layout(&bake, error);
         }
         if (record && result == LMB_OK) {
             result = lmb_ray_recorder_create(1 + work->rays[phase] / RAYS_KEPT, &work->recorder[phase]);
@@ -65,10 +68,10 @@ static lmb_result bake_once(bench_work *work, bool record, time_pair times[PHASE
         if (record && result == LMB_OK) {
             result = lmb_ray_recorder_finish(work->recorder[phase]);
         }
-        work->rays[phase] = bake_phase_rays(&bake, (lmb_bake_phase)phase);
+        work->rays[phase] = bake.record.rays[bench_phases[phase]];
     }
     lmb_tracer_record(work->level->tracer, NULL);
-    bake_close(&bake);
+    lmb_bake_end(&bake);
     return result;
 }
 
@@ -83,10 +86,10 @@ static lmb_result replay_timed(const bench_work *work, int phase, lmb_ray_kind k
     return result;
 }
 
-static lmb_result replay_once(bench_work *work, phase_times times[PHASE_COUNT], int repeat)
+static lmb_result replay_once(bench_work *work, phase_times times[BENCH_PHASES], int repeat)
 {
     lmb_result result = LMB_OK;
-    for (int phase = 0; phase < PHASE_COUNT && result == LMB_OK; ++phase) {
+    for (int phase = 0; phase < BENCH_PHASES && result == LMB_OK; ++phase) {
         result = replay_timed(work, phase, LMB_RAY_KINDS, LMB_REPLAY_SINGLE, &times[phase].bare[repeat]);
         for (int kind = 0; kind < LMB_RAY_KINDS; ++kind) {
             for (int call = 0; call < LMB_REPLAY_CALLS && result == LMB_OK; ++call) {
@@ -161,20 +164,20 @@ static lmb_result pool_replace(lmb_level *level, int threads)
 
 static lmb_result work_measure(bench_work *work, int threads, int repeats, lmb_error *error)
 {
-    time_pair unused[PHASE_COUNT];
+    time_pair unused[BENCH_PHASES];
     lmb_result result = bake_once(work, false, unused, error);
-    work->level->options.gltf.warnings = (lmb_warnings){NULL, NULL}; /* the first bake has given them */
+    work->level->warnings = (lmb_warnings){NULL, NULL}; /* the first bake has given them */
     if (result == LMB_OK) {
         result = bake_once(work, true, unused, error);
     }
     for (int repeat = 0; repeat < repeats; ++repeat) {
         for (int many = 0; many < 2 && result == LMB_OK; ++many) {
-            time_pair times[PHASE_COUNT];
+            time_pair times[BENCH_PHASES];
             result = pool_replace(work->level, many ? threads : 1);
             if (result == LMB_OK) {
                 result = bake_once(work, false, times, error);
             }
-            for (int phase = 0; phase < PHASE_COUNT && result == LMB_OK; ++phase) {
+            for (int phase = 0; phase < BENCH_PHASES && result == LMB_OK; ++phase) {
                 work->times[many][phase].bake[repeat] = times[phase];
             }
             if (result == LMB_OK) {
@@ -198,11 +201,11 @@ lmb_result bench_rays_measure(const lmb_bake_settings *settings, lmb_level *leve
     bench->threads = lmb_pool_threads(level->pool);
     const lmb_result result = work_measure(work, bench->threads, repeats, error);
     for (int many = 0; many < 2 && result == LMB_OK; ++many) {
-        for (int phase = 0; phase < PHASE_COUNT; ++phase) {
+        for (int phase = 0; phase < BENCH_PHASES; ++phase) {
             bench->phase[many][phase] = phase_summary(work, &work->times[many][phase], phase, repeats);
         }
     }
-    for (int phase = 0; phase < PHASE_COUNT; ++phase) {
+    for (int phase = 0; phase < BENCH_PHASES; ++phase) {
         lmb_ray_recorder_destroy(work->recorder[phase]);
     }
     free(work);

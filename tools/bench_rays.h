@@ -2,11 +2,14 @@
 #ifndef LMB_TOOLS_BENCH_RAYS_H
 #define LMB_TOOLS_BENCH_RAYS_H
 
+#include <lambent/bake_phases.h>
 #include <lambent/ray_record.h>
 
-#include "bake_phases.h"
-
 enum { BENCH_MAX_REPEATS = 99 };
+
+/* The phases that trace, in the order in which they run. */
+enum { BENCH_PHASES = 4 };
+extern const lmb_bake_phase bench_phases[BENCH_PHASES];
 
 /* One phase at one number of threads: medians over the repeats. Seconds of Embree are those that it would need for all
  * rays of the phase, from those of the recorded ones. */
@@ -22,7 +25,7 @@ typedef struct lmb_bench_phase {
 /* [0]: on one thread, [1]: on `threads`. When `threads` is 1 both are the same. */
 typedef struct lmb_bench_rays {
     int threads;
-    lmb_bench_phase phase[2][PHASE_COUNT];
+    lmb_bench_phase phase[2][BENCH_PHASES];
 } lmb_bench_rays;
 
 /* Bakes once to count rays, once to record them, and then `repeats` times (1 to BENCH_MAX_REPEATS) bakes and replays in

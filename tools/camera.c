@@ -75,10 +75,8 @@ static float view_score(const lmb_tracer *tracer, const lmb_camera *camera, floa
     return score / (float)(COLUMNS * ROWS);
 }
 
-static void camera_better(const lmb_tracer *tracer, lmb_vec3 position, lmb_vec3 target, float fov_deg, float size,
-                          lmb_camera *best, float *best_score)
+static void camera_better(const lmb_tracer *tracer, lmb_camera camera, float size, lmb_camera *best, float *best_score)
 {
-    const lmb_camera camera = camera_look_at(position, target, fov_deg);
     const float score = view_score(tracer, &camera, size);
     if (score > *best_score) {
         *best = camera;
@@ -108,12 +106,12 @@ lmb_camera camera_default(const lmb_tracer *tracer, float fov_deg)
                 const lmb_vec3 position = {low.x + size.x * (corner & 1 ? 1.0f - insets[i] : insets[i]),
                                            low.y + size.y * heights[h],
                                            low.z + size.z * (corner & 2 ? insets[i] : 1.0f - insets[i])};
-                camera_better(tracer, position, target, fov_deg, diagonal, &best, &best_score);
+                camera_better(tracer, camera_look_at(position, target, fov_deg), diagonal, &best, &best_score);
             }
         }
     }
     for (uint32_t i = 0; i < scene->seed_point_count; ++i) {
-        camera_better(tracer, scene->seed_points[i], target, fov_deg, diagonal, &best, &best_score);
+        camera_better(tracer, camera_look_at(scene->seed_points[i], target, fov_deg), diagonal, &best, &best_score);
     }
     return best;
 }

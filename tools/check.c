@@ -5,6 +5,7 @@
 
 #include <lambent/hlsh.h>
 #include <lambent/occlusion.h>
+#include <lambent/opaque_surface.h>
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
 
@@ -70,7 +71,7 @@ typedef struct check_work {
     const check_subject *subject;
     check_settings settings;
     lmb_transport transport; /* the subject's, with a seed of the check's own */
-    opaque_surface surface;
+    lmb_opaque_surface surface;
     float spacing;       /* metres, the volume's */
     float default_texel; /* metres, where there are no lightmaps */
     point_error *errors[CHECK_PAIR_COUNT];
@@ -158,7 +159,7 @@ static surface_sample sample_make(const check_work *work, size_t task)
     const check_subject *subject = work->subject;
     const uint64_t seed = work->settings.seed;
     const lmb_hit at =
-        opaque_surface_point(&work->surface, lmb_mix(seed, STREAM_SURFACE), (uint32_t)task, work->settings.points);
+        lmb_opaque_surface_point(&work->surface, lmb_mix(seed, STREAM_SURFACE), (uint32_t)task, work->settings.points);
     const lmb_place place = lmb_trace_place(subject->transport->tracer, &at);
     const float texel = subject->lightmap ? subject->lightmap->region[at.instance].texel_size : work->default_texel;
     surface_sample sample = {.number = task};
@@ -263,7 +264,7 @@ static lmb_result work_prepare(const check_subject *subject, const check_setting
         work->errors[pair] = calloc(points, sizeof *work->errors[pair]);
         good = good && work->errors[pair];
     }
-    return good ? opaque_surface_create(subject->transport->tracer, &work->surface) : LMB_ERROR_MEMORY;
+    return good ? lmb_opaque_surface_create(subject->transport->tracer, &work->surface) : LMB_ERROR_MEMORY;
 }
 
 static void work_free(check_work *work)
@@ -275,7 +276,7 @@ static void work_free(check_work *work)
     free(work->lightmap_lights);
     free(work->coincident);
     free(work->free_found);
-    opaque_surface_free(&work->surface);
+    lmb_opaque_surface_free(&work->surface);
 }
 
 /* Moves the errors of the free points that were found to the front. */
@@ -342,7 +343,7 @@ lmb_result check_run(const check_subject *subject, const check_settings *setting
     if (result != LMB_OK) {
         goto cleanup;
     }
-    const size_t surface_points = opaque_surface_area(&work.surface) > 0.0 ? settings->points : 0;
+    const size_t surface_points = lmb_opaque_surface_area(&work.surface) > 0.0 ? settings->points : 0;
     result = lmb_pool_run(subject->pool, surface_points, surface_task, &work, "surfaces", progress);
     if (result != LMB_OK) {
         goto cleanup;

@@ -1,7 +1,5 @@
 #include "check_points.h"
 
-#include <stdlib.h>
-
 #include <lambent/placement.h>
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
@@ -9,124 +7,7 @@
 #include "vector_math.h"
 
 /* Dimension pairs of a point's sequence. */
-enum { PAIR_TRIANGLE, PAIR_PLACE, PAIR_FREE, PAIR_FREE_HEIGHT };
-
-static bool triangle_is_opaque(const lmb_scene *scene, const lmb_mesh *mesh, uint32_t triangle)
-{
-    const lmb_material *material = &scene->materials[mesh->material[triangle]];
-    return lmb_material_is_opaque(material);
-}
-
-static double triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
-{
-    lmb_vec3 corner[3];
-    lmb_trace_corners(tracer, instance, triangle, corner);
-    const double area =
-        0.5 * (double)vector_length(vector_cross(vector_sub(corner[1], corner[0]), vector_sub(corner[2], corner[0])));
-    return isfinite(area) ? area : 0.0;
-}
-
-lmb_result opaque_surface_create(const lmb_tracer *tracer, opaque_surface *surface)
-{
-    const lmb_scene *scene = lmb_tracer_scene(tracer);
-    opaque_surface created = {.tracer = tracer};
-    created.first = calloc((size_t)scene->instance_count + 1, sizeof *created.first);
-    if (!created.first) {
-        return LMB_ERROR_MEMORY;
-    }
-    for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        const lmb_instance *instance = &scene->instances[i];
-        created.first[i + 1] = created.first[i];
-        if (!instance->dynamic) {
-            created.first[i + 1] += scene->meshes[instance->mesh].triangle_count;
-        }
-    }
-    created.entry_count = created.first[scene->instance_count];
-    if (created.entry_count >= SIZE_MAX / sizeof *created.area_before) {
-        opaque_surface_free(&created);
-        return LMB_ERROR_MEMORY;
-    }
-    created.area_before = malloc(((size_t)created.entry_count + 1) * sizeof *created.area_before);
-    if (!created.area_before) {
-        opaque_surface_free(&created);
-        return LMB_ERROR_MEMORY;
-    }
-    double area = 0.0;
-    for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        const lmb_mesh *mesh = &scene->meshes[scene->instances[i].mesh];
-        const uint64_t count = created.first[i + 1] - created.first[i];
-        for (uint32_t t = 0; t < count; ++t) {
-            created.area_before[created.first[i] + t] = area;
-            area += triangle_is_opaque(scene, mesh, t) ? triangle_area(tracer, i, t) : 0.0;
-        }
-    }
-    created.area_before[created.entry_count] = area;
-    *surface = created;
-    return LMB_OK;
-}
-
-void opaque_surface_free(opaque_surface *surface)
-{
-    free(surface->first);
-    free(surface->area_before);
-    *surface = (opaque_surface){0};
-}
-
-double opaque_surface_area(const opaque_surface *surface)
-{
-    return surface->area_before[surface->entry_count];
-}
-
-/* The entry with area_before[entry] <= target < area_before[entry + 1]. */
-static uint64_t entry_at_area(const opaque_surface *surface, double target)
-{
-    uint64_t low = 0, high = surface->entry_count;
-    while (high - low > 1) {
-        const uint64_t middle = low + (high - low) / 2;
-        if (surface->area_before[middle] <= target) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
-static uint32_t instance_of_entry(const opaque_surface *surface, uint64_t entry)
-{
-    uint32_t low = 0, high = lmb_tracer_scene(surface->tracer)->instance_count;
-    while (high - low > 1) {
-        const uint32_t middle = low + (high - low) / 2;
-        if (surface->first[middle] <= entry) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
-lmb_hit opaque_surface_point(const opaque_surface *surface, uint64_t seed, uint32_t number, uint32_t count)
-{
-    const uint64_t stream = lmb_mix(seed, number);
-    float choice[2], place[2];
-    lmb_sequence_2d(stream, 0, PAIR_TRIANGLE, choice);
-    lmb_sequence_2d(stream, 0, PAIR_PLACE, place);
-    const double area = opaque_surface_area(surface);
-    double target = ((double)number + (double)choice[0]) / (double)count * area;
-    if (target >= area) {
-        target = nextafter(area, 0.0);
-    }
-    const uint64_t entry = entry_at_area(surface, target);
-    lmb_hit point;
-    point.instance = instance_of_entry(surface, entry);
-    point.triangle = (uint32_t)(entry - surface->first[point.instance]);
-    /* Uniform in the triangle (Osada et al. 2002, "Shape distributions"). */
-    const float root = sqrtf(place[0]);
-    point.u = root * (1.0f - place[1]);
-    point.v = root * place[1];
-    return point;
-}
+enum { PAIR_FREE = 2, PAIR_FREE_HEIGHT };
 
 /* A direction around `axis` from its squared sine and a turn in [0, 1). */
 static lmb_vec3 direction_around(lmb_vec3 axis, float sine_squared, float turn)

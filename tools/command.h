@@ -8,6 +8,7 @@
 #include <lambent/error.h>
 #include <lambent/pool.h>
 #include <lambent/types.h>
+#include <lambent/warning.h>
 
 /* Exit statuses. */
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_BAD_INPUT = 3, EXIT_INTERRUPTED = 4 };
@@ -33,6 +34,7 @@ typedef struct lmb_arguments {
     bool only_positional;
     bool failed; /* a usage error was printed */
     bool help;   /* --help was asked for and printed */
+    bool quiet;  /* --quiet was among the options of a level */
 } lmb_arguments;
 
 lmb_arguments arguments_begin(int count, char **values, const char *command, const char *usage);
@@ -56,11 +58,10 @@ lmb_vec3d arguments_place(lmb_arguments *arguments, const char *option); /* X,Y,
 /* What a command says of itself: progress as a bar with time left on a terminal, or, when `json`, as records on
  * standard output, a JSON object a line. */
 struct cJSON;
-struct lmb_forecast;
+struct lmb_bake_progress;
 typedef struct lmb_console {
     bool quiet;
     bool json;
-    const struct lmb_forecast *forecast; /* time left is of all; NULL: of the phase at hand. May be set later */
     double start;
     double phase_start;
     double printed;
@@ -68,13 +69,18 @@ typedef struct lmb_console {
     const char *phase;
     bool phase_done;
 } lmb_console;
-/* The console of this process from here on. */
+/* The console of this process from here on. What it returns tells of the time left in the phase at hand. */
 lmb_progress console_progress(lmb_console *console, bool quiet, bool json);
+/* The same for a bake, which knows the time left of all. False: standard output takes no more. */
+bool console_bake_progress(lmb_console *console, const struct lmb_bake_progress *progress);
 /* Ends the bar's line, so that other output starts clean. */
 void console_finish(lmb_console *console);
 
 /* Says a warning: on standard error unless `quiet`, or as a record. */
 void console_warning(const char *line, bool quiet);
+
+/* Says all warnings so. */
+lmb_warnings console_warnings(bool quiet);
 
 /* Warns where `--samples N` is no multiple of what samples come in, and more are taken. */
 void samples_say_rounded(uint32_t samples, uint32_t multiple, bool quiet);

@@ -1,7 +1,13 @@
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "bake_run.h"
-#include "command.h"
+#include <cjson/cJSON.h>
+
+#include <lambent/bake.h>
+
+#include "bake_arguments.h"
+#include "interrupt.h"
 
 static const char usage[] =
     "usage: lambent bake LEVEL -o DIR [options]\n"
@@ -15,79 +21,200 @@ static const char usage[] =
     "  --json-progress       progress, warnings and the result or error as JSON lines on standard output\n" BAKE_USAGE
         LEVEL_USAGE;
 
-static bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument)
+typedef struct bake_options {
+    lmb_bake_settings settings;
+    const char *directory;
+    bool dry_run;
+    bool json_progress;
+    bool quiet;
+} bake_options;
+
+static bool option_take(bake_options *options, lmb_arguments *arguments, const char *argument)
 {
     if (strcmp(argument, "-o") == 0) {
-        settings->directory = arguments_text(arguments, argument);
+        options->directory = arguments_text(arguments, argument);
     } else if (strcmp(argument, "--lightmaps") == 0) {
-        settings->lightmaps = true;
+        options->settings.lightmaps = true;
     } else if (strcmp(argument, "--dry-run") == 0) {
-        settings->dry_run = true;
+        options->dry_run = true;
     } else if (strcmp(argument, "--json-progress") == 0) {
-        settings->json_progress = true;
+        options->json_progress = true;
     } else {
-        return bake_settings_argument(settings, arguments, argument);
+        return bake_argument(&options->settings, arguments, argument);
     }
     return true;
 }
 
-static lmb_result level_bake(const lmb_bake_settings *settings, lmb_output_folder *folder, lmb_console *console,
-                             const lmb_progress *progress, lmb_error *error)
+/* Reads the command line. False: a usage error was printed, or --help. */
+static bool options_read(bake_options *options, lmb_arguments *arguments)
 {
-    lmb_level level;
-    lmb_result result = level_open(&settings->level.options, &level, error);
-    if (result != LMB_OK) {
-        return result;
+    for (const char *argument; (argument = arguments_next(arguments));) {
+        if (!option_take(options, arguments, argument)) {
+            arguments_error(arguments, "unexpected argument", argument);
+        }
     }
-    lmb_forecast forecast = {0};
-    console->forecast = &forecast;
-    result = bake_run(settings, &level, folder, progress, &forecast, error);
-    console_finish(console);
-    console->forecast = NULL;
-    level_close(&level);
+    options->quiet = arguments->quiet;
+    if (arguments->failed || arguments->help) {
+        return false;
+    }
+    if (!options->settings.level.path) {
+        arguments_error(arguments, "missing argument", "LEVEL");
+    } else if (!options->directory && !options->dry_run) {
+        arguments_error(arguments, "missing option", "-o DIR");
+    }
+    return !arguments->failed;
+}
+
+static void plan_print(const lmb_bake_record *record)
+{
+    const lmb_bake_settings *settings = &record->settings;
+    printf("probes  %d at %g m (%d traced, %d dilated)\n", record->probes, (double)settings->spacing,
+           record->placement.probes_valid, record->placement.probes_dilated);
+    if (settings->lightmaps) {
+        printf("texels  %llu at %g a metre, in %d images\n", (unsigned long long)record->texels_covered,
+               (double)settings->texels_per_m, record->images);
+    }
+    if (record->surface_solved) {
+        printf("cells   %u on surfaces, of %.3g m, solved in %.3g s\n", record->surface.cells,
+               (double)record->surface_cell_size, record->seconds[LMB_PHASE_SURFACE]);
+    }
+    printf("expect  about %.3g s on %d threads\n", record->expected_seconds, record->threads);
+}
+
+static cJSON *plan_json(const lmb_bake_record *record)
+{
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddBoolToObject(json, "dry_run", true);
+    cJSON_AddNumberToObject(json, "probes", record->probes);
+    cJSON_AddNumberToObject(json, "probes_valid", record->placement.probes_valid);
+    cJSON_AddNumberToObject(json, "spacing", (double)record->settings.spacing);
+    cJSON_AddNumberToObject(json, "texels", (double)record->texels_covered);
+    cJSON_AddNumberToObject(json, "images", record->images);
+    cJSON_AddNumberToObject(json, "surface_cells", record->surface.cells);
+    cJSON_AddNumberToObject(json, "expected_seconds", record->expected_seconds);
+    cJSON_AddNumberToObject(json, "threads", record->threads);
+    return json;
+}
+
+static void summary_print(const lmb_bake_record *record, const char *directory)
+{
+    const lmb_bake_settings *settings = &record->settings;
+    if (record->surface_solved) {
+        printf("surfaces  %u cells of %.3g m, %.1f s\n", record->surface.cells, (double)record->surface_cell_size,
+               record->seconds[LMB_PHASE_SURFACE]);
+    }
+    printf("probes    %d at %g m, %.1f s\n", record->probes, (double)settings->spacing,
+           record->seconds[LMB_PHASE_PROBES]);
+    if (settings->lightmaps) {
+        printf("lightmap  %llu texels in %d images, %.1f s\n", (unsigned long long)record->lightmap.texels,
+               record->images, record->seconds[LMB_PHASE_LIGHTMAPS]);
+    }
+    const double elements = (double)record->placement.probes_valid + (double)record->lightmap.texels;
+    printf("samples   %.0f for a probe or texel on average\n",
+           (double)(record->gathered.samples + record->lightmap.samples) / (elements > 0.0 ? elements : 1.0));
+    printf("rays      %.3g million, %.2f million a second\n", 1e-6 * (double)lmb_bake_record_rays(record),
+           lmb_bake_record_mrays_per_s(record));
+    printf("error     %.2f %% estimated (standard error, relative, of probes and texels)\n",
+           100.0 * lmb_bake_record_error(record));
+    printf("memory    %.0f MB at most\n", record->peak_rss_mb);
+    printf("written   %s (probes.vdb %.1f kB, probes.lmb %.1f kB, lightmaps %.1f kB)\n", directory,
+           1e-3 * (double)record->bytes_vdb, 1e-3 * (double)record->bytes_lmb, 1e-3 * (double)record->bytes_lightmaps);
+}
+
+/* The record without its settings, which are those of the command line. */
+static cJSON *summary_json(const lmb_bake_record *record, const char *directory)
+{
+    char *text = lmb_bake_record_text(record);
+    cJSON *json = cJSON_Parse(text ? text : "{}");
+    free(text);
+    cJSON_DeleteItemFromObject(json, "settings");
+    cJSON_AddStringToObject(json, "directory", directory);
+    return json;
+}
+
+/* Says what a bake made, or with --dry-run would make. */
+static void record_report(const bake_options *options, const lmb_bake_record *record)
+{
+    if (options->json_progress) {
+        console_result(options->dry_run ? plan_json(record) : summary_json(record, options->directory));
+    } else if (options->dry_run) {
+        plan_print(record);
+    } else if (!options->quiet) {
+        summary_print(record, options->directory);
+    }
+}
+
+static void folder_abandon(void *folder)
+{
+    lmb_bake_folder_abandon(folder);
+}
+
+/* The folder comes first: one that cannot be written is found at once. From then on an interruption takes back what was
+ * made there. */
+static lmb_result folder_open(const bake_options *options, lmb_bake_folder **folder, lmb_error *error)
+{
+    interrupt_hold();
+    const lmb_result result = lmb_bake_folder_open(options->directory, options->settings.lightmaps, folder, error);
+    if (result == LMB_OK) {
+        interrupt_set_cleanup(folder_abandon, *folder);
+    }
+    interrupt_release();
     return result;
 }
 
-/* The folder comes first: one that cannot be written is found at once. */
-static lmb_result bake_into_folder(const lmb_bake_settings *settings, lmb_console *console,
-                                   const lmb_progress *progress, lmb_error *error)
+static void folder_close(lmb_bake_folder *folder)
 {
-    lmb_output_folder *folder = NULL;
-    lmb_result result = LMB_OK;
-    if (!settings->dry_run) {
-        result = output_folder_open(settings->directory, settings->lightmaps, &folder, error);
+    interrupt_hold();
+    interrupt_set_cleanup(NULL, NULL);
+    lmb_bake_folder_close(folder);
+    interrupt_release();
+}
+
+static bool on_progress(void *context, const lmb_bake_progress *progress)
+{
+    const bool goes_on = console_bake_progress(context, progress);
+    if (goes_on && progress->phase == LMB_PHASE_WRITE && progress->done >= 1.0) {
+        interrupt_shut(); /* files are about to replace their old versions */
     }
+    return goes_on;
+}
+
+static lmb_result bake_run(const bake_options *options, const lmb_bake_listener *listener, lmb_bake_record *record,
+                           lmb_error *error)
+{
+    if (options->dry_run) {
+        return lmb_bake_plan(&options->settings, listener, record, error);
+    }
+    lmb_bake_folder *folder;
+    lmb_result result = folder_open(options, &folder, error);
     if (result == LMB_OK) {
-        result = level_bake(settings, folder, console, progress, error);
+        result = lmb_bake_run(&options->settings, folder, listener, record, error);
+        folder_close(folder);
     }
-    output_folder_close(folder);
     return result;
 }
 
 int command_bake(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "bake", usage);
-    lmb_bake_settings settings = bake_settings_default();
-    for (const char *argument; (argument = arguments_next(&arguments));) {
-        if (!bake_argument(&settings, &arguments, argument)) {
-            arguments_error(&arguments, "unexpected argument", argument);
-        }
-    }
-    if (!arguments.failed && !arguments.help && !settings.level.options.path) {
-        arguments_error(&arguments, "missing argument", "LEVEL");
-    } else if (!arguments.failed && !arguments.help && !settings.directory && !settings.dry_run) {
-        arguments_error(&arguments, "missing option", "-o DIR");
-    }
-    if (arguments.failed || arguments.help) {
+    bake_options options = {.settings = lmb_bake_settings_default()};
+    if (!options_read(&options, &arguments)) {
         return arguments_status(&arguments);
     }
-
     lmb_console console;
-    const lmb_progress progress = console_progress(&console, settings.level.options.quiet, settings.json_progress);
-    lmb_error error = {{0}};
-    if (settings.max_samples == settings.samples) {
-        samples_say_rounded(settings.samples, LMB_GATHER_REPLICATES, settings.level.options.quiet);
+    console_progress(&console, options.quiet, options.json_progress);
+    if (options.settings.max_samples == options.settings.samples) {
+        samples_say_rounded(options.settings.samples, LMB_GATHER_REPLICATES, options.quiet);
     }
-    const lmb_result result = bake_into_folder(&settings, &console, &progress, &error);
-    return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
+    const lmb_bake_listener listener = {
+        .progress = on_progress, .context = &console, .warnings = console_warnings(options.quiet)};
+    lmb_error error = {{0}};
+    lmb_bake_record record;
+    const lmb_result result = bake_run(&options, &listener, &record, &error);
+    console_finish(&console);
+    if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    record_report(&options, &record);
+    return EXIT_DONE;
 }

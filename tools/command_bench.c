@@ -3,8 +3,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "bake_arguments.h"
 #include "bench_rays.h"
-#include "command.h"
 #include "query.h"
 
 static const char usage[] = "usage: lambent bench --rays LEVEL [options]\n"
@@ -20,10 +20,10 @@ static const char usage[] = "usage: lambent bench --rays LEVEL [options]\n"
                             "  --json                one JSON object on standard output\n" BAKE_USAGE LEVEL_USAGE;
 
 /* Of the phases that trace, all together. */
-static lmb_bench_phase phases_sum(const lmb_bench_phase phase[PHASE_COUNT])
+static lmb_bench_phase phases_sum(const lmb_bench_phase phase[BENCH_PHASES])
 {
     lmb_bench_phase sum = {0};
-    for (int i = 0; i < PHASE_COUNT; ++i) {
+    for (int i = 0; i < BENCH_PHASES; ++i) {
         if (phase[i].rays > 0) {
             sum.rays += phase[i].rays;
             sum.recorded += phase[i].recorded;
@@ -88,7 +88,7 @@ static void json_add_rates(cJSON *json, const lmb_bench_phase *phase)
 static cJSON *phase_json(const lmb_bench_phase *phase, lmb_bake_phase number)
 {
     cJSON *json = cJSON_CreateObject();
-    cJSON_AddStringToObject(json, "name", bake_phase_name(number));
+    cJSON_AddStringToObject(json, "name", lmb_bake_phase_name(number));
     json_add_rates(json, phase);
     cJSON *best = cJSON_AddObjectToObject(json, "best");
     cJSON_AddStringToObject(best, "nearest", call_names[phase->best[LMB_RAY_NEAREST]]);
@@ -111,8 +111,8 @@ static int bench_print_json(const lmb_bench_rays *bench, const char *machine)
     cJSON_AddStringToObject(json, "machine", machine);
     cJSON_AddNumberToObject(json, "threads", bench->threads);
     cJSON *phases = cJSON_AddArrayToObject(json, "phases");
-    for (int i = 0; i < PHASE_COUNT; ++i) {
-        cJSON_AddItemToArray(phases, phase_json(&bench->phase[1][i], (lmb_bake_phase)i));
+    for (int i = 0; i < BENCH_PHASES; ++i) {
+        cJSON_AddItemToArray(phases, phase_json(&bench->phase[1][i], bench_phases[i]));
     }
     const lmb_bench_phase all = phases_sum(bench->phase[1]);
     json_add_rates(json, &all);
@@ -142,8 +142,8 @@ static void bench_print(const lmb_bench_rays *bench, const char *machine)
         machine, bench->threads);
     printf("%-10s %9s %9s %8s %8s %9s %8s %9s\n", "phase", "Mrays", "seconds", "bake", "bare", "of bare", "best",
            "of best");
-    for (int i = 0; i < PHASE_COUNT; ++i) {
-        row_print(bake_phase_name((lmb_bake_phase)i), &bench->phase[1][i]);
+    for (int i = 0; i < BENCH_PHASES; ++i) {
+        row_print(lmb_bake_phase_name(bench_phases[i]), &bench->phase[1][i]);
     }
     const lmb_bench_phase all = phases_sum(bench->phase[1]);
     row_print("all", &all);
@@ -158,16 +158,16 @@ static bool bench_arguments(lmb_arguments *arguments, lmb_bake_settings *setting
 {
     for (const char *argument; (argument = arguments_next(arguments));) {
         if (strcmp(argument, "--rays") == 0) {
-            settings->level.options.path = arguments_text(arguments, argument);
+            settings->level.path = arguments_text(arguments, argument);
         } else if (strcmp(argument, "--repeat") == 0) {
             *repeats = (int)arguments_integer(arguments, argument, 1, BENCH_MAX_REPEATS);
         } else if (strcmp(argument, "--json") == 0) {
             *json = true;
-        } else if (argument[0] != '-' || !bake_settings_argument(settings, arguments, argument)) {
+        } else if (argument[0] != '-' || !bake_argument(settings, arguments, argument)) {
             arguments_error(arguments, "unexpected argument (only --rays LEVEL is measured)", argument);
         }
     }
-    if (!arguments->failed && !arguments->help && !settings->level.options.path) {
+    if (!arguments->failed && !arguments->help && !settings->level.path) {
         arguments_error(arguments, "missing option", "--rays LEVEL");
     }
     return !arguments->failed && !arguments->help;
@@ -176,7 +176,7 @@ static bool bench_arguments(lmb_arguments *arguments, lmb_bake_settings *setting
 int command_bench(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "bench", usage);
-    lmb_bake_settings settings = bake_settings_default();
+    lmb_bake_settings settings = lmb_bake_settings_default();
     settings.lightmaps = true;
     int repeats = 3;
     bool json = false;
@@ -184,20 +184,21 @@ int command_bench(int count, char **values)
         return arguments_status(&arguments);
     }
     if (settings.max_samples == settings.samples) {
-        samples_say_rounded(settings.samples, LMB_GATHER_REPLICATES, settings.level.options.quiet || json);
+        samples_say_rounded(settings.samples, LMB_GATHER_REPLICATES, arguments.quiet || json);
     }
     lmb_error error = {{0}};
     lmb_level level;
-    lmb_result result = level_open(&settings.level.options, &level, &error);
+    const lmb_warnings warnings = console_warnings(arguments.quiet);
+    lmb_result result = lmb_level_open(&settings.level, &warnings, NULL, &level, &error);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
     lmb_console console;
-    const lmb_progress progress = console_progress(&console, settings.level.options.quiet || json, false);
+    const lmb_progress progress = console_progress(&console, arguments.quiet || json, false);
     lmb_bench_rays bench;
     result = bench_rays_measure(&settings, &level, repeats, &progress, &bench, &error);
     console_finish(&console);
-    level_close(&level);
+    lmb_level_close(&level);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }

@@ -3,7 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baked.h"
+#include <cjson/cJSON.h>
+
+#include <lambent/baked.h>
+
 #include "check.h"
 #include "check_limits.h"
 #include "command.h"
@@ -173,13 +176,13 @@ int command_check(int count, char **values)
     }
     lmb_error error = {""};
     lmb_baked baked;
-    lmb_result result = baked_open(options.level, options.directory, options.threads, NULL, &baked, &error);
+    lmb_result result = lmb_baked_open(options.level, options.directory, options.threads, NULL, &baked, &error);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
     result = check_limits_apply(&options.limits, baked.lightmap != NULL, &error);
     if (result != LMB_OK) {
-        baked_close(&baked);
+        lmb_baked_close(&baked);
         return command_fail(result, &error);
     }
     lmb_console console;
@@ -188,7 +191,7 @@ int command_check(int count, char **values)
     check_report report;
     result = check_run(&subject, &options.settings, &progress, &report);
     console_finish(&console);
-    baked_close(&baked);
+    lmb_baked_close(&baked);
     if (result != LMB_OK) {
         lmb_error_set(&error, result, "check: %s", lmb_result_text(result));
     } else if (options.json) {

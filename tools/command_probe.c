@@ -4,7 +4,7 @@
 #include <lambent/probe.h>
 
 #include "command.h"
-#include "level.h"
+#include "level_arguments.h"
 #include "query.h"
 
 static const char usage[] =
@@ -111,74 +111,100 @@ static int answer_print(const lmb_query *query, const lmb_probe_answer *answer)
     return EXIT_DONE;
 }
 
+typedef struct probe_options {
+    lmb_level_settings level;
+    lmb_query_arguments query;
+    lmb_estimator estimator;
+    uint32_t samples;
+    bool json;
+    bool quiet;
+} probe_options;
+
+static void option_take(probe_options *options, lmb_arguments *arguments, const char *argument)
+{
+    if (level_argument(&options->level, arguments, argument) || query_argument(&options->query, arguments, argument) ||
+        estimator_argument(&options->estimator, arguments, argument)) {
+        return;
+    }
+    if (strcmp(argument, "--samples") == 0) {
+        options->samples = (uint32_t)arguments_integer(arguments, argument, 1, 1 << 28);
+    } else if (strcmp(argument, "--json") == 0) {
+        options->json = true;
+    } else if (argument[0] != '-' && !options->level.path) {
+        options->level.path = argument;
+    } else {
+        arguments_error(arguments, "unexpected argument", argument);
+    }
+}
+
+/* Reads the command line. False: a usage error was printed, or --help. */
+static bool options_read(probe_options *options, lmb_arguments *arguments)
+{
+    for (const char *argument; (argument = arguments_next(arguments));) {
+        option_take(options, arguments, argument);
+    }
+    options->quiet = arguments->quiet;
+    if (arguments->failed || arguments->help) {
+        return false;
+    }
+    if (!options->level.path) {
+        arguments_error(arguments, "missing argument", "LEVEL");
+    }
+    return !arguments->failed && query_finish(&options->query, arguments);
+}
+
+/* Traces the one point, or all of standard input. @return exit status */
+static int points_answer(const probe_options *options, const lmb_level *level, lmb_console *console,
+                         const lmb_progress *progress)
+{
+    const bool one = options->query.has_position;
+    lmb_query query = options->query.one;
+    lmb_error error = {{0}};
+    int line = 0;
+    int status = EXIT_DONE;
+    int more = one ? 1 : query_read_line(&query, &line);
+    while (more == 1) {
+        lmb_probe_answer answer;
+        const lmb_result result = probe_trace(level, &query, options->samples, progress, &answer);
+        console_finish(console);
+        if (result != LMB_OK) {
+            return command_fail(result, &error);
+        }
+        status = options->json ? answer_print_json(&query, &answer) : answer_print(&query, &answer);
+        if (status != EXIT_DONE || ferror(stdout)) {
+            break;
+        }
+        more = one ? 0 : query_read_line(&query, &line);
+    }
+    return more < 0 ? EXIT_BAD_INPUT : status;
+}
+
 int command_probe(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "probe", usage);
-    lmb_level_arguments level_arguments = {.options = level_options_default()};
-    lmb_query_arguments query_arguments = {0};
-    lmb_estimator estimator = ESTIMATOR_REFERENCE;
-    uint32_t samples = 4096;
-    bool json = false;
-    for (const char *argument; (argument = arguments_next(&arguments));) {
-        if (level_argument(&level_arguments, &arguments, argument) ||
-            query_argument(&query_arguments, &arguments, argument) ||
-            estimator_argument(&estimator, &arguments, argument)) {
-            continue;
-        }
-        if (strcmp(argument, "--samples") == 0) {
-            samples = (uint32_t)arguments_integer(&arguments, argument, 1, 1 << 28);
-        } else if (strcmp(argument, "--json") == 0) {
-            json = true;
-        } else if (argument[0] != '-' && !level_arguments.options.path) {
-            level_arguments.options.path = argument;
-        } else {
-            arguments_error(&arguments, "unexpected argument", argument);
-        }
-    }
-    if (arguments.failed || arguments.help) {
+    probe_options options = {
+        .level = lmb_level_settings_default(), .estimator = LMB_ESTIMATOR_REFERENCE, .samples = 4096};
+    if (!options_read(&options, &arguments)) {
         return arguments_status(&arguments);
     }
-    if (!level_arguments.options.path) {
-        arguments_error(&arguments, "missing argument", "LEVEL");
-    }
-    if (arguments.failed || !query_finish(&query_arguments, &arguments)) {
-        return EXIT_USAGE;
-    }
-
-    samples_say_rounded(samples, TRUTH_REPLICATES, level_arguments.options.quiet);
-    samples = (samples + TRUTH_REPLICATES - 1) / TRUTH_REPLICATES * TRUTH_REPLICATES;
+    samples_say_rounded(options.samples, TRUTH_REPLICATES, options.quiet);
+    options.samples = (options.samples + TRUTH_REPLICATES - 1) / TRUTH_REPLICATES * TRUTH_REPLICATES;
     lmb_error error = {{0}};
     lmb_level level;
-    lmb_result result = level_open(&level_arguments.options, &level, &error);
+    const lmb_warnings warnings = console_warnings(options.quiet);
+    lmb_result result = lmb_level_open(&options.level, &warnings, NULL, &level, &error);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
     lmb_console console;
-    const lmb_progress progress = console_progress(&console, level_arguments.options.quiet || json, false);
-    result = level_solve(&level, estimator, &progress, &error);
+    const lmb_progress progress = console_progress(&console, options.quiet || options.json, false);
+    result = lmb_level_solve(&level, options.estimator, &progress, &error);
     if (result != LMB_OK) {
         console_finish(&console);
-        level_close(&level);
+        lmb_level_close(&level);
         return command_fail(result, &error);
     }
-    lmb_query query = query_arguments.one;
-    int line = 0;
-    int status = EXIT_DONE;
-    int more = query_arguments.has_position ? 1 : query_read_line(&query, &line);
-    while (more == 1) {
-        lmb_probe_answer answer;
-        result = probe_trace(&level, &query, samples, &progress, &answer);
-        console_finish(&console);
-        if (result != LMB_OK) {
-            status = command_fail(result, &error);
-            break;
-        }
-        status = json ? answer_print_json(&query, &answer) : answer_print(&query, &answer);
-        if (status != EXIT_DONE || ferror(stdout)) {
-            break;
-        }
-        more = query_arguments.has_position ? 0 : query_read_line(&query, &line);
-    }
-    level_close(&level);
-    return more < 0 ? EXIT_BAD_INPUT : status;
+    const int status = points_answer(&options, &level, &console, &progress);
+    lmb_level_close(&level);
+    return status;
 }

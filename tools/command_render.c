@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/baked.h>
 #include <lambent/exr.h>
 
-#include "baked.h"
 #include "command.h"
 #include "output_file.h"
 #include "render.h"
@@ -440,12 +440,12 @@ int command_render(int count, char **values)
     lmb_baked baked;
     lmb_result result = output_file_check(options.output, &error);
     if (result == LMB_OK) {
-        result = baked_open(options.level, options.directory, options.threads, options.camera_node, &baked, &error);
+        result = lmb_baked_open(options.level, options.directory, options.threads, options.camera_node, &baked, &error);
     }
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
     result = render_run(&options, &baked, &error);
-    baked_close(&baked);
+    lmb_baked_close(&baked);
     return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
 }

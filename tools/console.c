@@ -13,7 +13,8 @@
 
 #include <cjson/cJSON.h>
 
-#include "forecast.h"
+#include <lambent/bake.h>
+
 #include "interrupt.h"
 
 /* Of the process. */
@@ -64,53 +65,60 @@ static void bar_end(void)
     }
 }
 
-/* -1: not known. */
-static double seconds_left(const lmb_console *console, double done, double elapsed)
-{
-    if (console->forecast) {
-        return forecast_left(console->forecast, console->phase, done, elapsed);
-    }
-    return done > 0.0 ? elapsed / done * (1.0 - done) : -1.0;
-}
-
 static void line_print(lmb_console *console, double now, double done, double left)
 {
-    /* A forecast that grows does not take back what was said to be done. */
-    const double passed = now - console->start;
-    const double total = left >= 0.0 && console->forecast ? passed / (passed + left) : 0.0;
-    console->total_done = total > console->total_done ? total : console->total_done;
     printf("{\"phase\":\"%s\",\"done\":%.6f,\"seconds\":%.3f,\"seconds_left\":%.3f,\"total_seconds\":%.3f,"
            "\"total_done\":%.6f}\n",
-           console->phase, done, now - console->phase_start, left, passed, console->total_done);
+           console->phase, done, now - console->phase_start, left, now - console->start, console->total_done);
 }
 
 /* Work that runs again and again under one name, as bounces do, is one phase, and ends where the next begins. */
-static bool console_report(void *context, const char *phase, double done)
+static void phase_begin(lmb_console *console, const char *phase, double now)
 {
-    lmb_console *console = context;
-    const double now = seconds_now();
-    const bool first = !console->phase || strcmp(console->phase, phase) != 0;
-    if (first) {
+    if (!console->phase || strcmp(console->phase, phase) != 0) {
         console_finish(console);
         console->phase = phase;
         console->phase_start = now;
         console->phase_done = false;
     }
-    const double elapsed = now - console->phase_start;
-    const double left = seconds_left(console, done, elapsed);
+}
+
+/* `left`: seconds, -1 not known. */
+static bool phase_print(lmb_console *console, double now, double done, double left)
+{
+    bool good = true;
     if (console->json) {
         if ((done >= 1.0 && !console->phase_done) || now - console->printed >= 1.0) {
             console->printed = now;
             line_print(console, now, done, left);
-            if (!output_flush()) {
-                return false;
-            }
+            good = output_flush();
         }
     } else if (!console->quiet) {
-        bar_print(console, done, elapsed, left);
+        bar_print(console, done, now - console->phase_start, left);
     }
     console->phase_done |= done >= 1.0;
-    return true;
+    return good;
+}
+
+static bool console_report(void *context, const char *phase, double done)
+{
+    lmb_console *console = context;
+    const double now = seconds_now();
+    phase_begin(console, phase, now);
+    const double elapsed = now - console->phase_start;
+    return phase_print(console, now, done, done > 0.0 ? elapsed / done * (1.0 - done) : -1.0);
+}
+
+bool console_bake_progress(lmb_console *console, const lmb_bake_progress *progress)
+{
+    const double now = seconds_now();
+    const double left = progress->seconds_left >= 0.0 ? progress->seconds_left : -1.0;
+    phase_begin(console, lmb_bake_phase_name(progress->phase), now);
+    /* A forecast that grows does not take back what was said to be done. */
+    const double passed = now - console->start;
+    const double total = left >= 0.0 ? passed / (passed + left) : 0.0;
+    console->total_done = total > console->total_done ? total : console->total_done;
+    return phase_print(console, now, progress->done, left);
 }
 
 lmb_progress console_progress(lmb_console *console, bool quiet, bool json)
@@ -185,6 +193,23 @@ void console_warning(const char *line, bool quiet)
         bar_end();
         fprintf(stderr, "lambent: warning: %s\n", line);
     }
+}
+
+static void warning_say(void *context, const char *line)
+{
+    (void)context;
+    console_warning(line, false);
+}
+
+static void warning_say_if_json(void *context, const char *line)
+{
+    (void)context;
+    console_warning(line, true);
+}
+
+lmb_warnings console_warnings(bool quiet)
+{
+    return (lmb_warnings){quiet ? warning_say_if_json : warning_say, NULL};
 }
 
 void samples_say_rounded(uint32_t samples, uint32_t multiple, bool quiet)

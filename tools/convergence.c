@@ -23,7 +23,7 @@
 #include <lambent/surface.h>
 
 #include "command.h"
-#include "level.h"
+#include "level_arguments.h"
 #include "light/emitters_internal.h"
 #include "vector_math.h"
 
@@ -126,7 +126,7 @@ static double level_area(const lmb_level *level)
 static lmb_gather_point texel_point(const lmb_level *level, uint32_t instance, uint32_t triangle, uint32_t number)
 {
     float u[2];
-    lmb_sequence_2d(level->options.seed, number, 0, u);
+    lmb_sequence_2d(level->settings.seed, number, 0, u);
     const float root = sqrtf(u[0]);
     const lmb_place place = lmb_trace_place(
         level->tracer,
@@ -276,7 +276,7 @@ int main(int count, char **values)
 {
     static convergence work = {.points = 64, .truth_samples = 65536};
     lmb_arguments arguments = arguments_begin(count - 1, values + 1, "convergence", usage);
-    lmb_level_arguments level = {.options = level_options_default()};
+    lmb_level_settings level = lmb_level_settings_default();
     for (const char *argument; (argument = arguments_next(&arguments));) {
         if (level_argument(&level, &arguments, argument)) {
             continue;
@@ -287,25 +287,26 @@ int main(int count, char **values)
             work.truth_samples = (uint32_t)arguments_integer(&arguments, argument, 1, 1 << 28);
         } else if (strcmp(argument, "--spacing") == 0) {
             work.spacing = (float)arguments_number(&arguments, argument, 1e-6, 1e6);
-        } else if (argument[0] != '-' && !level.options.path) {
-            level.options.path = argument;
+        } else if (argument[0] != '-' && !level.path) {
+            level.path = argument;
         } else {
             arguments_error(&arguments, "unexpected argument", argument);
         }
     }
-    if (arguments.failed || arguments.help || !level.options.path) {
+    if (arguments.failed || arguments.help || !level.path) {
         fputs(usage, stderr);
         return 2;
     }
     lmb_error error = {{0}};
-    lmb_result result = level_open(&level.options, &work.level, &error);
+    const lmb_warnings warnings = console_warnings(arguments.quiet);
+    lmb_result result = lmb_level_open(&level, &warnings, NULL, &work.level, &error);
     for (int kind = 0; kind < KINDS && result == LMB_OK; ++kind) {
         work.set[kind] = calloc(1, sizeof *work.set[kind]);
         result = work.set[kind] ? LMB_OK : LMB_ERROR_MEMORY;
     }
     if (result == LMB_OK) {
         result = convergence_run(&work, &error);
-        level_close(&work.level);
+        lmb_level_close(&work.level);
     }
     free(work.set[0]);
     free(work.set[1]);

@@ -21,8 +21,9 @@
 #include <string.h>
 #include <time.h>
 
-#include "bake_phases.h"
-#include "command.h"
+#include <lambent/bake_phases.h>
+
+#include "bake_arguments.h"
 
 static const char usage[] =
     "usage: lambent_quality LEVEL [options]\n"
@@ -106,8 +107,8 @@ static void probes_keep(const lmb_bake *bake, elements *probes)
             probes->light[probes->count++] = rgb_mean(&light);
         }
     }
-    probes->squared_error = bake->record.probes.squared_error;
-    probes->squared_length = bake->record.probes.squared_length;
+    probes->squared_error = bake->record.gathered.squared_error;
+    probes->squared_length = bake->record.gathered.squared_length;
 }
 
 static void texels_keep(const lmb_bake *bake, elements *texels)
@@ -135,7 +136,7 @@ static lmb_result light_bake(lmb_bake *bake, const lmb_gather_effort *effort, ui
         return LMB_ERROR_MEMORY;
     }
     const double start = seconds_used();
-    lmb_result result = lmb_grid_bake(bake->grid, &transport, effort, bake->level->pool, NULL, &bake->record.probes);
+    lmb_result result = lmb_grid_bake(bake->grid, &transport, effort, bake->level->pool, NULL, &bake->record.gathered);
     if (result == LMB_OK) {
         result = lmb_lightmap_bake_moments(bake->lightmap, &transport, effort, bake->level->pool, NULL,
                                            light->kind[1].moments, &bake->record.lightmap);
@@ -146,7 +147,7 @@ static lmb_result light_bake(lmb_bake *bake, const lmb_gather_effort *effort, ui
     light->seconds = seconds_used() - start;
     probes_keep(bake, &light->kind[0]);
     texels_keep(bake, &light->kind[1]);
-    light->samples = (double)(bake->record.probes.samples + bake->record.lightmap.samples) /
+    light->samples = (double)(bake->record.gathered.samples + bake->record.lightmap.samples) /
                      (double)(light->kind[0].count + light->kind[1].count);
     return LMB_OK;
 }
@@ -244,17 +245,15 @@ static lmb_result truth_bake(quality_work *work)
 
 static bool effort_of(const lmb_bake *bake, const char *name, lmb_gather_effort *effort)
 {
-    lmb_bake_settings settings = *bake->settings;
-    lmb_bake with = *bake;
-    with.settings = &settings;
+    lmb_bake_settings settings = bake->record.settings;
     char *end;
     const unsigned long samples = strtoul(name, &end, 10);
     if (end != name && *end == '\0' && samples > 0 && samples < 1u << 28) {
         settings.samples = settings.max_samples = (uint32_t)samples;
-    } else if (!bake_settings_quality(&settings, name)) {
+    } else if (!lmb_bake_settings_quality(&settings, name)) {
         return false;
     }
-    *effort = bake_effort(&with);
+    *effort = lmb_bake_effort(&settings, bake->level);
     return true;
 }
 
@@ -286,12 +285,12 @@ static lmb_result effort_measure(quality_work *work, const char *name, const lmb
 static lmb_result quality_run(quality_work *work, lmb_error *error)
 {
     lmb_bake *bake = &work->bake;
-    lmb_result result = bake_place(bake, error);
+    lmb_result result = lmb_bake_place(bake, error);
     if (result == LMB_OK) {
-        result = bake_layout(bake, error);
+        result = lmb_bake_layout(bake, error);
     }
     if (result == LMB_OK) {
-        result = bake_surface(bake, error);
+        result = lmb_bake_surface(bake, error);
     }
     if (result == LMB_OK) {
         result = truth_bake(work);
@@ -318,10 +317,10 @@ int main(int count, char **values)
     quality_work work = {.truth_samples = 4096, .seeds = 1};
     char efforts[256] = "draft,medium,high,64,256";
     lmb_arguments arguments = arguments_begin(count - 1, values + 1, "lambent_quality", usage);
-    lmb_bake_settings settings = bake_settings_default();
+    lmb_bake_settings settings = lmb_bake_settings_default();
     settings.lightmaps = true;
     for (const char *argument; (argument = arguments_next(&arguments));) {
-        if (bake_settings_argument(&settings, &arguments, argument)) {
+        if (bake_argument(&settings, &arguments, argument)) {
             continue;
         }
         if (strcmp(argument, "--truth") == 0) {
@@ -334,21 +333,21 @@ int main(int count, char **values)
             arguments_error(&arguments, "unexpected argument", argument);
         }
     }
-    if (arguments.failed || arguments.help || !settings.level.options.path) {
+    if (arguments.failed || arguments.help || !settings.level.path) {
         fputs(usage, stderr);
         return 2;
     }
-    settings.level.options.gltf.exclude = settings.level.exclude;
     work.efforts = efforts;
     lmb_error error = {{0}};
     lmb_level level;
-    lmb_result result = level_open(&settings.level.options, &level, &error);
+    const lmb_warnings warnings = console_warnings(arguments.quiet);
+    lmb_result result = lmb_level_open(&settings.level, &warnings, NULL, &level, &error);
     if (result == LMB_OK) {
-        work.bake = (lmb_bake){.settings = &settings, .level = &level};
+        work.bake = lmb_bake_begin(&settings, &level, NULL);
         result = quality_run(&work, &error);
-        bake_close(&work.bake);
+        lmb_bake_end(&work.bake);
         light_free(&work.truth);
-        level_close(&level);
+        lmb_level_close(&level);
     }
     return result == LMB_OK ? 0 : command_fail(result, &error);
 }

@@ -4,8 +4,9 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
+
+#include "base/clock.h"
 
 typedef struct worker {
     lmb_pool *pool;
@@ -142,13 +143,6 @@ int lmb_pool_threads(const lmb_pool *pool)
     return pool->threads;
 }
 
-static double seconds_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static bool progress_report(lmb_pool *pool, const char *phase, const lmb_progress *progress)
 {
     const size_t next = atomic_load_explicit(&pool->next, memory_order_relaxed);
@@ -173,7 +167,7 @@ lmb_result lmb_pool_run(lmb_pool *pool, size_t count, lmb_task_function function
 
     double reported = 0.0;
     do {
-        const double now = reports ? seconds_now() : 0.0;
+        const double now = reports ? lmb_clock_seconds() : 0.0;
         if (reports && now - reported >= 0.1) {
             reported = now;
             if (!progress_report(pool, phase, progress)) {

@@ -1,5 +1,5 @@
 #define _DEFAULT_SOURCE /* flock */
-#include "output_folder.h"
+#include "run/bake_folder_internal.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -13,12 +13,10 @@
 
 #include <lambent/file.h>
 
-#include "interrupt.h"
-
 #define LOCK_NAME ".lambent-lock"
 #define NEW_NAME ".lambent-new"
 #define OLD_NAME ".lambent-old"
-#define GONE_NAME ".lambent-gone" /* what was new, while an interruption removes it */
+#define GONE_NAME ".lambent-gone" /* what was new, while lmb_bake_folder_abandon removes it */
 #define RECORD_NAME "bake.json"
 #define LIGHTMAP_NAME "lightmap"
 
@@ -32,7 +30,7 @@ typedef struct file_change {
     bool placed; /* its new version is in its place */
 } file_change;
 
-struct lmb_output_folder {
+struct lmb_bake_folder {
     char directory[MAX_PATH];
     size_t made_from; /* length of the shortest part of `directory` that was made here; 0: none */
     bool lightmaps;
@@ -43,7 +41,7 @@ struct lmb_output_folder {
     bool committed;
 };
 
-static lmb_result path_make(const lmb_output_folder *folder, const char *below, const char *name, char path[MAX_PATH],
+static lmb_result path_make(const lmb_bake_folder *folder, const char *below, const char *name, char path[MAX_PATH],
                             lmb_error *error)
 {
     const int length = snprintf(path, MAX_PATH, "%s/%s%s%s", folder->directory, below, below[0] ? "/" : "", name);
@@ -82,7 +80,7 @@ static void tree_remove(const char *path, int depth)
     rmdir(path);
 }
 
-static void ours_remove(const lmb_output_folder *folder, const char *name)
+static void ours_remove(const lmb_bake_folder *folder, const char *name)
 {
     char path[MAX_PATH];
     struct stat status;
@@ -92,7 +90,7 @@ static void ours_remove(const lmb_output_folder *folder, const char *name)
 }
 
 /* mkdir -p; keeps in mind what it made. */
-static lmb_result directory_make(lmb_output_folder *folder, lmb_error *error)
+static lmb_result directory_make(lmb_bake_folder *folder, lmb_error *error)
 {
     char path[MAX_PATH];
     const size_t length = strlen(folder->directory);
@@ -118,7 +116,7 @@ static lmb_result directory_make(lmb_output_folder *folder, lmb_error *error)
 }
 
 /* Takes back directory_make, as far as nobody has put anything there. */
-static void directory_unmake(const lmb_output_folder *folder)
+static void directory_unmake(const lmb_bake_folder *folder)
 {
     char path[MAX_PATH];
     size_t length = strlen(folder->directory);
@@ -134,7 +132,7 @@ static void directory_unmake(const lmb_output_folder *folder)
     }
 }
 
-static lmb_result locked_elsewhere(const lmb_output_folder *folder, int descriptor, lmb_error *error)
+static lmb_result locked_elsewhere(const lmb_bake_folder *folder, int descriptor, lmb_error *error)
 {
     char owner[32] = "";
     const ssize_t got = read(descriptor, owner, sizeof owner - 1);
@@ -146,7 +144,7 @@ static lmb_result locked_elsewhere(const lmb_output_folder *folder, int descript
 }
 
 /* The lock's file goes with the bake that has it, so that after locking it must still be the one that is there. */
-static lmb_result lock_take(lmb_output_folder *folder, lmb_error *error)
+static lmb_result lock_take(lmb_bake_folder *folder, lmb_error *error)
 {
     char path[MAX_PATH];
     lmb_result result = path_make(folder, "", LOCK_NAME, path, error);
@@ -174,7 +172,7 @@ static lmb_result lock_take(lmb_output_folder *folder, lmb_error *error)
     return result;
 }
 
-static void lock_release(lmb_output_folder *folder)
+static void lock_release(lmb_bake_folder *folder)
 {
     char path[MAX_PATH];
     if (folder->lock >= 0 && path_make(folder, "", LOCK_NAME, path, NULL) == LMB_OK) {
@@ -187,7 +185,7 @@ static void lock_release(lmb_output_folder *folder)
 }
 
 /* What would stop a file from being replaced, or, when it is not `wanted`, from being removed. */
-static lmb_result target_check(const lmb_output_folder *folder, const char *name, bool wanted, lmb_error *error)
+static lmb_result target_check(const lmb_bake_folder *folder, const char *name, bool wanted, lmb_error *error)
 {
     char path[MAX_PATH];
     struct stat status;
@@ -204,7 +202,7 @@ static lmb_result target_check(const lmb_output_folder *folder, const char *name
     return LMB_OK;
 }
 
-static lmb_result lightmap_folder_check(const lmb_output_folder *folder, lmb_error *error)
+static lmb_result lightmap_folder_check(const lmb_bake_folder *folder, lmb_error *error)
 {
     char path[MAX_PATH];
     struct stat status, own;
@@ -225,7 +223,7 @@ static lmb_result lightmap_folder_check(const lmb_output_folder *folder, lmb_err
     return LMB_OK;
 }
 
-static bool changes_have_lightmaps(const lmb_output_folder *folder)
+static bool changes_have_lightmaps(const lmb_bake_folder *folder)
 {
     bool any = false;
     for (size_t i = 0; i < folder->change_count; ++i) {
@@ -234,7 +232,7 @@ static bool changes_have_lightmaps(const lmb_output_folder *folder)
     return any;
 }
 
-static lmb_result targets_check(const lmb_output_folder *folder, lmb_error *error)
+static lmb_result targets_check(const lmb_bake_folder *folder, lmb_error *error)
 {
     static const char *const names[] = {
         RECORD_NAME,
@@ -269,7 +267,7 @@ static bool name_is_ours(const char *name)
 }
 
 /* The change of that name, made where there is none yet. NULL: out of memory. */
-static file_change *change_of(lmb_output_folder *folder, const char *name)
+static file_change *change_of(lmb_bake_folder *folder, const char *name)
 {
     for (size_t i = 0; i < folder->change_count; ++i) {
         if (strcmp(folder->changes[i].name, name) == 0) {
@@ -288,7 +286,7 @@ static file_change *change_of(lmb_output_folder *folder, const char *name)
 }
 
 /* The files of the bake whose record lies in `below`. One that cannot be read names none. */
-static lmb_result earlier_files_list(lmb_output_folder *folder, const char *below)
+static lmb_result earlier_files_list(lmb_bake_folder *folder, const char *below)
 {
     char path[MAX_PATH];
     unsigned char *text = NULL;
@@ -313,7 +311,7 @@ static lmb_result earlier_files_list(lmb_output_folder *folder, const char *belo
 }
 
 /* Finds what earlier bakes left, also those that were killed, and removes what these had not finished. */
-static lmb_result leftovers_take(lmb_output_folder *folder, lmb_error *error)
+static lmb_result leftovers_take(lmb_bake_folder *folder, lmb_error *error)
 {
     static const char *const folders[] = {"", OLD_NAME, NEW_NAME};
     for (size_t i = 0; i < sizeof folders / sizeof folders[0]; ++i) {
@@ -327,7 +325,7 @@ static lmb_result leftovers_take(lmb_output_folder *folder, lmb_error *error)
     return LMB_OK;
 }
 
-static void folder_abandon(lmb_output_folder *folder)
+void lmb_bake_folder_abandon(lmb_bake_folder *folder)
 {
     char path[MAX_PATH], gone[MAX_PATH];
     if (path_make(folder, "", NEW_NAME, path, NULL) == LMB_OK &&
@@ -338,14 +336,9 @@ static void folder_abandon(lmb_output_folder *folder)
     directory_unmake(folder);
 }
 
-static void on_interrupt(void *context)
+lmb_result lmb_bake_folder_open(const char *directory, bool lightmaps, lmb_bake_folder **folder, lmb_error *error)
 {
-    folder_abandon(context);
-}
-
-lmb_result output_folder_open(const char *directory, bool lightmaps, lmb_output_folder **folder, lmb_error *error)
-{
-    lmb_output_folder *const opened = calloc(1, sizeof *opened);
+    lmb_bake_folder *const opened = calloc(1, sizeof *opened);
     if (!opened) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
@@ -357,11 +350,10 @@ lmb_result output_folder_open(const char *directory, bool lightmaps, lmb_output_
     }
     if (length == 0 || length + MAX_NAME >= MAX_PATH) {
         free(opened);
-        return lmb_error_set(error, LMB_ERROR_WRITE, "-o '%.100s': %s", directory,
+        return lmb_error_set(error, LMB_ERROR_WRITE, "'%.100s': %s", directory,
                              length == 0 ? "not a folder" : "path is too long");
     }
     memcpy(opened->directory, directory, length);
-    interrupt_hold();
     lmb_result result = directory_make(opened, error);
     if (result == LMB_OK) {
         result = lock_take(opened, error);
@@ -373,7 +365,6 @@ lmb_result output_folder_open(const char *directory, bool lightmaps, lmb_output_
         result = targets_check(opened, error);
     }
     if (result == LMB_OK) {
-        interrupt_set_cleanup(on_interrupt, opened);
         *folder = opened;
     } else {
         lock_release(opened);
@@ -381,18 +372,22 @@ lmb_result output_folder_open(const char *directory, bool lightmaps, lmb_output_
         free(opened->changes);
         free(opened);
     }
-    interrupt_release();
     return result;
 }
 
-static lmb_result folder_add(const lmb_output_folder *folder, const char *below, const char *name, lmb_error *error)
+static lmb_result folder_add(const lmb_bake_folder *folder, const char *below, const char *name, lmb_error *error)
 {
     char path[MAX_PATH];
     const lmb_result result = path_make(folder, below, name, path, error);
     return result == LMB_OK && mkdir(path, 0777) != 0 && errno != EEXIST ? write_fail(path, errno, error) : result;
 }
 
-lmb_result output_folder_stage(lmb_output_folder *folder, const char **path, lmb_error *error)
+bool lmb_bake_folder_lightmaps(const lmb_bake_folder *folder)
+{
+    return folder->lightmaps;
+}
+
+lmb_result lmb_bake_folder_stage(lmb_bake_folder *folder, const char **path, lmb_error *error)
 {
     lmb_result result = folder_add(folder, "", NEW_NAME, error);
     if (result == LMB_OK && folder->lightmaps) {
@@ -413,7 +408,7 @@ static int is_visible(const struct dirent *entry)
 }
 
 /* Files of ours in the stage or a folder in it, by name. */
-static bool staged_list(const lmb_output_folder *folder, const char *below, cJSON *list)
+static bool staged_list(const lmb_bake_folder *folder, const char *below, cJSON *list)
 {
     char path[MAX_PATH], name[MAX_NAME];
     struct dirent **entries = NULL;
@@ -431,7 +426,7 @@ static bool staged_list(const lmb_output_folder *folder, const char *below, cJSO
     return good;
 }
 
-cJSON *output_folder_files(const lmb_output_folder *folder)
+cJSON *lmb_bake_folder_files(const lmb_bake_folder *folder)
 {
     cJSON *const list = cJSON_CreateArray();
     if (!list || !staged_list(folder, "", list) || (folder->lightmaps && !staged_list(folder, LIGHTMAP_NAME, list))) {
@@ -441,7 +436,7 @@ cJSON *output_folder_files(const lmb_output_folder *folder)
     return list;
 }
 
-static lmb_result file_move(const lmb_output_folder *folder, const char *name, const char *from, const char *to,
+static lmb_result file_move(const lmb_bake_folder *folder, const char *name, const char *from, const char *to,
                             lmb_error *error)
 {
     char source[MAX_PATH], target[MAX_PATH];
@@ -454,7 +449,7 @@ static lmb_result file_move(const lmb_output_folder *folder, const char *name, c
 
 /* Keeps the old version of a file. It stays in its place too, where the file system can do that and it is to be
  * replaced. */
-static lmb_result file_keep(const lmb_output_folder *folder, const char *name, bool stays, bool *kept, lmb_error *error)
+static lmb_result file_keep(const lmb_bake_folder *folder, const char *name, bool stays, bool *kept, lmb_error *error)
 {
     char path[MAX_PATH], old[MAX_PATH];
     struct stat status;
@@ -473,7 +468,7 @@ static lmb_result file_keep(const lmb_output_folder *folder, const char *name, b
 }
 
 /* fsync: names count as written too. A file system that cannot do it has lost nothing. */
-static void folder_flush(const lmb_output_folder *folder, const char *name)
+static void folder_flush(const lmb_bake_folder *folder, const char *name)
 {
     char path[MAX_PATH];
     const int descriptor =
@@ -484,9 +479,9 @@ static void folder_flush(const lmb_output_folder *folder, const char *name)
     }
 }
 
-static lmb_result changes_complete(lmb_output_folder *folder, lmb_error *error)
+static lmb_result changes_complete(lmb_bake_folder *folder, lmb_error *error)
 {
-    cJSON *const files = output_folder_files(folder);
+    cJSON *const files = lmb_bake_folder_files(folder);
     bool good = files != NULL;
     const cJSON *item;
     cJSON_ArrayForEach(item, files)
@@ -502,7 +497,7 @@ static lmb_result changes_complete(lmb_output_folder *folder, lmb_error *error)
 }
 
 /* Everything but the records. */
-static lmb_result changes_make(lmb_output_folder *folder, lmb_error *error)
+static lmb_result changes_make(lmb_bake_folder *folder, lmb_error *error)
 {
     lmb_result result = LMB_OK;
     for (size_t i = 0; i < folder->change_count && result == LMB_OK; ++i) {
@@ -520,7 +515,7 @@ static lmb_result changes_make(lmb_output_folder *folder, lmb_error *error)
     return result;
 }
 
-static void changes_undo(lmb_output_folder *folder, bool record_kept)
+static void changes_undo(lmb_bake_folder *folder, bool record_kept)
 {
     for (size_t i = 0; i < folder->change_count; ++i) {
         const file_change *const change = &folder->changes[i];
@@ -537,7 +532,7 @@ static void changes_undo(lmb_output_folder *folder, bool record_kept)
 }
 
 /* lightmap/ goes when the earlier bake's files were all that it had. */
-static void lightmap_folder_trim(const lmb_output_folder *folder)
+static void lightmap_folder_trim(const lmb_bake_folder *folder)
 {
     char path[MAX_PATH];
     if (changes_have_lightmaps(folder) && path_make(folder, "", LIGHTMAP_NAME, path, NULL) == LMB_OK) {
@@ -545,9 +540,8 @@ static void lightmap_folder_trim(const lmb_output_folder *folder)
     }
 }
 
-lmb_result output_folder_commit(lmb_output_folder *folder, lmb_error *error)
+lmb_result lmb_bake_folder_commit(lmb_bake_folder *folder, lmb_error *error)
 {
-    interrupt_shut();
     bool record_kept = false;
     lmb_result result = changes_complete(folder, error);
     if (result == LMB_OK) {
@@ -579,9 +573,12 @@ lmb_result output_folder_commit(lmb_output_folder *folder, lmb_error *error)
     return result;
 }
 
-void output_folder_explain(const lmb_output_folder *folder, lmb_error *error)
+void lmb_bake_folder_explain(const lmb_bake_folder *folder, lmb_error *error)
 {
     char line[LMB_ERROR_MESSAGE_SIZE];
+    if (!error) {
+        return;
+    }
     snprintf(line, sizeof line, "%s", error->message);
     char *const stage = strstr(line, "/" NEW_NAME "/");
     if (stage) {
@@ -592,19 +589,16 @@ void output_folder_explain(const lmb_output_folder *folder, lmb_error *error)
                   folder->made_from > 0 ? "nothing was written" : "the folder is as it was");
 }
 
-void output_folder_close(lmb_output_folder *folder)
+void lmb_bake_folder_close(lmb_bake_folder *folder)
 {
     if (!folder) {
         return;
     }
-    interrupt_hold();
-    interrupt_set_cleanup(NULL, NULL);
     ours_remove(folder, NEW_NAME);
     lock_release(folder);
     if (!folder->committed) {
         directory_unmake(folder);
     }
-    interrupt_release();
     free(folder->changes);
     free(folder);
 }

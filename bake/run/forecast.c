@@ -1,12 +1,10 @@
-#include "forecast.h"
+#include "run/forecast.h"
 
-#include <string.h>
-
+#include <lambent/opaque_surface.h>
 #include <lambent/placement.h>
 #include <lambent/surface.h>
 
-#include "check_points.h"
-#include "command.h"
+#include "base/clock.h"
 
 /* A trial takes no more elements than this, nor more than one of so many, nor more samples at each. */
 enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1024 };
@@ -30,7 +28,7 @@ enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1024 };
 typedef struct trial_work {
     const lmb_bake *bake;
     lmb_transport transport;
-    opaque_surface surface;
+    lmb_opaque_surface surface;
     lmb_gather_effort effort;
     uint32_t count;
     uint32_t wanted[TRIAL_MOST]; /* samples that each element would take */
@@ -68,7 +66,7 @@ static void texel_task(void *context, size_t task, int worker)
     (void)worker;
     trial_work *work = context;
     const lmb_tracer *tracer = work->transport.tracer;
-    const lmb_hit at = opaque_surface_point(&work->surface, 0, (uint32_t)task, work->count);
+    const lmb_hit at = lmb_opaque_surface_point(&work->surface, 0, (uint32_t)task, work->count);
     const lmb_place place = lmb_trace_place(tracer, &at);
     bool pushed_out;
     const lmb_gather_point point =
@@ -82,9 +80,9 @@ static double trial_run(trial_work *work, lmb_task_function task, double total, 
     double count = total / TRIAL_ONE_OF;
     count = count < TRIAL_MOST ? count : TRIAL_MOST;
     work->count = count > 1.0 ? (uint32_t)count : 1;
-    const double start = seconds_now();
+    const double start = lmb_clock_seconds();
     lmb_pool_run(work->bake->level->pool, work->count, task, work, "trial", NULL);
-    const double seconds = seconds_now() - start;
+    const double seconds = lmb_clock_seconds() - start;
     double wanted = 0.0;
     for (uint32_t i = 0; i < work->count; ++i) {
         wanted += work->wanted[i];
@@ -104,9 +102,9 @@ static void surface_guess(const lmb_bake *bake, double seconds_per_sample, lmb_f
     }
     const double pilot = 2.0 * (PILOT_SAMPLES * settings.max_cells + SMALL_SAMPLES * triangles);
     const double lit = 2.0 * LIT_SHARE * (LIT_SAMPLES - PILOT_SAMPLES) * settings.max_cells;
-    forecast->seconds[FORECAST_PILOT] = pilot * seconds_per_sample;
-    forecast->seconds[FORECAST_SURFACE] = lit * seconds_per_sample;
-    forecast->seconds[FORECAST_BOUNCES] = BOUNCES_SHARE * (pilot + lit) * seconds_per_sample;
+    forecast->seconds[LMB_PHASE_PILOT] = pilot * seconds_per_sample;
+    forecast->seconds[LMB_PHASE_SURFACE] = lit * seconds_per_sample;
+    forecast->seconds[LMB_PHASE_BOUNCES] = BOUNCES_SHARE * (pilot + lit) * seconds_per_sample;
 }
 
 /* Triangles of the meshes that are written again, with UVs of their own. */
@@ -129,11 +127,13 @@ static double write_guess(const lmb_bake *bake)
     return seconds;
 }
 
-lmb_result forecast_make(const lmb_bake *bake, lmb_forecast *forecast)
+lmb_result lmb_forecast_make(const lmb_bake *bake, lmb_forecast *forecast)
 {
-    trial_work work = {.bake = bake, .transport = bake->level->transport, .effort = bake_effort(bake)};
+    trial_work work = {.bake = bake,
+                       .transport = bake->level->transport,
+                       .effort = lmb_bake_effort(&bake->record.settings, bake->level)};
     double seconds_per_sample = 0.0;
-    const bool unsolved = bake->settings->estimator == ESTIMATOR_CACHED && !bake->level->surface;
+    const bool unsolved = bake->record.settings.estimator == LMB_ESTIMATOR_CACHED && !bake->level->surface;
     if (unsolved) {
         work.transport.bounces = 0; /* as many rays as when bounces are looked up */
     }
@@ -141,42 +141,37 @@ lmb_result forecast_make(const lmb_bake *bake, lmb_forecast *forecast)
     const double texels = bake->lightmap ? (double)bake->lightmap->covered_texel_count : 0.0;
     *forecast = (lmb_forecast){.known = true};
     if (probes > 0.0) {
-        forecast->seconds[FORECAST_PROBES] = trial_run(&work, probe_task, probes, &seconds_per_sample);
+        forecast->seconds[LMB_PHASE_PROBES] = trial_run(&work, probe_task, probes, &seconds_per_sample);
     }
     if (texels > 0.0) {
-        const lmb_result result = opaque_surface_create(work.transport.tracer, &work.surface);
+        const lmb_result result = lmb_opaque_surface_create(work.transport.tracer, &work.surface);
         if (result != LMB_OK) {
             return result;
         }
-        if (opaque_surface_area(&work.surface) > 0.0) {
-            forecast->seconds[FORECAST_LIGHTMAPS] = trial_run(&work, texel_task, texels, &(double){0.0});
+        if (lmb_opaque_surface_area(&work.surface) > 0.0) {
+            forecast->seconds[LMB_PHASE_LIGHTMAPS] = trial_run(&work, texel_task, texels, &(double){0.0});
         }
-        opaque_surface_free(&work.surface);
+        lmb_opaque_surface_free(&work.surface);
     }
     if (unsolved && probes > 0.0) {
         surface_guess(bake, seconds_per_sample, forecast);
     }
-    forecast->seconds[FORECAST_WRITE] = write_guess(bake);
+    forecast->seconds[LMB_PHASE_WRITE] = write_guess(bake);
     return LMB_OK;
 }
 
-double forecast_left(const lmb_forecast *forecast, const char *phase, double done, double elapsed)
+double lmb_forecast_left(const lmb_forecast *forecast, lmb_bake_phase phase, double done, double elapsed)
 {
-    static const char *const phases[FORECAST_STEPS] = {"surface pilot", "surface",   "bounces",
-                                                       "probes",        "lightmaps", "write"};
-    int step = 0;
-    while (step < FORECAST_STEPS && strcmp(phases[step], phase) != 0) {
-        ++step;
-    }
-    if (!forecast->known || step == FORECAST_STEPS) {
+    if (!forecast->known) {
         return -1.0;
     }
-    /* Bounces say nothing of how many there will be. How another step gets on counts as much as the trial once
+    /* Bounces say nothing of how many there will be. How another phase gets on counts as much as the trial once
      * TRIAL_WEIGHT of it is done. */
-    const double expected = forecast->seconds[step];
-    double left = step == FORECAST_BOUNCES ? expected
-                                           : (1.0 - done) * (TRIAL_WEIGHT * expected + elapsed) / (TRIAL_WEIGHT + done);
-    for (int later = step + 1; later < FORECAST_STEPS; ++later) {
+    const double expected = forecast->seconds[phase];
+    double left = phase == LMB_PHASE_BOUNCES
+                      ? expected
+                      : (1.0 - done) * (TRIAL_WEIGHT * expected + elapsed) / (TRIAL_WEIGHT + done);
+    for (int later = (int)phase + 1; later < LMB_PHASE_COUNT; ++later) {
         left += forecast->seconds[later];
     }
     return left;

@@ -1,0 +1,47 @@
+/* A whole bake: from a level's file to probes, lightmaps and the record of them in a folder. docs/baking.md shows it
+ * in use ("From C"). */
+#ifndef LAMBENT_BAKE_H
+#define LAMBENT_BAKE_H
+
+#include <lambent/bake_folder.h>
+#include <lambent/bake_record.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* How far a bake is. */
+typedef struct lmb_bake_progress {
+    lmb_bake_phase phase;
+    double done;         /* share of the phase, in [0, 1] */
+    double seconds_left; /* until all is written, as forecast; negative: not known yet */
+} lmb_bake_progress;
+
+/* Who listens to a bake; all zero is silence. Both are called on the thread that called the bake. */
+typedef struct lmb_bake_listener {
+    /* At the beginning and the end of phases and about ten times a second, but in trials of less than some seconds.
+     * Phases come in their order; those that there is nothing to do for are left out. Returning false stops the bake.
+     * The last chance for that is LMB_PHASE_WRITE, done: after it the new files take the places of the old ones. */
+    bool (*progress)(void *context, const lmb_bake_progress *progress);
+    void *context;
+    lmb_warnings warnings;
+} lmb_bake_listener;
+
+/* Bakes into `folder`, opened for lightmaps if the settings have them: probes.lmb, probes.vdb, lightmap/ and bake.json.
+ * On failure the folder is as it was. `listener` and `error` may be NULL; `*record` is set on success, and may be NULL.
+ * The same settings give the same bytes for any number of threads (bake.json apart from times, threads and memory).
+ * @return what lmb_level_open and the phases of lambent/bake_phases.h return; LMB_ERROR_WRITE; LMB_ERROR_INTERRUPTED
+ * (the listener stopped it); LMB_ERROR_ARGUMENT (the folder is not for these settings) */
+lmb_result lmb_bake_run(const lmb_bake_settings *settings, lmb_bake_folder *folder, const lmb_bake_listener *listener,
+                        lmb_bake_record *record, lmb_error *error);
+
+/* What the bake would make and how long it would take, without gathering or writing anything: the phases up to the
+ * light on surfaces, and a trial. `record->expected_seconds` is of the rest. */
+lmb_result lmb_bake_plan(const lmb_bake_settings *settings, const lmb_bake_listener *listener, lmb_bake_record *record,
+                         lmb_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,44 @@
+/* The phases of a bake one by one, in memory: what lmb_bake_run (lambent/bake.h) runs and writes, and measurements
+ * take apart. */
+#ifndef LAMBENT_BAKE_PHASES_H
+#define LAMBENT_BAKE_PHASES_H
+
+#include <lambent/bake_record.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Everything a bake holds in memory. */
+typedef struct lmb_bake {
+    lmb_level *level;
+    const lmb_progress *progress; /* NULL: silent */
+    lmb_grid *grid;               /* once placed */
+    lmb_lightmap *lightmap;       /* once laid out, if wanted */
+    lmb_bake_record record;       /* of the phases that have run */
+} lmb_bake;
+
+/* A bake of an open level, which is the caller's and must outlive it. `settings->level` is for the record alone: how
+ * the level is traced was decided when it was opened. */
+lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, const lmb_progress *progress);
+
+/* The phases, in the order in which they run: each needs those before it. Warnings go to the level's listener. A bake
+ * that failed is to be ended too. @return what lmb_placement_make, lmb_lightmap_create, lmb_level_solve, lmb_grid_bake
+ * and lmb_lightmap_bake return */
+lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error);
+lmb_result lmb_bake_layout(lmb_bake *bake, lmb_error *error);
+lmb_result lmb_bake_surface(lmb_bake *bake, lmb_error *error);
+lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error);
+lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error);
+
+/* Frees what the bake holds, but not the level; its record stays. */
+void lmb_bake_end(lmb_bake *bake);
+
+/* The effort for probes and texels of a level whose surface phase has run. */
+lmb_gather_effort lmb_bake_effort(const lmb_bake_settings *settings, const lmb_level *level);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,75 @@
+/* What a bake did: its phases, and the record of them, which bake.json keeps (docs/baking.md). */
+#ifndef LAMBENT_BAKE_RECORD_H
+#define LAMBENT_BAKE_RECORD_H
+
+#include <lambent/bake_settings.h>
+#include <lambent/grid_bake.h>
+#include <lambent/lightmap.h>
+#include <lambent/placement.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* In the order in which they run. */
+typedef enum lmb_bake_phase {
+    LMB_PHASE_LOAD,
+    LMB_PHASE_BVH,
+    LMB_PHASE_PLACE,
+    LMB_PHASE_LAYOUT,  /* of lightmaps */
+    LMB_PHASE_PILOT,   /* of the light on surfaces */
+    LMB_PHASE_SURFACE, /* direct light on them; records count pilot and bounces here too */
+    LMB_PHASE_BOUNCES, /* passes over them: each begins anew */
+    LMB_PHASE_PROBES,
+    LMB_PHASE_LIGHTMAPS,
+    LMB_PHASE_WRITE,
+    LMB_PHASE_COUNT
+} lmb_bake_phase;
+
+/* As progress and bake.json have it: "load", "bvh", "place", "layout", "surface pilot", "surface", "bounces", "probes",
+ * "lightmaps", "write". */
+const char *lmb_bake_phase_name(lmb_bake_phase phase);
+
+/* The phase of that name, LMB_PHASE_COUNT when there is none. */
+lmb_bake_phase lmb_bake_phase_find(const char *name);
+
+typedef struct lmb_bake_record {
+    /* As they were used: spacing and lightmap density are set, seeds are where floats are. They make the same again. */
+    lmb_bake_settings settings;
+    uint64_t content_hash; /* of level and environment */
+    int threads;
+    uint32_t triangles_dropped;
+    int32_t probes; /* with those that are dilated */
+    lmb_placement_stats placement;
+    lmb_grid_bake_stats gathered; /* of probes */
+    lmb_lightmap_stats lightmap;  /* of texels */
+    int32_t images;
+    uint64_t texels_covered;
+    bool surface_solved;             /* false: the estimator was the reference, and what follows is 0 */
+    lmb_surface_light_stats surface; /* of the light on surfaces */
+    size_t surface_bytes;
+    float surface_cell_size; /* metres */
+    uint64_t rays[LMB_PHASE_COUNT];
+    double seconds[LMB_PHASE_COUNT]; /* wall-clock */
+    double expected_seconds;         /* of what a plan leaves to do; 0 after a bake */
+    /* What follows is of a bake that has been written. */
+    double peak_rss_mb; /* of the process */
+    uint64_t bytes_vdb, bytes_lmb, bytes_lightmaps;
+    uint64_t fp16_overflows; /* coefficients of probes.lmb */
+} lmb_bake_record;
+
+/* Over all phases. */
+uint64_t lmb_bake_record_rays(const lmb_bake_record *record);
+/* Millions of rays a second, over the phases that trace. */
+double lmb_bake_record_mrays_per_s(const lmb_bake_record *record);
+/* Estimated standard error of probes and texels together, relative to their light. */
+double lmb_bake_record_error(const lmb_bake_record *record);
+
+/* The record as bake.json has it, but without `files`: a JSON object. The caller frees it; NULL: out of memory. */
+char *lmb_bake_record_text(const lmb_bake_record *record);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

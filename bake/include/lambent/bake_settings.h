@@ -1,0 +1,43 @@
+/* What a bake is to make: every setting that decides its bytes. */
+#ifndef LAMBENT_BAKE_SETTINGS_H
+#define LAMBENT_BAKE_SETTINGS_H
+
+#include <lambent/bake_level.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { LMB_BAKE_MAX_SEEDS = 64 };
+
+/* Values, as lmb_level_settings are: copy them by assignment. */
+typedef struct lmb_bake_settings {
+    lmb_level_settings level;
+    lmb_estimator estimator;
+    /* Probes: see lmb_placement_settings. */
+    float spacing; /* metres; 0: from the level's size */
+    int32_t max_probes;
+    lmb_vec3d seeds[LMB_BAKE_MAX_SEEDS]; /* in the world */
+    uint32_t seed_count;
+    /* Effort: see lmb_gather_effort. */
+    uint32_t samples; /* at each probe and texel; at least, if max_samples is more */
+    uint32_t max_samples;
+    double tolerance; /* relative standard error that ends an element's sampling */
+    /* Lightmaps: see lmb_lightmap_settings; 0: as lmb_lightmap_settings_default has it. */
+    bool lightmaps;
+    float texels_per_m;
+    int32_t max_image_size;
+    int32_t padding;
+} lmb_bake_settings;
+
+/* Medium quality, no lightmaps, the level's own spacing and density; no level. */
+lmb_bake_settings lmb_bake_settings_default(void);
+
+/* Samples and tolerance of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
+bool lmb_bake_settings_quality(lmb_bake_settings *settings, const char *name);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,36 @@
+/* A finished bake's folder, opened again together with its level: to measure it, to draw it. */
+#ifndef LAMBENT_BAKED_H
+#define LAMBENT_BAKED_H
+
+#include <lambent/bake_settings.h>
+#include <lambent/lightmap.h>
+#include <lambent/volume.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct cJSON;
+
+typedef struct lmb_baked {
+    lmb_bake_settings settings; /* that it was baked with, from DIR/bake.json */
+    lmb_level level;            /* opened with them */
+    lmb_volume *volume;         /* DIR/probes.lmb */
+    lmb_lightmap *lightmap;     /* NULL when the bake has none */
+    struct cJSON *json;         /* DIR/bake.json, where the strings of the settings lie */
+} lmb_baked;
+
+/* Opens DIR's bake.json, probes.lmb and lightmaps, and LEVEL with the bake's own settings (environment, excluded nodes,
+ * bounces), without warnings. `level_path` may be NULL: then the path in bake.json. A level whose content hash differs
+ * from the one baked is refused. `threads` 0: all. Nodes called `view_node` (NULL: none) become cameras of the scene.
+ * Both strings are the caller's, for as long as the bake is open. On failure `*opened` needs no closing, and may be
+ * closed. @return LMB_ERROR_FORMAT (not a bake, or another level), and what opening the parts returns */
+lmb_result lmb_baked_open(const char *level_path, const char *directory, int threads, const char *view_node,
+                          lmb_baked *opened, lmb_error *error);
+void lmb_baked_close(lmb_baked *closed);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,209 @@
+#include <lambent/bake_phases.h>
+
+#include <math.h>
+
+#include "base/clock.h"
+#include "run/step.h"
+
+/* Probes farther apart than so many steps between floats are told apart well enough. */
+#define STEPS_OF_SPACING 8.0
+
+/* The grid's largest coordinate in the world. */
+static double grid_reach(const lmb_grid *grid)
+{
+    double reach = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double first = (double)grid->min[axis], last = first + (grid->size[axis] - 1);
+        reach = fmax(reach, fmax(fabs(first), fabs(last)) * (double)grid->spacing);
+    }
+    return reach;
+}
+
+static void warn_of_coarse_floats(const lmb_bake *bake)
+{
+    const lmb_warnings *warnings = &bake->level->warnings;
+    const lmb_scene *scene = bake->level->scene;
+    const double spacing = (double)bake->grid->spacing;
+    const double step = (double)lmb_scene_position_step(scene);
+    if (step * STEPS_OF_SPACING > spacing && !bake->record.settings.lightmaps) {
+        lmb_warn(warnings,
+                 "%s: floats tell positions of its surfaces apart by %.3g m only, and its probes are %.3g m "
+                 "apart: so far from the origin its light is not to be trusted",
+                 scene->path, step, spacing);
+    }
+    const double reach = grid_reach(bake->grid);
+    const double run_time_step = (double)(nextafterf((float)reach, INFINITY) - (float)reach);
+    if (run_time_step * STEPS_OF_SPACING > spacing) {
+        lmb_warn(warnings,
+                 "%s: lies up to %.6g m from the world's origin, where floats are %.3g m apart, and its probes "
+                 "%.3g m: sample its volume at positions in double (lmb_volume_sample_at)",
+                 scene->path, reach, run_time_step, spacing);
+    }
+}
+
+lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, const lmb_progress *progress)
+{
+    lmb_bake bake = {.level = level, .progress = progress};
+    lmb_bake_record *record = &bake.record;
+    record->settings = *settings;
+    record->content_hash = level->scene->content_hash;
+    record->threads = lmb_pool_threads(level->pool);
+    record->triangles_dropped = level->scene->dropped_triangle_count;
+    record->seconds[LMB_PHASE_LOAD] = level->seconds_load;
+    record->seconds[LMB_PHASE_BVH] = level->seconds_bvh;
+    return bake;
+}
+
+/* What placement made of the settings: the spacing that it chose, seeds rounded to where floats are. */
+static void record_placed(lmb_bake *bake)
+{
+    lmb_bake_record *record = &bake->record;
+    const lmb_scene *scene = bake->level->scene;
+    record->settings.spacing = bake->grid->spacing;
+    for (uint32_t i = 0; i < record->settings.seed_count; ++i) {
+        const lmb_vec3 used = lmb_scene_from_world(scene, record->settings.seeds[i]);
+        record->settings.seeds[i] = lmb_scene_to_world(scene, used);
+    }
+    record->probes = bake->grid->probe_count;
+    record->rays[LMB_PHASE_PLACE] = record->placement.rays;
+}
+
+lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
+{
+    const double start = lmb_clock_seconds();
+    lmb_bake_record *record = &bake->record;
+    const lmb_warnings *warnings = &bake->level->warnings;
+    const lmb_placement_settings settings = {.spacing = record->settings.spacing,
+                                             .max_probes = record->settings.max_probes,
+                                             .seeds = record->settings.seeds,
+                                             .seed_count = record->settings.seed_count,
+                                             .warnings = *warnings};
+    const lmb_result result = lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, bake->progress,
+                                                 &bake->grid, &record->placement, error);
+    record->seconds[LMB_PHASE_PLACE] = lmb_clock_seconds() - start;
+    if (result != LMB_OK) {
+        return result;
+    }
+    record_placed(bake);
+    if (record->placement.everything_solid) {
+        lmb_warn(warnings, "%s: all faces look away from all free space; baking everywhere in its bounds",
+                 bake->level->scene->path);
+    }
+    warn_of_coarse_floats(bake);
+    return LMB_OK;
+}
+
+/* What the settings say, in place of the level's own. */
+static lmb_lightmap_settings lightmap_settings(const lmb_bake *bake)
+{
+    const lmb_bake_settings *wanted = &bake->record.settings;
+    lmb_lightmap_settings settings = lmb_lightmap_settings_default(bake->level->scene);
+    settings.texels_per_m = wanted->texels_per_m > 0.0f ? wanted->texels_per_m : settings.texels_per_m;
+    settings.max_image_size = wanted->max_image_size > 0 ? wanted->max_image_size : settings.max_image_size;
+    settings.padding = wanted->padding > 0 ? wanted->padding : settings.padding;
+    settings.warnings = bake->level->warnings;
+    return settings;
+}
+
+static void record_laid_out(lmb_bake *bake)
+{
+    const lmb_lightmap *lightmap = bake->lightmap;
+    lmb_bake_record *record = &bake->record;
+    record->settings.texels_per_m = lightmap->settings.texels_per_m;
+    record->settings.max_image_size = lightmap->settings.max_image_size;
+    record->settings.padding = lightmap->settings.padding;
+    record->images = lightmap->image_count;
+    record->texels_covered = lightmap->covered_texel_count;
+}
+
+lmb_result lmb_bake_layout(lmb_bake *bake, lmb_error *error)
+{
+    if (!bake->record.settings.lightmaps) {
+        return LMB_OK;
+    }
+    const double start = lmb_clock_seconds();
+    const char *name = lmb_bake_phase_name(LMB_PHASE_LAYOUT);
+    const lmb_lightmap_settings settings = lightmap_settings(bake);
+    lmb_result result = step_report(bake->progress, name, 0.0, error);
+    if (result == LMB_OK) {
+        result = lmb_lightmap_create(bake->level->scene, &settings, &bake->lightmap, error);
+    }
+    bake->record.seconds[LMB_PHASE_LAYOUT] = lmb_clock_seconds() - start;
+    if (result != LMB_OK) {
+        return result;
+    }
+    record_laid_out(bake);
+    return step_report(bake->progress, name, 1.0, error);
+}
+
+lmb_result lmb_bake_surface(lmb_bake *bake, lmb_error *error)
+{
+    lmb_level *level = bake->level;
+    lmb_bake_record *record = &bake->record;
+    const lmb_result result = lmb_level_solve(level, record->settings.estimator, bake->progress, error);
+    if (result == LMB_OK && level->surface) {
+        record->surface_solved = true;
+        record->surface = level->surface_stats;
+        record->surface_bytes = lmb_surface_light_bytes(level->surface);
+        record->surface_cell_size = lmb_surface_light_cell_size(level->surface);
+        record->rays[LMB_PHASE_SURFACE] = level->surface_stats.rays;
+    }
+    record->seconds[LMB_PHASE_SURFACE] = level->seconds_surface;
+    return result;
+}
+
+/* What is darker than this share of the level's mean light is held to that. */
+#define DARK_SHARE 0.01
+
+/* Length of the SH3 moments of three channels of radiance 1 over a hemisphere: sqrt(3 pi + 9 pi / 4). */
+#define UNIT_LENGTH 4.06
+
+lmb_gather_effort lmb_bake_effort(const lmb_bake_settings *settings, const lmb_level *level)
+{
+    return (lmb_gather_effort){.samples = settings->samples,
+                               .max_samples = settings->max_samples,
+                               .tolerance = settings->tolerance,
+                               .floor = DARK_SHARE * UNIT_LENGTH * level->mean_light};
+}
+
+static lmb_result phase_result(lmb_bake_phase phase, lmb_result result, lmb_error *error)
+{
+    return result == LMB_OK
+               ? LMB_OK
+               : lmb_error_set(error, result, "%s: %s", lmb_bake_phase_name(phase), lmb_result_text(result));
+}
+
+lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
+{
+    const double start = lmb_clock_seconds();
+    lmb_bake_record *record = &bake->record;
+    const lmb_gather_effort effort = lmb_bake_effort(&record->settings, bake->level);
+    const lmb_result result = lmb_grid_bake(bake->grid, &bake->level->transport, &effort, bake->level->pool,
+                                            bake->progress, &record->gathered);
+    record->seconds[LMB_PHASE_PROBES] = lmb_clock_seconds() - start;
+    record->rays[LMB_PHASE_PROBES] = record->gathered.rays;
+    return phase_result(LMB_PHASE_PROBES, result, error);
+}
+
+lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error)
+{
+    if (!bake->lightmap) {
+        return LMB_OK;
+    }
+    const double start = lmb_clock_seconds();
+    lmb_bake_record *record = &bake->record;
+    const lmb_gather_effort effort = lmb_bake_effort(&record->settings, bake->level);
+    const lmb_result result = lmb_lightmap_bake(bake->lightmap, &bake->level->transport, &effort, bake->level->pool,
+                                                bake->progress, &record->lightmap);
+    record->seconds[LMB_PHASE_LIGHTMAPS] = lmb_clock_seconds() - start;
+    record->rays[LMB_PHASE_LIGHTMAPS] = record->lightmap.rays;
+    return phase_result(LMB_PHASE_LIGHTMAPS, result, error);
+}
+
+void lmb_bake_end(lmb_bake *bake)
+{
+    lmb_lightmap_destroy(bake->lightmap);
+    lmb_grid_destroy(bake->grid);
+    bake->lightmap = NULL;
+    bake->grid = NULL;
+}

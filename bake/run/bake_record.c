@@ -1,0 +1,137 @@
+#include "run/bake_record_internal.h"
+
+#include <string.h>
+
+#include "run/bake_settings_internal.h"
+
+static const char *const phase_names[LMB_PHASE_COUNT] = {
+    [LMB_PHASE_LOAD] = "load",           [LMB_PHASE_BVH] = "bvh",
+    [LMB_PHASE_PLACE] = "place",         [LMB_PHASE_LAYOUT] = "layout",
+    [LMB_PHASE_PILOT] = "surface pilot", [LMB_PHASE_SURFACE] = "surface",
+    [LMB_PHASE_BOUNCES] = "bounces",     [LMB_PHASE_PROBES] = "probes",
+    [LMB_PHASE_LIGHTMAPS] = "lightmaps", [LMB_PHASE_WRITE] = "write"};
+
+/* The phases that trace, as records count them. */
+static const lmb_bake_phase tracing[] = {LMB_PHASE_PLACE, LMB_PHASE_SURFACE, LMB_PHASE_PROBES, LMB_PHASE_LIGHTMAPS};
+enum { TRACING = sizeof tracing / sizeof tracing[0] };
+
+const char *lmb_bake_phase_name(lmb_bake_phase phase)
+{
+    return phase_names[phase];
+}
+
+lmb_bake_phase lmb_bake_phase_find(const char *name)
+{
+    int phase = 0;
+    while (phase < LMB_PHASE_COUNT && strcmp(phase_names[phase], name) != 0) {
+        ++phase;
+    }
+    return (lmb_bake_phase)phase;
+}
+
+uint64_t lmb_bake_record_rays(const lmb_bake_record *record)
+{
+    uint64_t rays = 0;
+    for (int i = 0; i < TRACING; ++i) {
+        rays += record->rays[tracing[i]];
+    }
+    return rays;
+}
+
+double lmb_bake_record_mrays_per_s(const lmb_bake_record *record)
+{
+    double seconds = 0.0;
+    for (int i = 0; i < TRACING; ++i) {
+        seconds += record->seconds[tracing[i]];
+    }
+    return seconds > 0.0 ? 1e-6 * (double)lmb_bake_record_rays(record) / seconds : 0.0;
+}
+
+/* Dark elements do not count for more than they hold. */
+double lmb_bake_record_error(const lmb_bake_record *record)
+{
+    return lmb_relative_error(record->gathered.squared_error + record->lightmap.squared_error,
+                              record->gathered.squared_length + record->lightmap.squared_length);
+}
+
+static void json_add_elements(cJSON *json, const lmb_bake_record *record)
+{
+    cJSON_AddNumberToObject(json, "probes", record->probes);
+    cJSON *level = cJSON_CreateObject();
+    cJSON_AddNumberToObject(level, "spacing", (double)record->settings.spacing);
+    cJSON_AddNumberToObject(level, "probes", record->probes);
+    cJSON_AddItemToArray(cJSON_AddArrayToObject(json, "levels"), level);
+    cJSON_AddNumberToObject(json, "probes_valid", record->placement.probes_valid);
+    cJSON_AddNumberToObject(json, "cells", (double)record->placement.cells);
+    cJSON_AddNumberToObject(json, "cells_crossed", (double)record->placement.cells_crossed);
+    cJSON_AddNumberToObject(json, "texels", (double)record->lightmap.texels);
+    cJSON_AddNumberToObject(json, "texels_pushed_out", (double)record->lightmap.pushed_out);
+    cJSON_AddNumberToObject(json, "triangles_dropped", record->triangles_dropped);
+    cJSON_AddNumberToObject(json, "samples", (double)(record->gathered.samples + record->lightmap.samples));
+}
+
+static void json_add_rays(cJSON *json, const lmb_bake_record *record)
+{
+    cJSON_AddNumberToObject(json, "rays", (double)lmb_bake_record_rays(record));
+    cJSON *rays = cJSON_AddObjectToObject(json, "phase_rays");
+    for (int i = 0; i < TRACING; ++i) {
+        cJSON_AddNumberToObject(rays, phase_names[tracing[i]], (double)record->rays[tracing[i]]);
+    }
+}
+
+static void json_add_seconds(cJSON *json, const lmb_bake_record *record)
+{
+    cJSON *seconds = cJSON_AddObjectToObject(json, "seconds");
+    double total = 0.0;
+    for (int phase = 0; phase < LMB_PHASE_COUNT; ++phase) {
+        if (phase != LMB_PHASE_PILOT && phase != LMB_PHASE_BOUNCES) {
+            cJSON_AddNumberToObject(seconds, phase_names[phase], record->seconds[phase]);
+        }
+        total += record->seconds[phase];
+    }
+    cJSON_AddNumberToObject(seconds, "total", total);
+    cJSON_AddNumberToObject(json, "mrays_per_s", lmb_bake_record_mrays_per_s(record));
+}
+
+static void json_add_surface(cJSON *json, const lmb_bake_record *record)
+{
+    cJSON_AddStringToObject(
+        json, "estimator", lmb_estimator_name(record->surface_solved ? LMB_ESTIMATOR_CACHED : LMB_ESTIMATOR_REFERENCE));
+    if (record->surface_solved) {
+        cJSON_AddNumberToObject(json, "surface_bytes", (double)record->surface_bytes);
+        cJSON_AddNumberToObject(json, "surface_cells", record->surface.cells);
+        cJSON_AddNumberToObject(json, "surface_cell_m", (double)record->surface_cell_size);
+        cJSON_AddNumberToObject(json, "surface_passes", record->surface.passes);
+    }
+}
+
+cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files)
+{
+    cJSON *json = cJSON_CreateObject();
+    json_add_elements(json, record);
+    json_add_rays(json, record);
+    json_add_seconds(json, record);
+    cJSON_AddNumberToObject(json, "peak_rss_mb", record->peak_rss_mb);
+    cJSON_AddNumberToObject(json, "threads", record->threads);
+    json_add_surface(json, record);
+    cJSON_AddNumberToObject(json, "seed", (double)record->settings.level.seed);
+    cJSON *bytes = cJSON_AddObjectToObject(json, "bytes");
+    cJSON_AddNumberToObject(bytes, "vdb", (double)record->bytes_vdb);
+    cJSON_AddNumberToObject(bytes, "lmb", (double)record->bytes_lmb);
+    cJSON_AddNumberToObject(bytes, "lightmaps", (double)record->bytes_lightmaps);
+    cJSON_AddNumberToObject(json, "fp16_overflows", (double)record->fp16_overflows);
+    cJSON_AddNumberToObject(json, "estimated_rel_error", lmb_bake_record_error(record));
+    if (files) {
+        cJSON_AddItemToObject(json, "files", files);
+    }
+    cJSON_AddItemToObject(json, "settings", lmb_bake_settings_json(&record->settings, record->content_hash));
+    return json;
+}
+
+char *lmb_bake_record_text(const lmb_bake_record *record)
+{
+    cJSON *json = lmb_bake_record_json(record, NULL);
+    char *text = cJSON_Print(json);
+    cJSON_Delete(json);
+    return text;
+}

@@ -1,0 +1,196 @@
+#include "run/bake_settings_internal.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <lambent/placement.h>
+
+enum { MIN_SAMPLES = 64 };
+
+typedef struct bake_quality {
+    const char *name;
+    double tolerance;
+    uint32_t max_samples;
+} bake_quality;
+
+static const bake_quality qualities[] = {{"draft", 0.12, 256}, {"medium", 0.06, 1024}, {"high", 0.03, 4096}};
+
+static void quality_use(lmb_bake_settings *settings, const bake_quality *quality)
+{
+    settings->samples = MIN_SAMPLES;
+    settings->max_samples = quality->max_samples;
+    settings->tolerance = quality->tolerance;
+}
+
+lmb_bake_settings lmb_bake_settings_default(void)
+{
+    lmb_bake_settings settings = {.level = lmb_level_settings_default(),
+                                  .max_probes = lmb_placement_settings_default().max_probes};
+    quality_use(&settings, &qualities[1]);
+    return settings;
+}
+
+bool lmb_bake_settings_quality(lmb_bake_settings *settings, const char *name)
+{
+    for (size_t i = 0; i < sizeof qualities / sizeof qualities[0]; ++i) {
+        if (strcmp(name, qualities[i].name) == 0) {
+            quality_use(settings, &qualities[i]);
+            return true;
+        }
+    }
+    return false;
+}
+
+void lmb_bake_settings_hash_text(uint64_t hash, char text[17])
+{
+    snprintf(text, 17, "%016" PRIx64, hash);
+}
+
+static cJSON *text_or_null(const char *text)
+{
+    return text ? cJSON_CreateString(text) : cJSON_CreateNull();
+}
+
+static void json_add_level(cJSON *json, const lmb_level_settings *level, uint64_t content_hash)
+{
+    char hash[17];
+    lmb_bake_settings_hash_text(content_hash, hash);
+    cJSON_AddStringToObject(json, "level", level->path);
+    cJSON_AddItemToObject(json, "env", text_or_null(level->environment));
+    cJSON_AddStringToObject(json, "content_hash", hash);
+    cJSON *exclude = cJSON_AddArrayToObject(json, "exclude");
+    for (uint32_t i = 0; i < level->exclude_count; ++i) {
+        cJSON_AddItemToArray(exclude, cJSON_CreateString(level->exclude[i]));
+    }
+    cJSON_AddNumberToObject(json, "light_scale", level->light_scale);
+    cJSON_AddNumberToObject(json, "emission_scale", level->emission_scale);
+    cJSON_AddBoolToObject(json, "allow_outside_uris", level->allow_outside_uris);
+    cJSON_AddItemToObject(json, "isa", text_or_null(level->isa));
+    cJSON_AddNumberToObject(json, "bounces", level->bounces);
+    cJSON_AddNumberToObject(json, "seed", (double)level->seed);
+}
+
+cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t content_hash)
+{
+    cJSON *json = cJSON_CreateObject();
+    json_add_level(json, &settings->level, content_hash);
+    cJSON_AddNumberToObject(json, "samples", settings->samples);
+    cJSON_AddNumberToObject(json, "max_samples", settings->max_samples);
+    cJSON_AddNumberToObject(json, "tolerance", settings->tolerance);
+    cJSON_AddStringToObject(json, "estimator", lmb_estimator_name(settings->estimator));
+    cJSON_AddNumberToObject(json, "spacing", (double)settings->spacing);
+    cJSON_AddNumberToObject(json, "max_probes", settings->max_probes);
+    cJSON *seeds = cJSON_AddArrayToObject(json, "seed_points");
+    for (uint32_t i = 0; i < settings->seed_count; ++i) {
+        const lmb_vec3d *seed = &settings->seeds[i];
+        cJSON_AddItemToArray(seeds, cJSON_CreateDoubleArray((const double[3]){seed->x, seed->y, seed->z}, 3));
+    }
+    cJSON_AddBoolToObject(json, "lightmaps", settings->lightmaps);
+    if (settings->lightmaps) {
+        cJSON_AddNumberToObject(json, "texels_per_m", (double)settings->texels_per_m);
+        cJSON_AddNumberToObject(json, "max_image_size", settings->max_image_size);
+        if (settings->padding != 1) { /* what a record without it has */
+            cJSON_AddNumberToObject(json, "padding", settings->padding);
+        }
+    }
+    return json;
+}
+
+static const char *text_of(const cJSON *json, const char *key)
+{
+    return cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, key));
+}
+
+static double number_or(const cJSON *json, const char *key, double missing)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(json, key);
+    return cJSON_IsNumber(item) ? item->valuedouble : missing;
+}
+
+/* Whole numbers outside the range are at its end. */
+static int32_t integer_or(const cJSON *json, const char *key, int32_t missing)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(json, key);
+    return cJSON_IsNumber(item) ? item->valueint : missing;
+}
+
+static uint32_t count_or(const cJSON *json, const char *key, uint32_t missing)
+{
+    const int32_t count = integer_or(json, key, -1);
+    return count >= 0 ? (uint32_t)count : missing;
+}
+
+static uint64_t seed_of(const cJSON *json)
+{
+    const double seed = number_or(json, "seed", 0.0);
+    return seed >= 0.0 && seed < 0x1p63 ? (uint64_t)seed : 0;
+}
+
+static bool exclude_read(const cJSON *json, lmb_level_settings *level)
+{
+    const cJSON *pattern;
+    cJSON_ArrayForEach(pattern, cJSON_GetObjectItemCaseSensitive(json, "exclude"))
+    {
+        if (!cJSON_IsString(pattern) || level->exclude_count == LMB_LEVEL_MAX_EXCLUDE) {
+            return false;
+        }
+        level->exclude[level->exclude_count++] = pattern->valuestring;
+    }
+    return true;
+}
+
+static bool level_read(const cJSON *json, lmb_level_settings *level)
+{
+    level->path = text_of(json, "level");
+    level->environment = text_of(json, "env");
+    level->isa = text_of(json, "isa");
+    level->allow_outside_uris = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "allow_outside_uris"));
+    level->light_scale = number_or(json, "light_scale", level->light_scale);
+    level->emission_scale = number_or(json, "emission_scale", level->emission_scale);
+    level->bounces = integer_or(json, "bounces", level->bounces);
+    level->seed = seed_of(json);
+    return level->path && text_of(json, "content_hash") &&
+           cJSON_IsNumber(cJSON_GetObjectItemCaseSensitive(json, "bounces")) && exclude_read(json, level);
+}
+
+static bool seeds_read(const cJSON *json, lmb_bake_settings *settings)
+{
+    const cJSON *seed;
+    cJSON_ArrayForEach(seed, cJSON_GetObjectItemCaseSensitive(json, "seed_points"))
+    {
+        double place[3];
+        if (cJSON_GetArraySize(seed) != 3 || settings->seed_count == LMB_BAKE_MAX_SEEDS) {
+            return false;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            place[axis] = cJSON_GetNumberValue(cJSON_GetArrayItem(seed, axis));
+        }
+        settings->seeds[settings->seed_count++] = (lmb_vec3d){place[0], place[1], place[2]};
+    }
+    return true;
+}
+
+bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
+{
+    lmb_bake_settings read = lmb_bake_settings_default();
+    if (!level_read(json, &read.level) || !seeds_read(json, &read)) {
+        return false;
+    }
+    const char *estimator = text_of(json, "estimator");
+    read.estimator = LMB_ESTIMATOR_CACHED;
+    if (estimator && !lmb_estimator_find(estimator, &read.estimator)) {
+        return false;
+    }
+    read.spacing = (float)number_or(json, "spacing", 0.0);
+    read.max_probes = integer_or(json, "max_probes", read.max_probes);
+    read.samples = count_or(json, "samples", read.samples);
+    read.max_samples = count_or(json, "max_samples", read.max_samples);
+    read.tolerance = number_or(json, "tolerance", read.tolerance);
+    read.lightmaps = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "lightmaps"));
+    read.texels_per_m = (float)number_or(json, "texels_per_m", 0.0);
+    read.max_image_size = integer_or(json, "max_image_size", 0);
+    read.padding = integer_or(json, "padding", 1);
+    *settings = read;
+    return true;
+}

@@ -1,0 +1,144 @@
+#include <lambent/baked.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cjson/cJSON.h>
+
+#include <lambent/file.h>
+
+#include "run/bake_settings_internal.h"
+
+/* DIR/NAME in malloc'ed memory. */
+static char *path_join(const char *directory, const char *name)
+{
+    const size_t size = strlen(directory) + strlen(name) + 2;
+    char *path = malloc(size);
+    if (path) {
+        snprintf(path, size, "%s/%s", directory, name);
+    }
+    return path;
+}
+
+static lmb_result json_open(const char *directory, cJSON **json, lmb_error *error)
+{
+    char *path = path_join(directory, "bake.json");
+    unsigned char *text = NULL;
+    size_t size;
+    lmb_result result =
+        path ? lmb_file_read(path, &text, &size, error) : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    if (result == LMB_OK) {
+        *json = cJSON_ParseWithLength((const char *)text, size);
+        if (!cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(*json, "settings"))) {
+            result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not the record of a bake", path);
+        }
+    }
+    free(text);
+    free(path);
+    return result;
+}
+
+static lmb_result volume_open(const char *directory, lmb_volume **volume, lmb_error *error)
+{
+    char *path = path_join(directory, "probes.lmb");
+    if (!path) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    lmb_result result = lmb_volume_open_file(path, volume);
+    if (result != LMB_OK) {
+        lmb_error_set(error, result, "%s: %s", path, lmb_result_text(result));
+    }
+    free(path);
+    return result;
+}
+
+static lmb_result lightmap_open(const char *directory, lmb_baked *opened, lmb_error *error)
+{
+    const lmb_bake_settings *settings = &opened->settings;
+    if (!settings->lightmaps) {
+        return LMB_OK;
+    }
+    if (!(settings->texels_per_m > 0.0f) || settings->max_image_size <= 0) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s/bake.json: no lightmap settings", directory);
+    }
+    const lmb_lightmap_settings lightmap = {.texels_per_m = settings->texels_per_m,
+                                            .max_image_size = settings->max_image_size,
+                                            .padding = settings->padding};
+    lmb_result result = lmb_lightmap_create(opened->level.scene, &lightmap, &opened->lightmap, error);
+    char *path = result == LMB_OK ? path_join(directory, "lightmap") : NULL;
+    if (result == LMB_OK) {
+        result = path ? lmb_lightmap_read(opened->lightmap, path, error)
+                      : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    free(path);
+    return result;
+}
+
+/* Refuses a level that is not the one baked. */
+static lmb_result content_check(const lmb_baked *opened, const char *directory, lmb_error *error)
+{
+    char hash[17];
+    lmb_bake_settings_hash_text(opened->level.scene->content_hash, hash);
+    const cJSON *settings = cJSON_GetObjectItemCaseSensitive(opened->json, "settings");
+    const char *baked_hash = cJSON_GetObjectItemCaseSensitive(settings, "content_hash")->valuestring;
+    return strcmp(hash, baked_hash) == 0
+               ? LMB_OK
+               : lmb_error_set(error, LMB_ERROR_FORMAT,
+                               "%s: not the level that %s was baked from (content %s, baked %.16s): bake again",
+                               opened->level.settings.path, directory, hash, baked_hash);
+}
+
+/* `wanted` says what is not the bake's: path (NULL: the bake's too), threads, view node. */
+static lmb_result level_open(const lmb_level_settings *wanted, lmb_baked *opened, lmb_error *error)
+{
+    lmb_level_settings settings = opened->settings.level;
+    settings.path = wanted->path ? wanted->path : settings.path;
+    settings.threads = wanted->threads;
+    settings.view_node = wanted->view_node;
+    return lmb_level_open(&settings, NULL, NULL, &opened->level, error);
+}
+
+static lmb_result record_open(const char *directory, lmb_baked *opened, lmb_error *error)
+{
+    lmb_result result = json_open(directory, &opened->json, error);
+    const cJSON *settings = cJSON_GetObjectItemCaseSensitive(opened->json, "settings");
+    if (result == LMB_OK && !lmb_bake_settings_read(settings, &opened->settings)) {
+        result =
+            lmb_error_set(error, LMB_ERROR_FORMAT, "%s/bake.json: its settings are not those of a bake", directory);
+    }
+    return result;
+}
+
+lmb_result lmb_baked_open(const char *level_path, const char *directory, int threads, const char *view_node,
+                          lmb_baked *opened, lmb_error *error)
+{
+    const lmb_level_settings wanted = {.path = level_path, .threads = threads, .view_node = view_node};
+    memset(opened, 0, sizeof *opened);
+    lmb_result result = record_open(directory, opened, error);
+    if (result == LMB_OK) {
+        result = level_open(&wanted, opened, error);
+    }
+    if (result == LMB_OK) {
+        result = content_check(opened, directory, error);
+    }
+    if (result == LMB_OK) {
+        result = volume_open(directory, &opened->volume, error);
+    }
+    if (result == LMB_OK) {
+        result = lightmap_open(directory, opened, error);
+    }
+    if (result != LMB_OK) {
+        lmb_baked_close(opened);
+    }
+    return result;
+}
+
+void lmb_baked_close(lmb_baked *closed)
+{
+    lmb_lightmap_destroy(closed->lightmap);
+    lmb_volume_close(closed->volume);
+    lmb_level_close(&closed->level);
+    cJSON_Delete(closed->json);
+    memset(closed, 0, sizeof *closed);
+}

@@ -1,0 +1,24 @@
+/* The options that decide what a bake makes. */
+#ifndef LMB_TOOLS_BAKE_ARGUMENTS_H
+#define LMB_TOOLS_BAKE_ARGUMENTS_H
+
+#include <lambent/bake_settings.h>
+
+#include "level_arguments.h"
+
+/* Takes `argument` when it is the level, one of level_argument's options, or one of those of BAKE_USAGE. */
+bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument);
+#define BAKE_USAGE                                                                                                     \
+    "  --spacing M           metres between probes (default: from the level's size)\n"                                 \
+    "  --max-probes N        the spacing grows until there are no more (default 262144)\n"                             \
+    "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"                              \
+    "  --texels-per-m N      lightmap density (default: from the level's size)\n"                                      \
+    "  --padding N           texels filled around lightmap charts and nodes, for mip levels (default 1)\n"             \
+    "  --quality NAME        draft, medium or high: noise of 12, 6 or 3 %, by at most 256, 1024 or\n"                  \
+    "                        4096 samples at each probe and texel (default medium)\n"                                  \
+    "  --tolerance E         the noise as a share of the light, in place of the quality's\n"                           \
+    "  --samples N           just so many samples everywhere, in place of both\n"                                      \
+    "  --estimator NAME      cached: solve the light on surfaces first, then gather it (default);\n"                   \
+    "                        reference: trace every path to its end, unbiased and slower\n"
+
+#endif

@@ -1,0 +1,27 @@
+/* The options that every command has that takes LEVEL. */
+#ifndef LMB_TOOLS_LEVEL_ARGUMENTS_H
+#define LMB_TOOLS_LEVEL_ARGUMENTS_H
+
+#include <lambent/bake_level.h>
+
+#include "command.h"
+
+/* Takes `option` and its value when it is one of those of LEVEL_USAGE. */
+bool level_argument(lmb_level_settings *settings, lmb_arguments *arguments, const char *option);
+#define LEVEL_USAGE                                                                                                    \
+    "  --env FILE|#rrggbb[,rotation=DEG][,strength=X]\n"                                                               \
+    "                        environment: an equirectangular .hdr or .exr, or a constant colour\n"                     \
+    "  --exclude PATTERN     leave out nodes by name, with their children (* and ?; repeatable)\n"                     \
+    "  --light-scale X       multiply lamps (KHR_lights_punctual) by this\n"                                           \
+    "  --emission-scale X    multiply what materials emit by this\n"                                                   \
+    "  --bounces N           reflections at most (default: no limit)\n"                                                \
+    "  --seed N              of the random numbers (default 0)\n"                                                      \
+    "  --threads N           (default: one for each processor)\n"                                                      \
+    "  --isa NAME            pin Embree's instruction set: sse2, sse4.2, avx, avx2, avx512\n"                          \
+    "  --allow-outside-uris  let the level refer to files outside its folder\n"                                        \
+    "  --quiet               no progress and no warnings\n"
+
+/* Takes `option` and its value when it is --estimator. */
+bool estimator_argument(lmb_estimator *estimator, lmb_arguments *arguments, const char *option);
+
+#endif
