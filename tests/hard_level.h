@@ -22,12 +22,12 @@ typedef struct hard_level {
     level_fixture traced;
     lmb_grid *grid;
     lmb_placement_stats placement;
-    lmb_grid_bake_stats baked;
+    lmb_gather_stats baked;
     unsigned char *file;
     lmb_pack_stats packed;
     lmb_volume *volume;
     lmb_lightmap *lightmap;
-    lmb_lightmap_stats lit;
+    lmb_gather_stats lit;
 } hard_level;
 
 typedef struct hard_settings {

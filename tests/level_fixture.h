@@ -6,7 +6,7 @@
 #include <lambent/environment.h>
 #include <lambent/gltf.h>
 #include <lambent/pool.h>
-#include <lambent/probe.h>
+#include <lambent/gather_sh3.h>
 #include <lambent/trace.h>
 #include <lambent/transport.h>
 

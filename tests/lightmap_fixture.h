@@ -17,7 +17,7 @@
 typedef struct baked {
     level_fixture level;
     lmb_lightmap *lightmap;
-    lmb_lightmap_stats stats;
+    lmb_gather_stats stats;
 } baked;
 
 static inline void baked_close(baked *bake)

@@ -6,6 +6,7 @@
 
 #include <lambent/surface_solve.h>
 
+#include "gather_fixture.h"
 #include "harness.h"
 #include "level_builder.h"
 #include "level_fixture.h"
@@ -46,7 +47,7 @@ static lmb_result room_write(const char *path, lmb_error *error)
 enum { GROUPS = 3, ELEMENTS = GROUPS * LMB_GATHER_GROUP, TRUTH_SAMPLES = 16384 };
 typedef struct floor_elements {
     lmb_gather_point points[ELEMENTS];
-    lmb_gather_element elements[ELEMENTS];
+    lmb_gathered gathered[ELEMENTS];
     lmb_gathered truth[ELEMENTS];
 } floor_elements;
 
@@ -57,7 +58,6 @@ static void floor_place(floor_elements *at)
             (lmb_gather_point){.position = {0.3f * (float)(i % 8) - 1.0f, 0.001f, 0.15f * (float)(i / 8) - 1.5f},
                                .hemisphere = true,
                                .normal = {0, 1, 0}};
-        at->elements[i] = (lmb_gather_element){.points = &at->points[i], .point_count = 1};
     }
 }
 
@@ -69,20 +69,21 @@ static void floor_compare(const floor_elements *at, double *mean, double *expect
         for (int c = 0; c < 3; ++c) {
             for (int k = 0; k < LMB_SH3_COUNT; ++k) {
                 const double truth = (double)at->truth[i].moments.channel[c].c[k];
-                const double off = (double)at->elements[i].gathered.moments.channel[c].c[k] - truth;
+                const double off = (double)at->gathered[i].moments.channel[c].c[k] - truth;
                 *apart += off * off;
                 *length += truth * truth;
             }
         }
-        *mean += (double)at->elements[i].gathered.moments.channel[1].c[0] / ELEMENTS;
+        *mean += (double)at->gathered[i].moments.channel[1].c[0] / ELEMENTS;
         *expected += (double)at->truth[i].moments.channel[1].c[0] / ELEMENTS;
     }
 }
 
 /* Every quality has the mean of many samples within 1 % and three standard errors, and an estimate of its error within
  * a factor of 1.5. */
-static void qualities_check(const lmb_transport *transport, const char *estimator)
+static void qualities_check(const level_fixture *level, const char *estimator)
 {
+    const lmb_transport *transport = &level->transport;
     static floor_elements at;
     floor_place(&at);
     for (int i = 0; i < ELEMENTS; ++i) {
@@ -94,11 +95,10 @@ static void qualities_check(const lmb_transport *transport, const char *estimato
         const lmb_gather_effort effort = {
             .samples = 64, .max_samples = qualities[i].max_samples, .tolerance = qualities[i].tolerance};
         double squared_error = 0.0, mean, expected, apart, length;
-        for (int group = 0; group < GROUPS; ++group) {
-            lmb_gather_sh3_group(&other, &effort, &at.elements[group * LMB_GATHER_GROUP], LMB_GATHER_GROUP);
-        }
+        const lmb_gather_list list = gather_fixture_list(at.points, ELEMENTS);
+        CHECK(gather_fixture_gather(&other, &effort, &list, level->pool, at.gathered) == LMB_OK, "memory");
         for (int k = 0; k < ELEMENTS; ++k) {
-            squared_error += at.elements[k].gathered.squared_error + at.truth[k].squared_error;
+            squared_error += at.gathered[k].squared_error + at.truth[k].squared_error;
         }
         floor_compare(&at, &mean, &expected, &apart, &length);
         const double estimated = sqrt(squared_error / length), is = sqrt(apart / length);
@@ -119,13 +119,13 @@ static void rare_light_is_found(void)
     if (written != LMB_OK || !level_fixture_load(&level, path, "#ffffff", 2)) {
         return;
     }
-    qualities_check(&level.transport, "reference");
+    qualities_check(&level, "reference");
     const lmb_surface_light_settings settings = lmb_surface_light_settings_default();
     lmb_surface_light *light;
     lmb_surface_light_stats stats;
     if (lmb_surface_light_solve(&level.transport, &settings, level.pool, NULL, &light, &stats, &error) == LMB_OK) {
         level.transport.surface = light;
-        qualities_check(&level.transport, "cached");
+        qualities_check(&level, "cached");
         lmb_surface_light_destroy(light);
     }
     level_fixture_close(&level);
@@ -143,9 +143,11 @@ static void alone_takes_all(void)
     }
     const lmb_gather_effort effort = {.samples = 64, .max_samples = 512, .tolerance = 0.06};
     const lmb_gather_point point = {.position = {0.0f, 1.0f, 0.0f}};
-    lmb_gather_element element = {.points = &point, .point_count = 1};
-    lmb_gather_sh3_group(&level.transport, &effort, &element, 1);
-    CHECK(element.gathered.samples == 512, "%u samples", element.gathered.samples);
+    const lmb_gather_list list = gather_fixture_list(&point, 1);
+    lmb_gathered gathered = {.samples = 0};
+    CHECK(gather_fixture_gather(&level.transport, &effort, &list, level.pool, &gathered) == LMB_OK &&
+              gathered.samples == 512,
+          "%u samples", gathered.samples);
     level_fixture_close(&level);
 }
 

@@ -134,7 +134,7 @@ static void phases_come_in_order(void)
     CHECK(all.last.phase == LMB_PHASE_WRITE && all.last.done == 1.0 && all.last.seconds_left == 0.0, "ends with %s %g",
           lmb_bake_phase_name(all.last.phase), all.last.done);
     CHECK(all.warnings == 0, "%s", all.warning);
-    CHECK(record.probes > 0 && record.lightmap.texels > 0 && record.surface_solved && record.images == 1, "%d probes",
+    CHECK(record.probes > 0 && record.lightmap.elements > 0 && record.surface_solved && record.images == 1, "%d probes",
           record.probes);
     CHECK(lmb_bake_record_rays(&record) > 0 && lmb_bake_record_error(&record) > 0.0, "no rays");
 }

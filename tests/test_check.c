@@ -352,7 +352,7 @@ static void lightmaps_take_part(void)
         return;
     }
     const lmb_lightmap_settings texels = {.texels_per_m = 2.0f, .max_image_size = 256};
-    lmb_lightmap_stats stats;
+    lmb_gather_stats stats;
     lmb_lightmap *lightmap = NULL;
     const bool baked = lmb_lightmap_create(level.scene, &texels, &lightmap, &error) == LMB_OK &&
                        lmb_lightmap_bake(lightmap, &level.transport, &(lmb_gather_effort){.samples = 1024}, level.pool,

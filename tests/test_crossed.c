@@ -58,7 +58,7 @@ static void probes_bake(const level_fixture *level, uint64_t seed)
     lmb_error fault = {""};
     lmb_grid *grid = NULL;
     lmb_placement_stats placed;
-    lmb_grid_bake_stats stats;
+    lmb_gather_stats stats;
     lmb_result result = lmb_placement_make(level->tracer, &settings, level->pool, NULL, &grid, &placed, &fault);
     if (result == LMB_ERROR_UNSUPPORTED) {
         return; /* nothing that stands still has bounds */

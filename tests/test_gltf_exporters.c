@@ -3,7 +3,7 @@
 #include "gltf_fixture.h"
 
 #include <lambent/emitters.h>
-#include <lambent/probe.h>
+#include <lambent/gather_sh3.h>
 #include <lambent/trace.h>
 
 #define BLENDER "{'asset':{'version':'2.0','generator':'Khronos glTF Blender I/O v4.2.60'},"

@@ -35,7 +35,7 @@ static void empty_scene(void)
           error.message);
     const lmb_lightmap_settings fallback = lmb_lightmap_settings_default(level.traced.scene);
     CHECK(fallback.texels_per_m > 0.0f && isfinite(fallback.texels_per_m), "%g", (double)fallback.texels_per_m);
-    CHECK(hard_bake_lightmap(&level, &few) && level.lit.texels == 0, "a lightmap of nothing");
+    CHECK(hard_bake_lightmap(&level, &few) && level.lit.elements == 0, "a lightmap of nothing");
     const lmb_rgb sky = traced_irradiance(&level.traced, (lmb_vec3){1, 2, 3}, hard_up, 1024);
     CHECK_NEAR(sky.c[0], 1.0, 0.01, "nothing but sky");
     hard_close(&level);
@@ -303,13 +303,13 @@ static double mean_surface_light(const hard_level *level, const char *name, cons
         const lmb_place place = lmb_trace_place(
             level->traced.tracer,
             &(lmb_hit){.instance = instance, .triangle = (uint32_t)i & 1u, .u = weights[i][0], .v = weights[i][1]});
-        bool pushed_out;
-        const lmb_gather_point point = lmb_surface_gather_point(level->traced.tracer, &place, 1.0f, &pushed_out);
+        bool moved;
+        const lmb_gather_point point = lmb_surface_gather_point(level->traced.tracer, &place, 1.0f, &moved);
         lmb_rgb light;
         uint64_t rays = 0;
         lmb_gather_irradiance(&level->traced.transport, &point, 0, 64, &place.geometric_normal, 1, &light, &rays);
         sum += (double)light.c[0] / count;
-        CHECK(!pushed_out, "point %d", i);
+        CHECK(!moved, "point %d", i);
     }
     return sum;
 }

@@ -338,7 +338,7 @@ static void threads_do_not_matter(void)
         lmb_placement_settings settings = lmb_placement_settings_default();
         settings.spacing = 0.7f;
         lmb_placement_stats placement;
-        lmb_grid_bake_stats baked;
+        lmb_gather_stats baked;
         lmb_result result =
             lmb_placement_make(level.tracer, &settings, level.pool, NULL, &grids[i], &placement, &error);
         if (result == LMB_OK) {

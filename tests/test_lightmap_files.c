@@ -20,7 +20,7 @@ static void empty_level(void)
     if (!baked_open(&bake, path, written, &error, 1.0f, 8, 2)) {
         return;
     }
-    CHECK(bake.lightmap->image_count == 0 && bake.stats.texels == 0, "%d images", (int)bake.lightmap->image_count);
+    CHECK(bake.lightmap->image_count == 0 && bake.stats.elements == 0, "%d images", (int)bake.lightmap->image_count);
     CHECK(lmb_lightmap_settings_default(bake.level.scene).texels_per_m > 0.0f, "no default");
     uint64_t bytes = 0;
     CHECK(lmb_lightmap_write(bake.lightmap, directory, NULL, &bytes, &error) == LMB_OK && bytes > 0, "%s",
@@ -209,7 +209,7 @@ static void threads_make_no_difference(void)
     static const char *const DIRECTORIES[] = {OUTPUT("lightmap_t1"), OUTPUT("lightmap_t2"), OUTPUT("lightmap_t7")};
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_threads.glb");
-    uint64_t pushed_out = 0;
+    uint64_t moved = 0;
     uint64_t rays = 0;
     for (size_t i = 0; i < 3; ++i) {
         mkdir(DIRECTORIES[i], 0777);
@@ -219,9 +219,9 @@ static void threads_make_no_difference(void)
         }
         uint64_t bytes = 0;
         CHECK(lmb_lightmap_write(bake.lightmap, DIRECTORIES[i], NULL, &bytes, &error) == LMB_OK, "%s", error.message);
-        CHECK(i == 0 || (bake.stats.rays == rays && bake.stats.pushed_out == pushed_out), "%d threads", THREADS[i]);
+        CHECK(i == 0 || (bake.stats.rays == rays && bake.stats.moved == moved), "%d threads", THREADS[i]);
         rays = bake.stats.rays;
-        pushed_out = bake.stats.pushed_out;
+        moved = bake.stats.moved;
         baked_close(&bake);
     }
     check_files_equal(OUTPUT("lightmap_t1/lightmap_0.exr"), OUTPUT("lightmap_t2/lightmap_0.exr"));

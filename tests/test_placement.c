@@ -39,7 +39,7 @@ static void probes_on_walls_see_the_room(void)
     lmb_placement_settings settings = lmb_placement_settings_default();
     settings.spacing = 1.0f;
     lmb_placement_stats stats;
-    lmb_grid_bake_stats baked;
+    lmb_gather_stats baked;
     lmb_grid *grid = place(&level, &settings, &stats);
     if (grid) {
         CHECK(grid->probe_count == 125 && stats.probes_valid == 125, "%d probes, %d valid", grid->probe_count,

@@ -9,6 +9,7 @@
 #include <lambent/grid_bake.h>
 #include <lambent/placement.h>
 
+#include "gather_fixture.h"
 #include "harness.h"
 #include "light/emitters_internal.h"
 #include "scenes/levels.h"
@@ -249,7 +250,7 @@ static void threads_do_not_matter(void)
         lmb_placement_settings settings = lmb_placement_settings_default();
         settings.spacing = 0.5f;
         lmb_placement_stats placement;
-        lmb_grid_bake_stats baked;
+        lmb_gather_stats baked;
         lmb_result result =
             lmb_placement_make(level.tracer, &settings, level.pool, NULL, &grids[i], &placement, &error);
         if (result == LMB_OK) {
@@ -416,23 +417,23 @@ static void cycles_probes(void)
 typedef struct group_result {
     double relative_error;
     uint32_t least, most; /* samples */
-    lmb_gather_element elements[LMB_GATHER_GROUP];
+    lmb_gather_point points[LMB_GATHER_GROUP];
+    lmb_gathered gathered[LMB_GATHER_GROUP];
 } group_result;
 
-static group_result group_gather(const lmb_transport *transport, const lmb_gather_effort *effort)
+static group_result group_gather(const level_fixture *level, const lmb_gather_effort *effort)
 {
     enum { COUNT = LMB_GATHER_GROUP };
-    static lmb_gather_point points[COUNT];
     group_result result = {.least = UINT32_MAX};
     for (int i = 0; i < COUNT; ++i) {
-        points[i] =
+        result.points[i] =
             (lmb_gather_point){.position = {0.05f * (float)(i % 8) - 0.2f, 1.0f, 0.05f * (float)(i / 8) - 0.2f}};
-        result.elements[i] = (lmb_gather_element){.points = &points[i], .point_count = 1};
     }
-    lmb_gather_sh3_group(transport, effort, result.elements, COUNT);
+    const lmb_gather_list list = gather_fixture_list(result.points, COUNT);
+    CHECK(gather_fixture_gather(&level->transport, effort, &list, level->pool, result.gathered) == LMB_OK, "memory");
     double squared_error = 0.0, squared_length = 0.0;
     for (int i = 0; i < COUNT; ++i) {
-        const lmb_gathered *gathered = &result.elements[i].gathered;
+        const lmb_gathered *gathered = &result.gathered[i];
         squared_error += gathered->squared_error;
         squared_length += gathered->squared_length;
         result.least = gathered->samples < result.least ? gathered->samples : result.least;
@@ -455,15 +456,15 @@ static void effort_follows_the_error(void)
     uint32_t before = 0;
     for (size_t i = 0; i < sizeof tolerances / sizeof tolerances[0]; ++i) {
         const lmb_gather_effort effort = {.samples = 64, .max_samples = 1 << 16, .tolerance = tolerances[i]};
-        const group_result found = group_gather(&level.transport, &effort);
+        const group_result found = group_gather(&level, &effort);
         /* A pilot cannot tell how fast the error will fall: twice the tolerance is the worst that it may end with. */
         CHECK(found.relative_error <= 2.0 * tolerances[i] && found.least >= before, "tolerance %g: %g by %u samples",
               tolerances[i], found.relative_error, found.least);
         before = found.least;
         /* The same samples at once: the same light. */
-        const lmb_gathered *gathered = &found.elements[3].gathered;
+        const lmb_gathered *gathered = &found.gathered[3];
         lmb_gathered fixed;
-        lmb_gather_sh3(&level.transport, found.elements[3].points, gathered->samples, &fixed);
+        lmb_gather_sh3(&level.transport, &found.points[3], gathered->samples, &fixed);
         CHECK(fixed.samples == gathered->samples && fixed.rays == gathered->rays, "%u samples", gathered->samples);
         CHECK_NEAR(fixed.moments.channel[0].c[0], gathered->moments.channel[0].c[0],
                    1e-5 * (double)fixed.moments.channel[0].c[0], "tolerance %g", tolerances[i]);
@@ -471,11 +472,11 @@ static void effort_follows_the_error(void)
     CHECK(before > 256, "%u samples at the last", before);
     const lmb_gather_effort bounded = {.samples = 8, .max_samples = 100, .tolerance = 1e-6};
     const uint32_t blocks = LMB_GATHER_REPLICATES * LMB_GATHER_BLOCK;
-    const group_result most = group_gather(&level.transport, &bounded);
+    const group_result most = group_gather(&level, &bounded);
     CHECK(most.least == (100 + blocks - 1) / blocks * blocks && most.most == most.least,
           "100 samples in whole blocks: %u to %u", most.least, most.most);
     const lmb_gather_effort dark = {.samples = 64, .max_samples = 1 << 16, .tolerance = 0.01, .floor = 1e6};
-    const group_result few = group_gather(&level.transport, &dark);
+    const group_result few = group_gather(&level, &dark);
     CHECK(few.most == 64, "far below the floor: %u", few.most);
     level_fixture_close(&level);
 }

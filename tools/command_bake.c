@@ -106,10 +106,10 @@ static void summary_print(const lmb_bake_record *record, const char *directory)
     printf("probes    %d at %g m, %.1f s\n", record->probes, (double)settings->spacing,
            record->seconds[LMB_PHASE_PROBES]);
     if (settings->lightmaps) {
-        printf("lightmap  %llu texels in %d images, %.1f s\n", (unsigned long long)record->lightmap.texels,
+        printf("lightmap  %llu texels in %d images, %.1f s\n", (unsigned long long)record->lightmap.elements,
                record->images, record->seconds[LMB_PHASE_LIGHTMAPS]);
     }
-    const double elements = (double)record->placement.probes_valid + (double)record->lightmap.texels;
+    const double elements = (double)record->placement.probes_valid + (double)record->lightmap.elements;
     printf("samples   %.0f for a probe or texel on average\n",
            (double)(record->gathered.samples + record->lightmap.samples) / (elements > 0.0 ? elements : 1.0));
     printf("rays      %.3g million, %.2f million a second\n", 1e-6 * (double)lmb_bake_record_rays(record),

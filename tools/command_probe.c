@@ -1,7 +1,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <lambent/probe.h>
+#include <lambent/gather_sh3.h>
 
 #include "command.h"
 #include "level_arguments.h"

@@ -18,7 +18,7 @@
 
 #include <lambent/lightmap.h>
 #include <lambent/placement.h>
-#include <lambent/probe.h>
+#include <lambent/gather_sh3.h>
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
 

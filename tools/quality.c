@@ -125,6 +125,31 @@ static void texels_keep(const lmb_bake *bake, elements *texels)
     texels->squared_length = bake->record.lightmap.squared_length;
 }
 
+/* Gathers at all texels and finishes them; keeps what was gathered. */
+static lmb_result texels_bake(lmb_bake *bake, const lmb_transport *transport, const lmb_gather_effort *effort,
+                              elements *texels)
+{
+    lmb_texel_list *list;
+    lmb_result result = lmb_texel_list_create(bake->lightmap, transport, effort, &list);
+    if (result != LMB_OK) {
+        return result;
+    }
+    const lmb_gather_list all = lmb_texel_list_elements(list);
+    const lmb_gather_job job = lmb_gather_job_all(transport, &all, effort);
+    lmb_gathered *gathered = malloc((all.count + 1) * sizeof *gathered);
+    result = gathered ? lmb_gather_elements(&job, bake->level->pool, NULL, gathered, &bake->record.lightmap)
+                      : LMB_ERROR_MEMORY;
+    if (result == LMB_OK) {
+        for (size_t i = 0; i < all.count; ++i) {
+            texels->moments[i] = gathered[i].moments;
+        }
+        result = lmb_texel_list_finish(list, gathered, bake->level->pool, bake->lightmap);
+    }
+    free(gathered);
+    lmb_texel_list_destroy(list);
+    return result;
+}
+
 /* One bake of probes and texels. */
 static lmb_result light_bake(lmb_bake *bake, const lmb_gather_effort *effort, uint64_t seed, baked_light *light)
 {
@@ -138,8 +163,7 @@ static lmb_result light_bake(lmb_bake *bake, const lmb_gather_effort *effort, ui
     const double start = seconds_used();
     lmb_result result = lmb_grid_bake(bake->grid, &transport, effort, bake->level->pool, NULL, &bake->record.gathered);
     if (result == LMB_OK) {
-        result = lmb_lightmap_bake_moments(bake->lightmap, &transport, effort, bake->level->pool, NULL,
-                                           light->kind[1].moments, &bake->record.lightmap);
+        result = texels_bake(bake, &transport, effort, &light->kind[1]);
     }
     if (result != LMB_OK) {
         return result;

@@ -43,6 +43,6 @@ int main(int count, char **values)
         return 1;
     }
     printf("%d probes and %llu texels in %s, noise of %.1f %%\n", record.probes,
-           (unsigned long long)record.lightmap.texels, values[2], 100.0 * lmb_bake_record_error(&record));
+           (unsigned long long)record.lightmap.elements, values[2], 100.0 * lmb_bake_record_error(&record));
     return 0;
 }

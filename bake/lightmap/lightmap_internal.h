@@ -29,11 +29,19 @@ typedef struct lmb_texel_source {
 void lmb_texels_cover(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid,
                       lmb_texel_source *source);
 
-/* Points that are spread evenly over what the source's triangle covers of the texel at (x, y), as barycentric weights
- * of the second and third corner. Returns how many it has written: `count`, or 0 where rounding leaves nothing covered.
- * The same `stream` gives the same points. `count` <= LMB_RAY_BATCH. */
-uint32_t lmb_texel_spread(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid, int32_t x,
-                          int32_t y, uint32_t triangle, uint64_t stream, uint32_t count, float (*weights)[2]);
+/* What a triangle covers of the texel at (x, y). */
+typedef struct lmb_texel_spread {
+    const lmb_mesh *mesh;
+    const lmb_vec2 *corner_uv; /* as above */
+    const lmb_texel_grid *grid;
+    int32_t x, y;
+    uint32_t triangle;
+} lmb_texel_spread;
+
+/* Points that are spread evenly over that, as barycentric weights of the second and third corner. Returns how many it
+ * has written: `count`, or 0 where rounding leaves nothing covered. The same `stream` gives the same points. `count` <=
+ * LMB_RAY_BATCH. */
+uint32_t lmb_texel_spread_points(const lmb_texel_spread *spread, uint64_t stream, uint32_t count, float (*weights)[2]);
 
 /* A point of a triangle in texels, with its barycentric weights. */
 typedef struct lmb_texel_vertex {
@@ -76,6 +84,9 @@ void lmb_lightmap_warn(const lmb_lightmap *lightmap, const lmb_layout_losses *lo
 
 /* Places every region that has a size into images, and makes those. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_pack(lmb_lightmap *lightmap);
+
+/* Texels of the largest region; at least 1. */
+size_t lmb_lightmap_largest_region(const lmb_lightmap *lightmap);
 
 /* The grid of an instance that has a region. */
 lmb_texel_grid lmb_lightmap_grid(const lmb_lightmap *lightmap, uint32_t instance);

@@ -505,3 +505,13 @@ void lmb_lightmap_destroy(lmb_lightmap *lightmap)
     free(lightmap->fault);
     free(lightmap);
 }
+
+size_t lmb_lightmap_largest_region(const lmb_lightmap *lightmap)
+{
+    size_t largest = 1;
+    for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
+        const size_t texels = (size_t)lightmap->region[i].width * (size_t)lightmap->region[i].height;
+        largest = texels > largest ? texels : largest;
+    }
+    return largest;
+}

@@ -300,12 +300,12 @@ static texel_vertex polygon_point(const texel_polygon *polygon, const double fan
     return vertex_lerp(polygon->vertex[0], far_side, root);
 }
 
-uint32_t lmb_texel_spread(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, const lmb_texel_grid *grid, int32_t x,
-                          int32_t y, uint32_t triangle, uint64_t stream, uint32_t count, float (*weights)[2])
+uint32_t lmb_texel_spread_points(const lmb_texel_spread *spread, uint64_t stream, uint32_t count, float (*weights)[2])
 {
     assert(count <= LMB_RAY_BATCH);
+    const int32_t x = spread->x, y = spread->y;
     texel_vertex corner[3];
-    triangle_in_texels(mesh, corner_uv, grid, triangle, corner);
+    triangle_in_texels(spread->mesh, spread->corner_uv, spread->grid, spread->triangle, corner);
     texel_polygon covered = {{corner[0], corner[1], corner[2]}, 3};
     covered = polygon_clip(&covered, true, y, 1.0);
     covered = polygon_clip(&covered, true, y + 1, -1.0);

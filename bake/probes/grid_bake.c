@@ -1,94 +1,76 @@
 #include <lambent/grid_bake.h>
 
-#include <lambent/placement.h>
-
 #include <stdlib.h>
+
+#include <lambent/placement.h>
 
 /* A probe speaks for the space within half a spacing of it. */
 #define LIGHT_DISTANCE_SPACINGS 0.5f
 
-typedef struct lmb_grid_work {
-    lmb_grid *grid;
-    const lmb_transport *transport;
-    const lmb_gather_effort *effort;
-    size_t count;               /* of probes that are gathered at */
-    int32_t *probes;            /* these */
-    lmb_grid_bake_stats *stats; /* [group] */
-} lmb_grid_work;
-
-static lmb_gather_point probe_point(const lmb_grid_work *work, int32_t probe, uint64_t *rays)
+lmb_result lmb_probe_list_create(const lmb_grid *grid, const lmb_tracer *tracer, lmb_probe_list *list)
 {
-    const lmb_grid *grid = work->grid;
-    return (lmb_gather_point){.position = lmb_placement_relocate(work->transport->tracer,
-                                                                 lmb_grid_position(grid, probe), grid->spacing, rays),
-                              .min_light_distance = LIGHT_DISTANCE_SPACINGS * grid->spacing};
-}
-
-static void group_task(void *context, size_t group, int worker)
-{
-    (void)worker;
-    const lmb_grid_work *work = context;
-    const size_t first = lmb_gather_group_first(work->count, group);
-    const uint32_t count = (uint32_t)(lmb_gather_group_first(work->count, group + 1) - first);
-    lmb_grid_bake_stats *stats = &work->stats[group];
-    lmb_gather_point points[LMB_GATHER_GROUP_MOST];
-    lmb_gather_element elements[LMB_GATHER_GROUP_MOST];
-    for (uint32_t i = 0; i < count; ++i) {
-        points[i] = probe_point(work, work->probes[first + i], &stats->rays);
-        elements[i] = (lmb_gather_element){.points = &points[i], .point_count = 1};
+    *list = (lmb_probe_list){grid, tracer, 0, malloc(((size_t)grid->probe_count + 1) * sizeof *list->probe)};
+    if (!list->probe) {
+        return LMB_ERROR_MEMORY;
     }
-    lmb_gather_sh3_group(work->transport, work->effort, elements, count);
-    for (uint32_t i = 0; i < count; ++i) {
-        const lmb_gathered *gathered = &elements[i].gathered;
-        work->grid->radiance[work->probes[first + i]] = gathered->moments;
-        stats->samples += gathered->samples;
-        stats->rays += gathered->rays;
-        stats->squared_error += gathered->squared_error;
-        stats->squared_length += gathered->squared_length;
-    }
-}
-
-/* In the grid's order, in which neighbours follow each other. */
-static void probes_list(lmb_grid_work *work)
-{
-    for (int32_t i = 0; i < work->grid->probe_count; ++i) {
-        if (work->grid->validity[i] >= LMB_GRID_MIN_VALIDITY) {
-            work->probes[work->count++] = i;
+    for (int32_t i = 0; i < grid->probe_count; ++i) {
+        if (grid->validity[i] >= LMB_GRID_MIN_VALIDITY) {
+            list->probe[list->count++] = i;
         }
     }
+    return LMB_OK;
 }
 
-static lmb_grid_bake_stats stats_sum(const lmb_grid_work *work)
+void lmb_probe_list_free(lmb_probe_list *list)
 {
-    lmb_grid_bake_stats sum = {0};
-    for (size_t i = 0; i < lmb_gather_group_count(work->count); ++i) {
-        sum.samples += work->stats[i].samples;
-        sum.rays += work->stats[i].rays;
-        sum.squared_error += work->stats[i].squared_error;
-        sum.squared_length += work->stats[i].squared_length;
+    free(list->probe);
+    list->probe = NULL;
+}
+
+static void probe_site(const void *context, size_t element, lmb_gather_site *site)
+{
+    const lmb_probe_list *list = context;
+    const lmb_grid *grid = list->grid;
+    const lmb_vec3 position = lmb_grid_position(grid, list->probe[element]);
+    site->point[0] =
+        (lmb_gather_point){.position = lmb_placement_relocate(list->tracer, position, grid->spacing, &site->rays),
+                           .min_light_distance = LIGHT_DISTANCE_SPACINGS * grid->spacing};
+    site->count = 1;
+}
+
+lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list)
+{
+    return (lmb_gather_list){
+        .name = "probes", .count = list->count, .most_points = 1, .find_site = probe_site, .context = list};
+}
+
+lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_grid *grid)
+{
+    for (size_t i = 0; i < list->count; ++i) {
+        grid->radiance[list->probe[i]] = gathered[i].moments;
     }
-    return sum;
+    return lmb_grid_dilate(grid);
 }
 
 lmb_result lmb_grid_bake(lmb_grid *grid, const lmb_transport *transport, const lmb_gather_effort *effort,
-                         lmb_pool *pool, const lmb_progress *progress, lmb_grid_bake_stats *stats)
+                         lmb_pool *pool, const lmb_progress *progress, lmb_gather_stats *stats)
 {
-    const size_t most = (size_t)grid->probe_count + 1;
-    lmb_grid_work work = {.grid = grid,
-                          .transport = transport,
-                          .effort = effort,
-                          .probes = malloc(most * sizeof *work.probes),
-                          .stats = calloc(most / LMB_GATHER_GROUP + 1, sizeof *work.stats)};
-    lmb_result result = work.probes && work.stats ? LMB_OK : LMB_ERROR_MEMORY;
-    if (result == LMB_OK) {
-        probes_list(&work);
-        result = lmb_pool_run(pool, lmb_gather_group_count(work.count), group_task, &work, "probes", progress);
+    lmb_probe_list list;
+    lmb_result result = lmb_probe_list_create(grid, transport->tracer, &list);
+    if (result != LMB_OK) {
+        return result;
+    }
+    lmb_gathered *gathered = malloc((list.count + 1) * sizeof *gathered);
+    result = LMB_ERROR_MEMORY;
+    if (gathered) {
+        const lmb_gather_list elements = lmb_probe_list_elements(&list);
+        const lmb_gather_job job = lmb_gather_job_all(transport, &elements, effort);
+        result = lmb_gather_elements(&job, pool, progress, gathered, stats);
     }
     if (result == LMB_OK) {
-        *stats = stats_sum(&work);
-        result = lmb_grid_dilate(grid);
+        result = lmb_probe_list_finish(&list, gathered, grid);
     }
-    free(work.probes);
-    free(work.stats);
+    free(gathered);
+    lmb_probe_list_free(&list);
     return result;
 }

@@ -64,8 +64,8 @@ static void json_add_elements(cJSON *json, const lmb_bake_record *record)
     cJSON_AddNumberToObject(json, "probes_valid", record->placement.probes_valid);
     cJSON_AddNumberToObject(json, "cells", (double)record->placement.cells);
     cJSON_AddNumberToObject(json, "cells_crossed", (double)record->placement.cells_crossed);
-    cJSON_AddNumberToObject(json, "texels", (double)record->lightmap.texels);
-    cJSON_AddNumberToObject(json, "texels_pushed_out", (double)record->lightmap.pushed_out);
+    cJSON_AddNumberToObject(json, "texels", (double)record->lightmap.elements);
+    cJSON_AddNumberToObject(json, "texels_pushed_out", (double)record->lightmap.moved);
     cJSON_AddNumberToObject(json, "triangles_dropped", record->triangles_dropped);
     cJSON_AddNumberToObject(json, "samples", (double)(record->gathered.samples + record->lightmap.samples));
 }

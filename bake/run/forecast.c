@@ -1,8 +1,6 @@
 #include "run/forecast.h"
 
-#include <lambent/opaque_surface.h>
-#include <lambent/placement.h>
-#include <lambent/surface.h>
+#include <lambent/grid_bake.h>
 
 #include "base/clock.h"
 
@@ -25,70 +23,54 @@ enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1024 };
 #define WRITE_SECONDS_PER_TEXEL 1e-6
 #define WRITE_SECONDS_PER_CHARTED_TRIANGLE 3e-6
 
-typedef struct trial_work {
-    const lmb_bake *bake;
-    lmb_transport transport;
-    lmb_opaque_surface surface;
-    lmb_gather_effort effort;
-    uint32_t count;
-    uint32_t wanted[TRIAL_MOST]; /* samples that each element would take */
-} trial_work;
+/* What a trial says of all elements. */
+typedef struct trial_result {
+    double seconds;
+    double seconds_per_sample;
+} trial_result;
 
-static uint32_t trial_samples(const trial_work *work)
+/* Some of a list's elements, spread over it. */
+typedef struct trial_list {
+    const lmb_gather_list *all;
+    size_t count;
+} trial_list;
+
+static void trial_site(const void *context, size_t element, lmb_gather_site *site)
 {
-    return work->effort.samples < TRIAL_SAMPLES ? work->effort.samples : TRIAL_SAMPLES;
+    const trial_list *list = context;
+    list->all->find_site(list->all->context, list->all->count * element / list->count, site);
 }
 
-static void element_try(trial_work *work, const lmb_gather_point *point, size_t element)
+/* Seconds for all of a list's elements, from some of them, and for one sample. */
+static lmb_result trial_run(const lmb_bake *bake, const lmb_transport *transport, const lmb_gather_list *all,
+                            trial_result *trial)
 {
-    lmb_gathered gathered;
-    lmb_gather_sh3_area(&work->transport, point, 1, trial_samples(work), &gathered);
-    work->wanted[element] = lmb_gather_effort_samples(&work->effort, &gathered);
-}
-
-static void probe_task(void *context, size_t task, int worker)
-{
-    (void)worker;
-    trial_work *work = context;
-    const lmb_grid *grid = work->bake->grid;
-    int32_t probe = (int32_t)((int64_t)grid->probe_count * (int64_t)task / work->count);
-    while (probe + 1 < grid->probe_count && grid->validity[probe] < LMB_GRID_MIN_VALIDITY) {
-        ++probe;
-    }
-    uint64_t rays = 0;
-    const lmb_gather_point point = {.position = lmb_placement_relocate(
-                                        work->transport.tracer, lmb_grid_position(grid, probe), grid->spacing, &rays)};
-    element_try(work, &point, task);
-}
-
-static void texel_task(void *context, size_t task, int worker)
-{
-    (void)worker;
-    trial_work *work = context;
-    const lmb_tracer *tracer = work->transport.tracer;
-    const lmb_hit at = lmb_opaque_surface_point(&work->surface, 0, (uint32_t)task, work->count);
-    const lmb_place place = lmb_trace_place(tracer, &at);
-    bool pushed_out;
-    const lmb_gather_point point =
-        lmb_surface_gather_point(tracer, &place, 1.0f / work->bake->lightmap->settings.texels_per_m, &pushed_out);
-    element_try(work, &point, task);
-}
-
-/* Seconds for all of `total` elements, from some of them, and for one sample. */
-static double trial_run(trial_work *work, lmb_task_function task, double total, double *seconds_per_sample)
-{
-    double count = total / TRIAL_ONE_OF;
-    count = count < TRIAL_MOST ? count : TRIAL_MOST;
-    work->count = count > 1.0 ? (uint32_t)count : 1;
+    const lmb_gather_effort wanted = lmb_bake_effort(&bake->record.settings, bake->level);
+    const lmb_gather_effort tried = {.samples = wanted.samples < TRIAL_SAMPLES ? wanted.samples : TRIAL_SAMPLES};
+    const size_t share = all->count / TRIAL_ONE_OF, most = share < TRIAL_MOST ? share : TRIAL_MOST;
+    const trial_list some = {all, most > 0 ? most : 1};
+    const lmb_gather_list list = {.name = "trial",
+                                  .count = some.count,
+                                  .most_points = all->most_points,
+                                  .find_site = trial_site,
+                                  .context = &some};
+    const lmb_gather_job job = lmb_gather_job_all(transport, &list, &tried);
+    lmb_gathered gathered[TRIAL_MOST];
+    lmb_gather_stats stats;
     const double start = lmb_clock_seconds();
-    lmb_pool_run(work->bake->level->pool, work->count, task, work, "trial", NULL);
-    const double seconds = lmb_clock_seconds() - start;
-    double wanted = 0.0;
-    for (uint32_t i = 0; i < work->count; ++i) {
-        wanted += work->wanted[i];
+    const lmb_result result = lmb_gather_elements(&job, bake->level->pool, NULL, gathered, &stats);
+    const double threads = lmb_pool_threads(bake->level->pool), groups = (double)job.group_count;
+    const double seconds = (lmb_clock_seconds() - start) * (groups < threads ? groups / threads : 1.0);
+    if (result != LMB_OK) {
+        return result;
     }
-    *seconds_per_sample = seconds / ((double)work->count * trial_samples(work));
-    return *seconds_per_sample * wanted / work->count * total;
+    double samples = 0.0;
+    for (size_t i = 0; i < some.count; ++i) {
+        samples += lmb_gather_effort_samples(&wanted, &gathered[i]);
+    }
+    trial->seconds_per_sample = seconds / (double)stats.samples;
+    trial->seconds = trial->seconds_per_sample * samples / (double)some.count * (double)all->count;
+    return LMB_OK;
 }
 
 /* Rough seconds of solving the surface light, by what a sample of a probe costs. */
@@ -127,37 +109,54 @@ static double write_guess(const lmb_bake *bake)
     return seconds;
 }
 
+static lmb_result probes_try(const lmb_bake *bake, const lmb_transport *transport, trial_result *trial)
+{
+    lmb_probe_list list;
+    lmb_result result = lmb_probe_list_create(bake->grid, transport->tracer, &list);
+    if (result == LMB_OK && list.count > 0) {
+        const lmb_gather_list elements = lmb_probe_list_elements(&list);
+        result = trial_run(bake, transport, &elements, trial);
+    }
+    lmb_probe_list_free(&list);
+    return result;
+}
+
+static lmb_result texels_try(const lmb_bake *bake, const lmb_transport *transport, trial_result *trial)
+{
+    lmb_texel_list *list;
+    const lmb_gather_effort effort = lmb_bake_effort(&bake->record.settings, bake->level);
+    lmb_result result = lmb_texel_list_create(bake->lightmap, transport, &effort, &list);
+    if (result != LMB_OK) {
+        return result;
+    }
+    const lmb_gather_list elements = lmb_texel_list_elements(list);
+    if (elements.count > 0) {
+        result = trial_run(bake, transport, &elements, trial);
+    }
+    lmb_texel_list_destroy(list);
+    return result;
+}
+
 lmb_result lmb_forecast_make(const lmb_bake *bake, lmb_forecast *forecast)
 {
-    trial_work work = {.bake = bake,
-                       .transport = bake->level->transport,
-                       .effort = lmb_bake_effort(&bake->record.settings, bake->level)};
-    double seconds_per_sample = 0.0;
+    lmb_transport transport = bake->level->transport;
     const bool unsolved = bake->record.settings.estimator == LMB_ESTIMATOR_CACHED && !bake->level->surface;
     if (unsolved) {
-        work.transport.bounces = 0; /* as many rays as when bounces are looked up */
+        transport.bounces = 0; /* as many rays as when bounces are looked up */
     }
-    const double probes = bake->record.placement.probes_valid;
-    const double texels = bake->lightmap ? (double)bake->lightmap->covered_texel_count : 0.0;
+    trial_result probes = {0.0, 0.0}, texels = {0.0, 0.0};
     *forecast = (lmb_forecast){.known = true};
-    if (probes > 0.0) {
-        forecast->seconds[LMB_PHASE_PROBES] = trial_run(&work, probe_task, probes, &seconds_per_sample);
+    lmb_result result = probes_try(bake, &transport, &probes);
+    if (result == LMB_OK && bake->lightmap) {
+        result = texels_try(bake, &transport, &texels);
     }
-    if (texels > 0.0) {
-        const lmb_result result = lmb_opaque_surface_create(work.transport.tracer, &work.surface);
-        if (result != LMB_OK) {
-            return result;
-        }
-        if (lmb_opaque_surface_area(&work.surface) > 0.0) {
-            forecast->seconds[LMB_PHASE_LIGHTMAPS] = trial_run(&work, texel_task, texels, &(double){0.0});
-        }
-        lmb_opaque_surface_free(&work.surface);
-    }
-    if (unsolved && probes > 0.0) {
-        surface_guess(bake, seconds_per_sample, forecast);
+    forecast->seconds[LMB_PHASE_PROBES] = probes.seconds;
+    forecast->seconds[LMB_PHASE_LIGHTMAPS] = texels.seconds;
+    if (unsolved) {
+        surface_guess(bake, probes.seconds_per_sample, forecast);
     }
     forecast->seconds[LMB_PHASE_WRITE] = write_guess(bake);
-    return LMB_OK;
+    return result;
 }
 
 double lmb_forecast_left(const lmb_forecast *forecast, lmb_bake_phase phase, double done, double elapsed)

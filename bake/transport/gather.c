@@ -1,7 +1,7 @@
 /* Gathering in batches: the same steps for many samples at once, so that each step's loop stays short and its data
  * near.
  */
-#include <lambent/transport.h>
+#include <lambent/gather.h>
 
 #include <float.h>
 #include <string.h>

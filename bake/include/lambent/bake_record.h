@@ -41,8 +41,8 @@ typedef struct lmb_bake_record {
     uint32_t triangles_dropped;
     int32_t probes; /* with those that are dilated */
     lmb_placement_stats placement;
-    lmb_grid_bake_stats gathered; /* of probes */
-    lmb_lightmap_stats lightmap;  /* of texels */
+    lmb_gather_stats gathered; /* of probes */
+    lmb_gather_stats lightmap; /* of texels */
     int32_t images;
     uint64_t texels_covered;
     bool surface_solved;             /* false: the estimator was the reference, and what follows is 0 */

@@ -1,25 +1,37 @@
-/* Filling a placed grid with light. */
+/* Baking the probes of a grid. */
 #ifndef LAMBENT_GRID_BAKE_H
 #define LAMBENT_GRID_BAKE_H
 
+#include <lambent/gather_elements.h>
 #include <lambent/grid.h>
-#include <lambent/probe.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-typedef struct lmb_grid_bake_stats {
-    uint64_t samples;
-    uint64_t rays;
-    double squared_error; /* summed over the baked probes, as lmb_gathered has them */
-    double squared_length;
-} lmb_grid_bake_stats;
+/* The probes of a grid that light is gathered at: those of which `validity` says that they are worth it, relocated out
+ * of geometry nearby. Grid and tracer must outlive them. */
+typedef struct lmb_probe_list {
+    const lmb_grid *grid;
+    const lmb_tracer *tracer;
+    size_t count;
+    int32_t *probe; /* these, in the grid's order, in which neighbours follow each other */
+} lmb_probe_list;
 
-/* Gathers with that effort at every valid probe, then dilates into the others. @return LMB_ERROR_MEMORY,
- * _INTERRUPTED */
+/* @return LMB_ERROR_MEMORY */
+lmb_result lmb_probe_list_create(const lmb_grid *grid, const lmb_tracer *tracer, lmb_probe_list *list);
+void lmb_probe_list_free(lmb_probe_list *list);
+
+/* To be gathered at. */
+lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list);
+
+/* Puts into the list's grid what was gathered, [count], and dilates the rest. @return LMB_ERROR_MEMORY */
+lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_grid *grid);
+
+/* All of that: gathers at the grid's probes with that effort, and finishes.
+ * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_grid_bake(lmb_grid *grid, const lmb_transport *transport, const lmb_gather_effort *effort,
-                         lmb_pool *pool, const lmb_progress *progress, lmb_grid_bake_stats *stats);
+                         lmb_pool *pool, const lmb_progress *progress, lmb_gather_stats *stats);
 
 #ifdef __cplusplus
 }

@@ -7,8 +7,8 @@
 #define LAMBENT_LIGHTMAP_H
 
 #include <lambent/chart.h>
+#include <lambent/gather_elements.h>
 #include <lambent/hhd.h>
-#include <lambent/probe.h>
 #include <lambent/surface.h>
 #include <lambent/uv_check.h>
 #include <lambent/warning.h>
@@ -68,26 +68,25 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
                                lmb_error *error);
 void lmb_lightmap_destroy(lmb_lightmap *lightmap);
 
-typedef struct lmb_lightmap_stats {
-    uint64_t texels;     /* gathered */
-    uint64_t pushed_out; /* texels whose point started inside geometry and was moved */
-    uint64_t samples;
-    uint64_t rays;
-    double squared_error; /* summed over the gathered texels, as lmb_gathered has them */
-    double squared_length;
-} lmb_lightmap_stats;
+/* The texels that a triangle touches, to be gathered at over their hemispheres: each over its area, or, where a
+ * triangle covers part of it, over that. Lightmap and tracer must outlive the list. @return LMB_ERROR_MEMORY */
+typedef struct lmb_texel_list lmb_texel_list;
+lmb_result lmb_texel_list_create(const lmb_lightmap *lightmap, const lmb_transport *transport,
+                                 const lmb_gather_effort *effort, lmb_texel_list **list);
+void lmb_texel_list_destroy(lmb_texel_list *list);
 
-/* Gathers with that effort at every covered texel over its hemisphere, fits SH3, encodes, and dilates into the
- * padding. Texels of triangles that are partly covered are sampled at the covered point nearest their centre.
+/* To be gathered at. */
+lmb_gather_list lmb_texel_list_elements(const lmb_texel_list *list);
+
+/* Fits SH3 to what was gathered, [covered_texel_count] in the list's order, encodes it into the list's lightmap, and
+ * dilates into the padding. @return LMB_ERROR_MEMORY */
+lmb_result lmb_texel_list_finish(const lmb_texel_list *list, const lmb_gathered *gathered, lmb_pool *pool,
+                                 lmb_lightmap *lightmap);
+
+/* All of that: gathers with that effort at every covered texel, and finishes.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, const lmb_gather_effort *effort,
-                             lmb_pool *pool, const lmb_progress *progress, lmb_lightmap_stats *stats);
-
-/* The same, and keeps what each texel has gathered, before it is encoded: moments[covered_texel_count], in an order of
- * their own, which does not change. For measurements: it takes much memory. */
-lmb_result lmb_lightmap_bake_moments(lmb_lightmap *lightmap, const lmb_transport *transport,
-                                     const lmb_gather_effort *effort, lmb_pool *pool, const lmb_progress *progress,
-                                     lmb_sh3_rgb *moments, lmb_lightmap_stats *stats);
+                             lmb_pool *pool, const lmb_progress *progress, lmb_gather_stats *stats);
 
 /* The surface point whose light stands for a point of a triangle, pushed out of geometry that it starts inside of: the
  * gather point of texels, and of checks against them. `radius` is the texel's size in metres. */

@@ -1,10 +1,10 @@
 /* Gathering SH3 radiance: at a probe over the sphere, at a surface point over its hemisphere. */
-#ifndef LAMBENT_PROBE_H
-#define LAMBENT_PROBE_H
+#ifndef LAMBENT_GATHER_SH3_H
+#define LAMBENT_GATHER_SH3_H
 
+#include <lambent/gather.h>
 #include <lambent/pool.h>
 #include <lambent/sh.h>
-#include <lambent/transport.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -32,39 +32,6 @@ void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *poin
  * are blocks of samples spread them best. */
 void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
                          uint32_t samples, lmb_gathered *gathered);
-
-/* How many samples elements get: `samples`, the pilot, and then up to `max_samples` as the standard error of the pilot
- * wants them for the tolerance: relative to the length of the moments, or to `floor` where they are shorter. */
-typedef struct lmb_gather_effort {
-    uint32_t samples;     /* > 0; rounded up: to a multiple of LMB_GATHER_REPLICATES, or of blocks of them where there
-                             may be more */
-    uint32_t max_samples; /* not above `samples`: just those */
-    double tolerance;
-    double floor; /* as lmb_gathered.squared_length, not squared */
-} lmb_gather_effort;
-
-/* One of a group of neighbours. */
-typedef struct lmb_gather_element {
-    const lmb_gather_point *points;
-    uint32_t point_count;
-    lmb_gathered gathered; /* set */
-} lmb_gather_element;
-
-/* Gathers at elements that lie together. What each takes after its pilot is decided by the pilots of the *others*: an
- * element that went on for as long as its own samples looked too few would end, for good, where these found no light,
- * and so be too dark on average, without its error estimate knowing. By the others' it depends on nothing that it found
- * itself: light that one of sixty pilots finds is looked for by all, and mean and error estimate stay unbiased. An
- * element alone takes `max_samples`. */
-enum { LMB_GATHER_GROUP = 64, LMB_GATHER_GROUP_MOST = 2 * LMB_GATHER_GROUP - 1 };
-void lmb_gather_sh3_group(const lmb_transport *transport, const lmb_gather_effort *effort, lmb_gather_element *elements,
-                          uint32_t count);
-
-/* Groups that `total` elements in a row are gathered in, and the first of group `group`; the last takes the rest. */
-size_t lmb_gather_group_count(size_t total);
-size_t lmb_gather_group_first(size_t total, size_t group);
-
-/* Samples for an element of such a pilot, were it alone to decide: for forecasts. */
-uint32_t lmb_gather_effort_samples(const lmb_gather_effort *effort, const lmb_gathered *pilot);
 
 /* The same as lmb_gather_sh3, but for rounding, by the pool's threads; the same for any number of them.
  * @return LMB_ERROR_INTERRUPTED, _MEMORY */

@@ -1,4 +1,4 @@
-#include <lambent/probe.h>
+#include "transport/gather_sh3_internal.h"
 
 #include <assert.h>
 #include <math.h>
@@ -96,23 +96,13 @@ typedef struct gather_work {
     uint64_t punctual_rays;
 } gather_work;
 
-/* What an element's samples have found. */
-typedef struct element_sums {
-    double replicate[LMB_GATHER_REPLICATES][3][LMB_SH3_COUNT]; /* of polynomials, summed over samples */
-    double contrast[LMB_GATHER_REPLICATES][3][LMB_SH3_COUNT];  /* the first half of the points less the second */
-    uint32_t points;
-    double punctual[3][LMB_SH3_COUNT];
-    uint32_t taken; /* by each replicate */
-    uint64_t rays;
-} element_sums;
-
 static double lanes_sum(const double lane[LANES])
 {
     return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
 }
 
 /* Adds what work has found since it began. */
-static void sums_add(element_sums *sums, const gather_work *work)
+static void sums_add(lmb_sh3_sums *sums, const gather_work *work)
 {
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
@@ -120,7 +110,7 @@ static void sums_add(element_sums *sums, const gather_work *work)
                 const double first = lanes_sum(work->sum[r].half[0].c[c][i]);
                 const double second = lanes_sum(work->sum[r].half[1].c[c][i]);
                 sums->replicate[r][c][i] += first + second;
-                sums->contrast[r][c][i] += first - second;
+                sums->first_half[r][c][i] += first;
             }
             sums->punctual[c][i] += lanes_sum(work->punctual.half[0].c[c][i]);
         }
@@ -133,29 +123,49 @@ static void sums_add(element_sums *sums, const gather_work *work)
     }
 }
 
-/* The squared error that all replicates have in common, because they start at the same points, in the squared contrast
- * between two halves of the points: 1/2 for independent points, which those of a texel are all but. */
+/* Of a replicate's samples, those that start at the first half of the points. They go round the points, the second
+ * replicate from the second half on. */
+static uint32_t first_half_samples(const lmb_sh3_sums *sums, int replicate)
+{
+    const uint32_t round = LMB_GATHER_BLOCK * sums->points, first = LMB_GATHER_BLOCK * (sums->points / 2);
+    const uint32_t rest = sums->taken % round, before = replicate == 0 ? 0 : round - first;
+    const uint32_t beyond = rest > before ? rest - before : 0;
+    return sums->taken / round * first + (beyond < first ? beyond : first);
+}
+
+/* The squared error of the mean over all points in the squared contrast between the means over two halves of them,
+ * where the points are random: half n1 of n and n2 of n differ by 1 / n1 + 1 / n2 of a point's variance. Those of a
+ * texel are spread over it, and err less: by COMMON_SHARE of that (lambent_quality, texels of the demo level). */
 #define COMMON_SHARE 0.5
 
-/* That error, once every replicate has started at every point. The product of two replicates' contrasts has the mean of
- * the squared contrast of the points alone, whatever each one's own noise. */
-static double common_error(const element_sums *sums, const lmb_sh3 *factors)
+/* The squared error that all replicates have in common, because they start at the same points; once each has started
+ * at all of them. The product of two replicates' contrasts has the mean of the squared contrast of the points alone,
+ * whatever each one's own noise. */
+static double common_error(const lmb_sh3_sums *sums, const lmb_sh3 *factors)
 {
     if (sums->points < 2 || sums->taken < LMB_GATHER_BLOCK * sums->points) {
         return 0.0;
     }
-    double sum = 0.0;
+    double count[LMB_GATHER_REPLICATES][2], sum = 0.0;
+    for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+        count[r][0] = first_half_samples(sums, r);
+        count[r][1] = sums->taken - count[r][0];
+    }
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-            const double scale = (double)factors->c[i] / (double)sums->taken;
-            sum += scale * scale * sums->contrast[0][c][i] * sums->contrast[1][c][i];
+            double product = (double)factors->c[i] * (double)factors->c[i];
+            for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
+                const double first = sums->first_half[r][c][i];
+                product *= first / count[r][0] - (sums->replicate[r][c][i] - first) / count[r][1];
+            }
+            sum += product;
         }
     }
-    return COMMON_SHARE * sum;
+    const double half = sums->points / 2, others = sums->points - half;
+    return COMMON_SHARE * half * others / (sums->points * (double)sums->points) * sum;
 }
 
-/* Mean of the replicates, and the standard error of that mean from their spread. */
-static void replicates_combine(const element_sums *sums, lmb_gathered *gathered)
+void lmb_sh3_sums_combine(const lmb_sh3_sums *sums, lmb_gathered *gathered)
 {
     const double count = LMB_GATHER_REPLICATES;
     const lmb_sh3 factors = basis_factors();
@@ -187,7 +197,7 @@ double lmb_relative_error(double squared_error, double squared_length)
     return squared_length > 0.0 ? sqrt(squared_error / squared_length) : 0.0;
 }
 
-static uint32_t replicate_share(uint32_t samples, uint32_t multiple)
+uint32_t lmb_replicate_share(uint32_t samples, uint32_t multiple)
 {
     const uint32_t step = LMB_GATHER_REPLICATES * multiple;
     const uint32_t shares = samples / step + (samples % step > 0);
@@ -215,30 +225,28 @@ static void work_gather(gather_work *work)
     }
 }
 
-/* The first samples, `count` of each replicate. Returns whether they leave out punctual lights, which are known. */
-static bool element_begin(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
-                          uint32_t count, element_sums *sums)
+void lmb_sh3_sums_begin(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
+                        uint32_t count, lmb_sh3_sums *sums)
 {
     gather_work work; /* large: begun where it is */
     work_begin(&work, transport, points, point_count, count);
     work_gather(&work);
     memset(sums, 0, sizeof *sums);
+    sums->without_punctual = work.samples.without_punctual;
     sums_add(sums, &work);
-    return work.samples.without_punctual;
 }
 
-/* The samples after those, up to `count` of each replicate. */
-static void element_continue(const lmb_transport *transport, const lmb_gather_element *element, bool without_punctual,
-                             uint32_t count, element_sums *sums)
+void lmb_sh3_sums_continue(const lmb_transport *transport, const lmb_gather_point *points, uint32_t count,
+                           lmb_sh3_sums *sums)
 {
     gather_work work;
     memset(&work, 0, sizeof work);
     work.transport = transport;
-    work.samples = (lmb_gather_samples){.points = element->points,
-                                        .point_count = element->point_count,
+    work.samples = (lmb_gather_samples){.points = points,
+                                        .point_count = sums->points,
                                         .first = sums->taken,
                                         .count = count - sums->taken,
-                                        .without_punctual = without_punctual};
+                                        .without_punctual = sums->without_punctual};
     work_gather(&work);
     sums_add(sums, &work);
 }
@@ -246,111 +254,9 @@ static void element_continue(const lmb_transport *transport, const lmb_gather_el
 void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
                          uint32_t samples, lmb_gathered *gathered)
 {
-    element_sums sums;
-    element_begin(transport, points, point_count, replicate_share(samples, 1), &sums);
-    replicates_combine(&sums, gathered);
-}
-
-static bool effort_adapts(const lmb_gather_effort *effort)
-{
-    return effort->max_samples > effort->samples;
-}
-
-static uint32_t effort_pilot(const lmb_gather_effort *effort)
-{
-    return replicate_share(effort->samples, effort_adapts(effort) ? LMB_GATHER_BLOCK : 1);
-}
-
-/* Samples of each replicate for a pilot's squared error relative to the light: it falls with the 4/3rd power of their
- * number, as measured over the levels of docs/testing.md; the nearest power of two. */
-static uint32_t effort_share(const lmb_gather_effort *effort, double squared_error)
-{
-    const uint32_t pilot = effort_pilot(effort);
-    const uint32_t most = replicate_share(effort->max_samples, LMB_GATHER_BLOCK);
-    const double wanted = squared_error / (effort->tolerance * effort->tolerance);
-    double times = 1.0;
-    while (4.0 * times * times * times * times < wanted * wanted * wanted && times * pilot < most) {
-        times *= 2.0;
-    }
-    return times * pilot < most ? (uint32_t)times * pilot : most > pilot ? most : pilot;
-}
-
-static double squared_light(const lmb_gather_effort *effort, const lmb_gathered *gathered)
-{
-    return fmax(gathered->squared_length, effort->floor * effort->floor);
-}
-
-static double error_share(double squared_error, double squared_light)
-{
-    return squared_light > 0.0 ? squared_error / squared_light : 0.0;
-}
-
-uint32_t lmb_gather_effort_samples(const lmb_gather_effort *effort, const lmb_gathered *pilot)
-{
-    const uint32_t share = effort_adapts(effort)
-                               ? effort_share(effort, error_share(pilot->squared_error, squared_light(effort, pilot)))
-                               : effort_pilot(effort);
-    return LMB_GATHER_REPLICATES * share;
-}
-
-/* Of a group's pilots. */
-typedef struct pilot_sums {
-    double error, light; /* squared */
-    double share;        /* of error in light, summed over elements */
-} pilot_sums;
-
-static void pilot_sums_add(pilot_sums *sums, const lmb_gather_effort *effort, const lmb_gathered *pilot, double sign)
-{
-    const double light = squared_light(effort, pilot);
-    sums->error += sign * pilot->squared_error;
-    sums->light += sign * light;
-    sums->share += sign * error_share(pilot->squared_error, light);
-}
-
-/* Samples of each replicate of an element, by the others' pilots: the light that few of them have found makes their
- * whole error, and dark ones among bright ones have theirs. */
-static uint32_t share_by_others(const lmb_gather_effort *effort, pilot_sums others, const lmb_gathered *own,
-                                uint32_t count)
-{
-    if (count < 2) {
-        return effort_share(effort, INFINITY);
-    }
-    pilot_sums_add(&others, effort, own, -1.0);
-    const double mean_share = others.share / (count - 1);
-    return effort_share(effort, fmax(mean_share, error_share(others.error, others.light)));
-}
-
-void lmb_gather_sh3_group(const lmb_transport *transport, const lmb_gather_effort *effort, lmb_gather_element *elements,
-                          uint32_t count)
-{
-    element_sums sums[LMB_GATHER_GROUP_MOST];
-    bool without_punctual[LMB_GATHER_GROUP_MOST];
-    pilot_sums all = {0.0, 0.0, 0.0};
-    assert(count <= LMB_GATHER_GROUP_MOST);
-    for (uint32_t i = 0; i < count; ++i) {
-        lmb_gather_element *element = &elements[i];
-        without_punctual[i] =
-            element_begin(transport, element->points, element->point_count, effort_pilot(effort), &sums[i]);
-        replicates_combine(&sums[i], &element->gathered);
-        pilot_sums_add(&all, effort, &element->gathered, 1.0);
-    }
-    for (uint32_t i = 0; i < count && effort_adapts(effort); ++i) {
-        const uint32_t share = share_by_others(effort, all, &elements[i].gathered, count);
-        if (share > sums[i].taken) {
-            element_continue(transport, &elements[i], without_punctual[i], share, &sums[i]);
-            replicates_combine(&sums[i], &elements[i].gathered);
-        }
-    }
-}
-
-size_t lmb_gather_group_count(size_t total)
-{
-    return total < LMB_GATHER_GROUP ? total > 0 : total / LMB_GATHER_GROUP;
-}
-
-size_t lmb_gather_group_first(size_t total, size_t group)
-{
-    return group < lmb_gather_group_count(total) ? group * LMB_GATHER_GROUP : total;
+    lmb_sh3_sums sums;
+    lmb_sh3_sums_begin(transport, points, point_count, lmb_replicate_share(samples, 1), &sums);
+    lmb_sh3_sums_combine(&sums, gathered);
 }
 
 void lmb_gather_sh3(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
@@ -398,7 +304,7 @@ lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gat
                                    lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered)
 {
     gather_work work;
-    work_begin(&work, transport, point, 1, replicate_share(samples, 1));
+    work_begin(&work, transport, point, 1, lmb_replicate_share(samples, 1));
     parallel_work *parallel = calloc(1, sizeof *parallel);
     if (!parallel) {
         return LMB_ERROR_MEMORY;
@@ -410,10 +316,10 @@ lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gat
             moments_sum(&parallel->sum[task].half[0], &work.sum[task / PARTS].half[0]); /* a single point */
             work.rays[task / PARTS] += parallel->rays[task];
         }
-        element_sums sums;
+        lmb_sh3_sums sums;
         memset(&sums, 0, sizeof sums);
         sums_add(&sums, &work);
-        replicates_combine(&sums, gathered);
+        lmb_sh3_sums_combine(&sums, gathered);
     }
     free(parallel);
     return result;

@@ -1,0 +1,249 @@
+/* Light of the covered texels: where it is gathered, and what becomes of it. */
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lambent/occlusion.h>
+#include <lambent/sequence.h>
+
+#include "base/rgb.h"
+#include "base/vec3.h"
+#include "lightmap/lightmap_internal.h"
+#include "trace/surface_internal.h"
+#include "trace/trace_internal.h"
+
+/* Texels are listed in squares of this side: a group of neighbours. */
+enum { SQUARE = 8 };
+_Static_assert(SQUARE *SQUARE == LMB_GATHER_GROUP, "a square is a group");
+_Static_assert((int)LMB_GATHER_MOST_POINTS <= (int)LMB_RAY_BATCH, "their rays are one batch");
+
+/* One covered texel of an instance's image. */
+typedef struct listed_texel {
+    uint32_t instance;
+    uint32_t pixel;
+    uint32_t triangle; /* the surface point that stands for it */
+    float u, v;
+} listed_texel;
+
+struct lmb_texel_list {
+    const lmb_lightmap *lightmap;
+    const lmb_tracer *tracer;
+    uint64_t seed;
+    uint32_t points_per_texel;
+    size_t count;
+    listed_texel *texel;
+};
+
+static void instance_list(lmb_texel_list *list, uint32_t number, lmb_texel_source *source)
+{
+    const lmb_lightmap *lightmap = list->lightmap;
+    const lmb_lightmap_region *region = &lightmap->region[number];
+    const lmb_lightmap_image *image = &lightmap->image[region->image];
+    const uint32_t mesh = lightmap->scene->instances[number].mesh;
+    const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, number);
+    lmb_texels_cover(&lightmap->scene->meshes[mesh], lightmap->corner_uv[mesh], &grid, source);
+    const int32_t columns = (grid.width + SQUARE - 1) / SQUARE, rows = (grid.height + SQUARE - 1) / SQUARE;
+    for (int32_t i = 0; i < columns * rows * SQUARE * SQUARE; ++i) {
+        const int32_t square = i / (SQUARE * SQUARE);
+        const int32_t x = square % columns * SQUARE + i % SQUARE;
+        const int32_t y = square / columns * SQUARE + i / SQUARE % SQUARE;
+        if (x >= grid.width || y >= grid.height) {
+            continue;
+        }
+        const lmb_texel_source *from = &source[(size_t)y * (size_t)grid.width + (size_t)x];
+        if (from->triangle != LMB_TEXEL_UNCOVERED) {
+            assert(list->count < lightmap->covered_texel_count);
+            const uint32_t pixel = (uint32_t)(region->y + y) * (uint32_t)image->width + (uint32_t)(region->x + x);
+            list->texel[list->count++] = (listed_texel){number, pixel, from->triangle, from->u, from->v};
+        }
+    }
+}
+
+static lmb_result texels_list(lmb_texel_list *list)
+{
+    const lmb_lightmap *lightmap = list->lightmap;
+    lmb_texel_source *source = malloc(lmb_lightmap_largest_region(lightmap) * sizeof *source);
+    if (!source) {
+        return LMB_ERROR_MEMORY;
+    }
+    for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
+        if (lightmap->region[i].image >= 0) {
+            instance_list(list, i, source);
+        }
+    }
+    free(source);
+    return LMB_OK;
+}
+
+/* One for each block of samples. */
+static uint32_t points_per_texel(const lmb_gather_effort *effort)
+{
+    const uint32_t samples = effort->samples > effort->max_samples ? effort->samples : effort->max_samples;
+    const uint32_t blocks = samples / LMB_GATHER_BLOCK;
+    return blocks < 1 ? 1 : blocks < LMB_GATHER_MOST_POINTS ? blocks : LMB_GATHER_MOST_POINTS;
+}
+
+lmb_result lmb_texel_list_create(const lmb_lightmap *lightmap, const lmb_transport *transport,
+                                 const lmb_gather_effort *effort, lmb_texel_list **list)
+{
+    lmb_texel_list *created = calloc(1, sizeof *created);
+    if (!created) {
+        return LMB_ERROR_MEMORY;
+    }
+    created->lightmap = lightmap;
+    created->tracer = transport->tracer;
+    created->seed = transport->seed;
+    created->points_per_texel = points_per_texel(effort);
+    created->texel = malloc(((size_t)lightmap->covered_texel_count + 1) * sizeof *created->texel);
+    const lmb_result result = created->texel ? texels_list(created) : LMB_ERROR_MEMORY;
+    if (result != LMB_OK) {
+        lmb_texel_list_destroy(created);
+        return result;
+    }
+    *list = created;
+    return LMB_OK;
+}
+
+void lmb_texel_list_destroy(lmb_texel_list *list)
+{
+    if (list) {
+        free(list->texel);
+        free(list);
+    }
+}
+
+/* Keeps those of a texel's points that are on its middle's side of all walls, rather than in what stands on its
+ * triangle. Returns how many. */
+static uint32_t points_keep_open(const lmb_tracer *tracer, lmb_vec3 middle,
+                                 lmb_gather_point points[LMB_GATHER_MOST_POINTS], uint32_t count, uint64_t *rays_traced)
+{
+    lmb_ray_batch rays;
+    lmb_rgb share[LMB_RAY_BATCH];
+    rays.count = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        lmb_ray_batch_add(&rays, middle, vec3_sub(points[i].position, middle), LMB_TRACE_UP_TO_END);
+    }
+    lmb_trace_transmittance_batch(tracer, &rays, share, rays_traced);
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (rgb_max(share[i]) > 0.0f) {
+            points[open++] = points[i];
+        }
+    }
+    return open;
+}
+
+/* The points that a texel's light is the mean over, spread over its area; or one, where that was pushed out of a
+ * solid. */
+static void texel_site(const void *context, size_t element, lmb_gather_site *site)
+{
+    const lmb_texel_list *list = context;
+    const lmb_lightmap *lightmap = list->lightmap;
+    const listed_texel *texel = &list->texel[element];
+    const lmb_lightmap_region *region = &lightmap->region[texel->instance];
+    const lmb_hit at = {.instance = texel->instance, .triangle = texel->triangle, .u = texel->u, .v = texel->v};
+    const lmb_place place = lmb_trace_place(list->tracer, &at);
+    const lmb_gather_point middle = lmb_surface_gather_point(list->tracer, &place, region->texel_size, &site->moved);
+    site->point[0] = middle;
+    site->count = 1;
+    if (site->moved) {
+        return;
+    }
+    const uint32_t mesh = lightmap->scene->instances[texel->instance].mesh;
+    const uint32_t width = (uint32_t)lightmap->image[region->image].width;
+    const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, texel->instance);
+    const lmb_texel_spread spread = {.mesh = &lightmap->scene->meshes[mesh],
+                                     .corner_uv = lightmap->corner_uv[mesh],
+                                     .grid = &grid,
+                                     .x = (int32_t)(texel->pixel % width) - region->x,
+                                     .y = (int32_t)(texel->pixel / width) - region->y,
+                                     .triangle = texel->triangle};
+    float weights[LMB_GATHER_MOST_POINTS][2];
+    const uint32_t count = lmb_texel_spread_points(&spread, lmb_stream_of_position(list->seed, middle.position),
+                                                   list->points_per_texel, weights);
+    lmb_vec3 position[LMB_GATHER_MOST_POINTS];
+    lmb_trace_positions(list->tracer, texel->instance, texel->triangle, (const float(*)[2])weights, count, position);
+    for (uint32_t i = 0; i < count; ++i) {
+        site->point[i] = middle;
+        site->point[i].position =
+            trace_offset(position[i], place.geometric_normal, place.rounding, place.geometric_normal);
+    }
+    const uint32_t open = points_keep_open(list->tracer, middle.position, site->point, count, &site->rays);
+    if (open == 0) {
+        site->point[0] = middle;
+    }
+    site->count = open > 0 ? open : 1;
+}
+
+lmb_gather_list lmb_texel_list_elements(const lmb_texel_list *list)
+{
+    return (lmb_gather_list){.name = "lightmaps",
+                             .count = list->count,
+                             .most_points = list->points_per_texel,
+                             .find_site = texel_site,
+                             .context = list};
+}
+
+static void texel_encode(const lmb_texel_list *list, const listed_texel *texel, const lmb_sh3_rgb *moments,
+                         lmb_lightmap *lightmap)
+{
+    const lmb_hit at = {.instance = texel->instance, .triangle = texel->triangle, .u = texel->u, .v = texel->v};
+    const lmb_vec3 normal = lmb_trace_place(list->tracer, &at).shading_normal;
+    lmb_sh3_rgb radiance;
+    for (int c = 0; c < 3; ++c) {
+        radiance.channel[c] = lmb_sh3_fit_hemisphere(&moments->channel[c], normal);
+    }
+    lmb_lightmap_image *image = &lightmap->image[lightmap->region[texel->instance].image];
+    image->texel[texel->pixel] = lmb_irradz_encode(&radiance, normal, 0.0f);
+    image->state[texel->pixel] = LMB_TEXEL_GATHERED;
+}
+
+static void images_clear(lmb_lightmap *lightmap)
+{
+    for (int32_t i = 0; i < lightmap->image_count; ++i) {
+        lmb_lightmap_image *image = &lightmap->image[i];
+        const size_t texels = (size_t)image->width * (size_t)image->height;
+        memset(image->texel, 0, texels * sizeof *image->texel);
+        memset(image->state, LMB_TEXEL_EMPTY, texels);
+    }
+}
+
+/* What one task encodes. */
+enum { TEXELS_PER_TASK = 4096 };
+typedef struct finish_work {
+    const lmb_texel_list *list;
+    const lmb_gathered *gathered;
+    lmb_lightmap *lightmap;
+} finish_work;
+
+static void encode_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    const finish_work *work = context;
+    const size_t first = task * TEXELS_PER_TASK, left = work->list->count - first;
+    for (size_t i = first; i < first + (left < TEXELS_PER_TASK ? left : TEXELS_PER_TASK); ++i) {
+        texel_encode(work->list, &work->list->texel[i], &work->gathered[i].moments, work->lightmap);
+    }
+}
+
+lmb_result lmb_texel_list_finish(const lmb_texel_list *list, const lmb_gathered *gathered, lmb_pool *pool,
+                                 lmb_lightmap *lightmap)
+{
+    finish_work work = {list, gathered, lightmap};
+    images_clear(lightmap);
+    for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
+        lightmap->region[i].back = lmb_tracer_is_turned(list->tracer, i);
+    }
+    const size_t tasks = (list->count + TEXELS_PER_TASK - 1) / TEXELS_PER_TASK;
+    lmb_result result = lmb_pool_run(pool, tasks, encode_task, &work, "encode", NULL);
+    if (result == LMB_OK) {
+        result = lmb_lightmap_dilate(lightmap);
+    }
+    if (result == LMB_OK) {
+        result = lmb_lightmap_limit(lightmap, list->tracer, pool);
+    }
+    if (result != LMB_OK) {
+        images_clear(lightmap);
+    }
+    return result;
+}
