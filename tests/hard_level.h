@@ -14,6 +14,7 @@
 
 #include "grid_fixture.h"
 #include "scenes/level_builder.h"
+#include "irradz_fixture.h"
 #include "level_fixture.h"
 
 static const lmb_vec3 hard_up = {0.0f, 1.0f, 0.0f};
@@ -119,10 +120,10 @@ static inline void hard_check_lightmap(const lmb_lightmap *lightmap)
         const lmb_lightmap_image *image = &lightmap->image[i];
         size_t broken = 0;
         for (size_t k = 0; k < (size_t)image->width * (size_t)image->height; ++k) {
-            const lmb_irradz *texel = &image->texel[k];
+            const lmb_irradz texel = image_irradz(image, k);
             broken +=
-                !(rgb_is_light(texel->irradiance_z) && texel->ambient_weight >= 0.0f && texel->ambient_weight <= 1.0f &&
-                  isfinite(texel->direction.x) && isfinite(texel->direction.y) && isfinite(texel->direction.z));
+                !(rgb_is_light(texel.irradiance_z) && texel.ambient_weight >= 0.0f && texel.ambient_weight <= 1.0f &&
+                  isfinite(texel.direction.x) && isfinite(texel.direction.y) && isfinite(texel.direction.z));
         }
         CHECK(broken == 0, "%zu texels of image %d", broken, (int)i);
     }
@@ -211,7 +212,7 @@ static inline uint32_t hard_instance(const lmb_scene *scene, const char *name)
 static inline lmb_rgb hard_texel(const hard_level *level, const char *instance, uint32_t triangle)
 {
     const uint32_t number = hard_instance(level->traced.scene, instance);
-    return lmb_lightmap_sample(level->lightmap, number, triangle, 0.3f, 0.3f).irradiance_z;
+    return sample_irradz(level->lightmap, number, triangle, 0.3f, 0.3f).irradiance_z;
 }
 
 /* --- levels ---------------------------------------------------------------------------------------------------- */

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "irradz_fixture.h"
 #include "level_builder.h"
 #include "level_fixture.h"
 #include "levels.h"
@@ -78,7 +79,8 @@ static inline uint64_t count_state(const lmb_lightmap *lightmap, lmb_texel_state
         size_t broken = 0;
         for (size_t k = 0; k < (size_t)image->width * (size_t)image->height; ++k) {
             count += image->state[k] == (uint8_t)state;
-            broken += !irradz_is_sane(&image->texel[k]);
+            const lmb_irradz texel = image_irradz(image, k);
+            broken += !irradz_is_sane(&texel);
         }
         CHECK(broken == 0, "%zu texels of image %d", broken, (int)i);
     }

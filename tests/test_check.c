@@ -317,7 +317,7 @@ static void furnace_gives_the_error_that_was_put_in(void)
     CHECK(report->points == 100, "%zu points", report->points);
     /* Though the volume reaches beyond the closed box, from where its walls show their backs. */
     CHECK(report->free_points == 100, "%zu free points", report->free_points);
-    static const check_pair pairs_with_error[] = {CHECK_PROBE_VS_REFERENCE, CHECK_PROBE_HLSH_VS_REFERENCE,
+    static const check_pair pairs_with_error[] = {CHECK_PROBE_VS_REFERENCE, CHECK_OBJECT_VS_REFERENCE,
                                                   CHECK_VOLUME_VS_REFERENCE};
     for (size_t i = 0; i < sizeof pairs_with_error / sizeof pairs_with_error[0]; ++i) {
         const error_summary *summary = &report->error[pairs_with_error[i]];

@@ -117,7 +117,7 @@ static void lightmap_check(baked *bake, bool files, uint64_t seed)
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const bool wanted = !scene->instances[i].dynamic && scene->meshes[scene->instances[i].mesh].triangle_count > 0;
         CHECK((bake->lightmap->region[i].image >= 0) == wanted, "seed %llu: instance %u", (unsigned long long)seed, i);
-        const lmb_irradz texel = lmb_lightmap_sample(bake->lightmap, i, 0, 0.3f, 0.3f);
+        const lmb_irradz texel = sample_irradz(bake->lightmap, i, 0, 0.3f, 0.3f);
         const float weight = texel.ambient_weight;
         CHECK(is_sane(texel.irradiance_z) && weight >= 0.0f && weight <= 1.0f + 1e-6f, /* filtered, so rounded */
               "seed %llu: instance %u: %g", (unsigned long long)seed, i, (double)weight);

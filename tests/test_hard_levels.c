@@ -59,7 +59,7 @@ static void check_dark_texels(const hard_level *level, const char *name, float l
         lmb_vec3 corner[3];
         lmb_trace_corners(level->traced.tracer, instance, t, corner);
         if (corner[0].x < limit && corner[1].x < limit && corner[2].x < limit) {
-            const lmb_rgb texel = lmb_lightmap_sample(level->lightmap, instance, t, 0.3f, 0.3f).irradiance_z;
+            const lmb_rgb texel = sample_irradz(level->lightmap, instance, t, 0.3f, 0.3f).irradiance_z;
             CHECK(texel.c[0] == 0.0f && texel.c[1] == 0.0f, "triangle %u: %g %g", t, (double)texel.c[0],
                   (double)texel.c[1]);
             ++seen;
@@ -288,7 +288,7 @@ static void thin_walls_far_away(void)
         for (int k = 0; k < 16; ++k) {
             const float u = 0.02f + 0.31f * (float)(k % 4);
             const float v = (0.98f - u) * (float)(k / 4) / 3.0f;
-            const float light = lmb_lightmap_sample(level.lightmap, hut, t, u, v).irradiance_z.c[0];
+            const float light = sample_irradz(level.lightmap, hut, t, u, v).irradiance_z.c[0];
             CHECK(light == 0.0f, "triangle %u at %g %g: %g", t, (double)u, (double)v, (double)light);
         }
     }

@@ -37,7 +37,7 @@ static void no_light(void)
     for (int32_t i = 0; i < level.lightmap->image_count; ++i) {
         const lmb_lightmap_image *image = &level.lightmap->image[i];
         for (int32_t k = 0; k < image->width * image->height; ++k) {
-            CHECK(image->texel[k].irradiance_z.c[1] == 0.0f, "texel %d", (int)k);
+            CHECK(lmb_lightmap_plane(image, 1)[k] == 0.0f, "texel %d", (int)k);
         }
     }
     hard_close(&level);
@@ -113,7 +113,7 @@ static void white_furnace(void)
     const lmb_lightmap_image *image = &level.lightmap->image[0];
     for (int32_t k = 0; k < image->width * image->height; ++k) {
         if (image->state[k] == LMB_TEXEL_GATHERED) {
-            texels += (double)image->texel[k].irradiance_z.c[1];
+            texels += (double)lmb_lightmap_plane(image, 1)[k];
             ++count;
         }
     }

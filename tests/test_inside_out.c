@@ -209,7 +209,7 @@ static double block_top_light(const lmb_lightmap *lightmap, uint32_t block, doub
         for (int k = 0; k < 3; ++k) {
             is_top = is_top && mesh->position[mesh->triangle[t][k]].y > 0.99f;
         }
-        const double light = (double)lmb_lightmap_sample(lightmap, block, t, 0.33f, 0.33f).irradiance_z.c[0];
+        const double light = (double)sample_irradz(lightmap, block, t, 0.33f, 0.33f).irradiance_z.c[0];
         top += is_top ? 0.5 * light : 0.0;
         *sides += is_top ? 0.0 : light;
     }

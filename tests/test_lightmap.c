@@ -97,8 +97,8 @@ static void furnace(void)
         const lmb_lightmap_image *image = &bake.lightmap->image[0];
         for (size_t k = 0; k < (size_t)image->width * (size_t)image->height; ++k) {
             if (image->state[k] == LMB_TEXEL_GATHERED) {
-                worst = fmaxf(worst, fabsf(image->texel[k].irradiance_z.c[1] - truth));
-                sum += (double)image->texel[k].irradiance_z.c[1];
+                worst = fmaxf(worst, fabsf(lmb_lightmap_plane(image, 1)[k] - truth));
+                sum += (double)lmb_lightmap_plane(image, 1)[k];
             }
         }
         CHECK(worst < 0.25f * truth, "albedo %g: off by %g of %g", (double)ALBEDO[i], (double)worst, (double)truth);
@@ -133,7 +133,7 @@ static void sun_on_plane(void)
         double worst = 0.0;
         for (size_t k = 0; k < (size_t)image->width * (size_t)image->height; ++k) {
             if (image->state[k] != LMB_TEXEL_EMPTY) {
-                worst = fmax(worst, fabs((double)image->texel[k].irradiance_z.c[0] - truth));
+                worst = fmax(worst, fabs((double)lmb_lightmap_plane(image, 0)[k] - truth));
             }
         }
         CHECK(worst <= 1e-4 * truth, "case %zu: off by %g of %g", i, worst, truth);
@@ -155,7 +155,8 @@ static void bilinear_lookup(void)
             lmb_lightmap_image *image = &bake.lightmap->image[i];
             for (int32_t k = 0; k < image->width * image->height; ++k) {
                 const float x = (float)(k % image->width) + 0.5f, y = (float)(k / image->width) + 0.5f;
-                image->texel[k] = (lmb_irradz){{{x, y, x + y}}, 0.5f, {x, -y, 1.0f}};
+                const lmb_irradz texel = {{{x, y, x + y}}, 0.5f, {x, -y, 1.0f}};
+                image_set_irradz(image, (size_t)k, &texel);
             }
         }
         uint32_t seed = 7;
@@ -171,7 +172,7 @@ static void bilinear_lookup(void)
                                             : 0.0f;
                 const float v = turn == 2 ? 1.0f : turn == 4 || turn == 5 ? along : turn > 5 ? 0.2f : 0.0f;
                 const lmb_vec2 at = texels_at(bake.lightmap, i, k / 8, u, v);
-                const lmb_irradz found = lmb_lightmap_sample(bake.lightmap, i, k / 8, u, v);
+                const lmb_irradz found = sample_irradz(bake.lightmap, i, k / 8, u, v);
                 CHECK_NEAR(found.irradiance_z.c[0], at.x, 1e-3, "instance %u triangle %u (%g, %g)", i, k / 8, (double)u,
                            (double)v);
                 CHECK_NEAR(found.irradiance_z.c[1], at.y, 1e-3, "instance %u triangle %u", i, k / 8);
@@ -237,9 +238,9 @@ static void instances_have_own_places(void)
     instance_named(bake.level.scene, "moving", &moving);
     CHECK(lightmap->region[moving].image == -1, "the dynamic tile has a region");
     const double lit = 3.0 / 3.14159265358979;
-    CHECK_NEAR(lmb_lightmap_sample(lightmap, open, 0, 0.3f, 0.3f).irradiance_z.c[0], lit, 1e-3, "open");
-    CHECK_NEAR(lmb_lightmap_sample(lightmap, covered, 0, 0.3f, 0.3f).irradiance_z.c[0], 0.0, 0.0, "covered");
-    CHECK_NEAR(lmb_lightmap_sample(lightmap, moving, 0, 0.3f, 0.3f).irradiance_z.c[0], 0.0, 0.0, "moving");
+    CHECK_NEAR(sample_irradz(lightmap, open, 0, 0.3f, 0.3f).irradiance_z.c[0], lit, 1e-3, "open");
+    CHECK_NEAR(sample_irradz(lightmap, covered, 0, 0.3f, 0.3f).irradiance_z.c[0], 0.0, 0.0, "covered");
+    CHECK_NEAR(sample_irradz(lightmap, moving, 0, 0.3f, 0.3f).irradiance_z.c[0], 0.0, 0.0, "moving");
     CHECK_NEAR(lightmap->region[large].width, 3 * lightmap->region[open].width, 3, "three times the size");
     CHECK_NEAR(lightmap->region[open].texel_size, 0.25, 0.03, "metres a texel");
     CHECK_NEAR(lightmap->region[large].texel_size, 0.25, 0.03, "metres a texel");
@@ -439,7 +440,7 @@ static void block_has_no_dark_rim(void)
             lmb_trace_place(bake.level.tracer, &(lmb_hit){.instance = floor, .triangle = 0, .u = u, .v = v});
         const float rim = fmaxf(fabsf(place.position.x), fabsf(place.position.z));
         if (rim > 1.0f && rim < 1.5f) {
-            const lmb_irradz found = lmb_lightmap_sample(bake.lightmap, floor, 0, u, v);
+            const lmb_irradz found = sample_irradz(bake.lightmap, floor, 0, u, v);
             CHECK(found.irradiance_z.c[0] > 0.99f / 3.1415927f, "%g at (%g, %g)", (double)found.irradiance_z.c[0],
                   (double)place.position.x, (double)place.position.z);
         }
@@ -498,7 +499,7 @@ static void texels_are_means(void)
                 const lmb_vec3 above = {(float)x, 0.5f, z};
                 lmb_hit hit;
                 CHECK(lmb_trace_nearest(bake.level.tracer, above, (lmb_vec3){0, -1, 0}, 0.0f, 1.0f, &hit), "floor");
-                const lmb_irradz found = lmb_lightmap_sample(bake.lightmap, floor, hit.triangle, hit.u, hit.v);
+                const lmb_irradz found = sample_irradz(bake.lightmap, floor, hit.triangle, hit.u, hit.v);
                 lit += step * (double)found.irradiance_z.c[0] / full;
             }
             const double edge = 1.3 + (double)slopes[k] * (double)z;

@@ -175,7 +175,7 @@ static shine shine_measure(const baked *bake)
         const float u = root * (1.0f - across), v = root * across;
         const lmb_vec3 n = lmb_trace_place(bake->level.tracer, &(lmb_hit){.instance = 0, .triangle = t, .u = u, .v = v})
                                .shading_normal;
-        const lmb_irradz texels = lmb_lightmap_sample(bake->lightmap, 0, t, u, v);
+        const lmb_irradz texels = sample_irradz(bake->lightmap, 0, t, u, v);
         const lmb_hhd_rgb hhd = lmb_irradz_decode(&texels, n);
         const double noise = fmax(1.0, (double)texels.irradiance_z.c[1]);
         lmb_vec3 normals[NORMALS];

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include <lambent/hlsh.h>
 #include <lambent/occlusion.h>
 #include <lambent/opaque_surface.h>
 #include <lambent/sequence.h>
@@ -35,7 +34,7 @@ static const struct {
     [CHECK_COINCIDENT_PROBE_VS_LIGHTMAP] = {"coincident_probe_vs_lightmap", true},
     [CHECK_COINCIDENT_PROBE_VS_REFERENCE] = {"coincident_probe_vs_reference", false},
     [CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP] = {"unoccluded_probe_vs_lightmap", true},
-    [CHECK_PROBE_HLSH_VS_REFERENCE] = {"probe_hlsh_vs_reference", false},
+    [CHECK_OBJECT_VS_REFERENCE] = {"probe_hlsh_vs_reference", false},
     [CHECK_PROBE_CONE_VS_LIGHTMAP] = {"probe_cone_vs_lightmap", true},
     [CHECK_VOLUME_VS_REFERENCE] = {"volume_vs_reference", false},
 };
@@ -82,29 +81,20 @@ typedef struct check_work {
     bool *free_found;
 } check_work;
 
-static void evaluate_irradz(const lmb_irradz *irradz, lmb_vec3 vertex_normal, const lmb_vec3 *normals,
-                            irradiance_set *set)
+static void evaluate_channels(const lmb_model *model, const float *channel, lmb_vec3 vertex_normal,
+                              const lmb_vec3 *normals, irradiance_set *set)
 {
-    const lmb_hhd_rgb hhd = lmb_irradz_decode(irradz, vertex_normal);
-    for (int k = 0; k < NORMALS; ++k) {
-        set->at[k] = lmb_hhd_rgb_evaluate(&hhd, vertex_normal, normals[k]);
-    }
+    model->evaluate(channel, vertex_normal, normals, NORMALS, set->at);
 }
 
-static void evaluate_probe(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos, const lmb_vec3 *normals,
-                           irradiance_set *set)
+/* What a probe gives by the default model of that use. */
+static void evaluate_probe(lmb_model_use use, const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos,
+                           const lmb_vec3 *normals, irradiance_set *set)
 {
-    const lmb_irradz irradz = lmb_irradz_encode(radiance, vertex_normal, cone_cos);
-    evaluate_irradz(&irradz, vertex_normal, normals, set);
-}
-
-static void evaluate_hlsh(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, const lmb_vec3 *normals,
-                          irradiance_set *set)
-{
-    const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(radiance, vertex_normal, 0.0f);
-    for (int k = 0; k < NORMALS; ++k) {
-        set->at[k] = lmb_hlsh_rgb_evaluate(&hlsh, vertex_normal, normals[k]);
-    }
+    const lmb_model *model = lmb_model_default(use);
+    float channel[LMB_MODEL_MOST_CHANNELS];
+    model->encode(radiance, vertex_normal, cone_cos, channel);
+    evaluate_channels(model, channel, vertex_normal, normals, set);
 }
 
 static void evaluate_unoccluded(const lmb_sh3_rgb *radiance, const lmb_vec3 *normals, irradiance_set *set)
@@ -168,8 +158,9 @@ static surface_sample sample_make(const check_work *work, size_t task)
     shading_normals(sample.point.normal, lmb_mix(lmb_mix(seed, STREAM_NORMALS), task), NORMALS, sample.normals);
     gather_reference(work, &sample.point, sample.normals, sample.reference);
     if (subject->lightmap) {
-        const lmb_irradz texels = lmb_lightmap_sample(subject->lightmap, at.instance, at.triangle, at.u, at.v);
-        evaluate_irradz(&texels, sample.point.normal, sample.normals, &sample.lightmap);
+        float channel[LMB_MODEL_MOST_CHANNELS];
+        lmb_lightmap_sample(subject->lightmap, &at, channel);
+        evaluate_channels(subject->lightmap->model, channel, sample.point.normal, sample.normals, &sample.lightmap);
     }
     return sample;
 }
@@ -181,7 +172,7 @@ static void record_coincident(check_work *work, const surface_sample *sample)
     lmb_gather_sh3(&work->transport, &whole, COINCIDENT_SAMPLES_FACTOR * work->settings.samples, &gathered);
     work->coincident[sample->number] = (coincident_noise){gathered.squared_error, gathered.squared_length};
     irradiance_set x;
-    evaluate_probe(&gathered.moments, sample->point.normal, 0.0f, sample->normals, &x);
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, &gathered.moments, sample->point.normal, 0.0f, sample->normals, &x);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &x);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, &x);
 }
@@ -192,7 +183,8 @@ static void record_cone(check_work *work, const surface_sample *sample, const lm
     const float visibility = ambient_visibility(work->transport.tracer, sample->point.position, sample->point.normal,
                                                 work->spacing, stream, AMBIENT_RAYS);
     irradiance_set x;
-    evaluate_probe(radiance, sample->point.normal, lmb_cone_cos_from_visibility(visibility), sample->normals, &x);
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, radiance, sample->point.normal, lmb_cone_cos_from_visibility(visibility),
+                   sample->normals, &x);
     record(work, sample, CHECK_PROBE_CONE_VS_LIGHTMAP, &x);
 }
 
@@ -208,12 +200,12 @@ static void surface_task(void *context, size_t task, int worker)
     lmb_volume_sample_at(subject->volume, lmb_scene_to_world(scene, sample.point.position), &radiance);
 
     irradiance_set x;
-    evaluate_probe(&radiance, normal, 0.0f, sample.normals, &x);
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, &radiance, normal, 0.0f, sample.normals, &x);
     record(work, &sample, CHECK_PROBE_VS_REFERENCE, &x);
     record(work, &sample, CHECK_PROBE_VS_LIGHTMAP, &x);
     work->lights[task] = point_light_of(x.at, sample.reference[0].at, sample.reference[1].at, NORMALS);
-    evaluate_hlsh(&radiance, normal, sample.normals, &x);
-    record(work, &sample, CHECK_PROBE_HLSH_VS_REFERENCE, &x);
+    evaluate_probe(LMB_MODEL_FOR_OBJECT, &radiance, normal, 0.0f, sample.normals, &x);
+    record(work, &sample, CHECK_OBJECT_VS_REFERENCE, &x);
     record_coincident(work, &sample);
     if (subject->lightmap) {
         evaluate_unoccluded(&radiance, sample.normals, &x);

@@ -16,13 +16,13 @@
 
 /* What is compared with what; the latter is what errors are relative to. All but the last at surface points. */
 typedef enum check_pair {
-    CHECK_PROBE_VS_REFERENCE,    /* volume -> hemisphere multiply -> HHD */
-    CHECK_LIGHTMAP_VS_REFERENCE, /* stored texels, bilinear -> HHD */
+    CHECK_PROBE_VS_REFERENCE,    /* volume -> hemisphere multiply -> the default model of surfaces */
+    CHECK_LIGHTMAP_VS_REFERENCE, /* stored texels, bilinear */
     CHECK_PROBE_VS_LIGHTMAP,
     CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, /* as probe, but its SH3 traced at the very point */
     CHECK_COINCIDENT_PROBE_VS_REFERENCE,
     CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP, /* volume, SH3 irradiance, no occlusion */
-    CHECK_PROBE_HLSH_VS_REFERENCE,      /* volume -> HLSH */
+    CHECK_OBJECT_VS_REFERENCE,          /* volume -> the default model of objects */
     CHECK_PROBE_CONE_VS_LIGHTMAP,       /* as probe, with the cone of AO rays within one spacing */
     CHECK_VOLUME_VS_REFERENCE,          /* volume, SH3 irradiance, at free points */
     CHECK_PAIR_COUNT

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include <lambent/exr.h>
+#include <lambent/model.h>
 #include <lambent/lightmap.h>
 #include <lambent/vdb.h>
 #include <lambent/volume.h>
@@ -106,22 +107,25 @@ static lmb_result vdb_info(const char *path, cJSON **json, lmb_error *error)
 
 static lmb_result exr_info(const char *path, cJSON **json, lmb_error *error)
 {
-    static const char *const names[] = {"R", "G", "B", "w"};
-    enum { NAMES = sizeof names / sizeof names[0] };
-    float *values[NAMES];
+    const lmb_model *model = lmb_model_default(LMB_MODEL_FOR_LIGHTMAP);
+    const char *const *names = model->channel_name;
+    const int shown = model->direction ? model->direction->first : model->channel_count;
+    float *values[LMB_MODEL_MOST_CHANNELS];
     lmb_exr_header header;
-    const lmb_result result = lmb_exr_read_channels(path, names, NAMES, values, &header, error);
+    const lmb_result result = lmb_exr_read_channels(path, names, (size_t)shown, values, &header, error);
     if (result != LMB_OK) {
         return result;
     }
     const size_t count = (size_t)header.width * (size_t)header.height;
     cJSON *object = cJSON_CreateObject();
-    cJSON_AddStringToObject(object, "kind", "lambent lightmap (IrradZ)");
+    char kind[64];
+    snprintf(kind, sizeof kind, "lambent lightmap (%s)", model->title);
+    cJSON_AddStringToObject(object, "kind", kind);
     cJSON_AddNumberToObject(object, "width", header.width);
     cJSON_AddNumberToObject(object, "height", header.height);
     cJSON_AddNumberToObject(object, "scale", (double)header.scale);
     cJSON *channels = cJSON_AddObjectToObject(object, "channels");
-    for (int k = 0; k < NAMES; ++k) {
+    for (int k = 0; k < shown; ++k) {
         double low = INFINITY, high = -INFINITY, sum = 0.0;
         for (size_t i = 0; i < count; ++i) {
             low = fmin(low, (double)values[k][i]);

@@ -53,7 +53,8 @@ static lmb_result probe_trace(const lmb_level *level, const lmb_query *query, ui
     lmb_result result =
         lmb_gather_sh3_parallel(&level->transport, &point, samples, level->pool, progress, &answer->gathered);
     if (result == LMB_OK && query->has_normal) {
-        answer->irradiance = query_irradiance(query, MODEL_HHD, &answer->gathered.moments);
+        answer->irradiance =
+            query_irradiance(query, lmb_model_default(LMB_MODEL_FOR_SURFACE), &answer->gathered.moments);
         lmb_truth_work work = {.transport = &level->transport,
                                .query = query,
                                .position = point.position,

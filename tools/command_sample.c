@@ -1,22 +1,37 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <lambent/model.h>
 #include <lambent/occlusion.h>
 #include <lambent/volume.h>
 
 #include "command.h"
 #include "query.h"
 
-static const char usage[] =
+static const char usage_start[] =
     "usage: lambent sample FILE.lmb --at X,Y,Z [options]\n"
     "\n"
     "Looks up the light at a point of a baked volume, as a game does.\n"
     "\n" QUERY_USAGE "  --visibility V        ambient occlusion, cosine-weighted, in [0, 1]\n"
     "  --cone-cos C          the same as the cosine of a visibility cone's half angle (0: the hemisphere)\n"
-    "  --model hhd|hlsh|sh3  lighting model of the irradiance (default hhd; sh3 takes no occlusion)\n"
-    "  --json                one JSON object a line\n";
+    "  --model NAME          lighting model of the irradiance:\n";
 
-static int answer_print(const lmb_query *query, lmb_light_model model, const lmb_volume *volume, bool json)
+/* The usage, with the models of the table. */
+static const char *usage(void)
+{
+    static char text[4096];
+    const lmb_model *taken = lmb_model_default(LMB_MODEL_FOR_SURFACE);
+    size_t length = (size_t)snprintf(text, sizeof text, "%s", usage_start);
+    for (size_t i = 0; i < lmb_model_count(); ++i) {
+        const lmb_model *model = lmb_model_at(i);
+        length += (size_t)snprintf(text + length, sizeof text - length, "                        %-4s  %s%s\n",
+                                   model->short_name, model->title, model == taken ? " (default)" : "");
+    }
+    snprintf(text + length, sizeof text - length, "  --json                one JSON object a line\n");
+    return text;
+}
+
+static int answer_print(const lmb_query *query, const lmb_model *model, const lmb_volume *volume, bool json)
 {
     lmb_sh3_rgb radiance;
     const bool inside = lmb_volume_sample_at(volume, query->place, &radiance);
@@ -43,26 +58,21 @@ static int answer_print(const lmb_query *query, lmb_light_model model, const lmb
     return EXIT_DONE;
 }
 
-static lmb_light_model model_of_name(lmb_arguments *arguments, const char *name)
+static const lmb_model *model_of_name(lmb_arguments *arguments, const char *name)
 {
-    if (strcmp(name, "hlsh") == 0) {
-        return MODEL_HLSH;
+    const lmb_model *model = lmb_model_find(name);
+    if (!model) {
+        arguments_error(arguments, "--model: there is no lighting model", name);
     }
-    if (strcmp(name, "sh3") == 0) {
-        return MODEL_SH3;
-    }
-    if (strcmp(name, "hhd") != 0) {
-        arguments_error(arguments, "--model takes hhd, hlsh or sh3, not", name);
-    }
-    return MODEL_HHD;
+    return model;
 }
 
 int command_sample(int count, char **values)
 {
-    lmb_arguments arguments = arguments_begin(count, values, "sample", usage);
+    lmb_arguments arguments = arguments_begin(count, values, "sample", usage());
     lmb_query_arguments query_arguments = {0};
     const char *path = NULL;
-    lmb_light_model model = MODEL_HHD;
+    const lmb_model *model = lmb_model_default(LMB_MODEL_FOR_SURFACE);
     bool json = false;
     for (const char *argument; (argument = arguments_next(&arguments));) {
         if (query_argument(&query_arguments, &arguments, argument)) {

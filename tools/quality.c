@@ -117,7 +117,9 @@ static void texels_keep(const lmb_bake *bake, elements *texels)
         const lmb_lightmap_image *image = &bake->lightmap->image[i];
         for (size_t k = 0; k < (size_t)image->width * (size_t)image->height; ++k) {
             if (image->state[k] == LMB_TEXEL_GATHERED) {
-                texels->light[texels->count++] = rgb_mean(&image->texel[k].irradiance_z);
+                const lmb_rgb light = {{lmb_lightmap_plane(image, 0)[k], lmb_lightmap_plane(image, 1)[k],
+                                        lmb_lightmap_plane(image, 2)[k]}};
+                texels->light[texels->count++] = rgb_mean(&light);
             }
         }
     }

@@ -5,9 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <lambent/hhd.h>
-#include <lambent/hlsh.h>
-
 bool query_argument(lmb_query_arguments *query, lmb_arguments *arguments, const char *option)
 {
     if (strcmp(option, "--at") == 0) {
@@ -93,18 +90,13 @@ int query_read_line(lmb_query *query, int *line_number)
     return 1;
 }
 
-lmb_rgb query_irradiance(const lmb_query *query, lmb_light_model model, const lmb_sh3_rgb *radiance)
+lmb_rgb query_irradiance(const lmb_query *query, const lmb_model *model, const lmb_sh3_rgb *radiance)
 {
-    if (model == MODEL_SH3) {
-        return lmb_sh3_rgb_irradiance(radiance, query->normal);
-    }
-    if (model == MODEL_HLSH) {
-        const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(radiance, query->vertex_normal, query->cone_cos);
-        return lmb_hlsh_rgb_evaluate(&hlsh, query->vertex_normal, query->normal);
-    }
-    const lmb_irradz stored = lmb_irradz_encode(radiance, query->vertex_normal, query->cone_cos);
-    const lmb_hhd_rgb hhd = lmb_irradz_decode(&stored, query->vertex_normal);
-    return lmb_hhd_rgb_evaluate(&hhd, query->vertex_normal, query->normal);
+    float channel[LMB_MODEL_MOST_CHANNELS];
+    lmb_rgb irradiance;
+    model->encode(radiance, query->vertex_normal, query->cone_cos, channel);
+    model->evaluate(channel, query->vertex_normal, &query->normal, 1, &irradiance);
+    return irradiance;
 }
 
 cJSON *json_vector(lmb_vec3 vector)

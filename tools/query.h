@@ -4,11 +4,9 @@
 
 #include <cjson/cJSON.h>
 
-#include <lambent/sh.h>
+#include <lambent/model.h>
 
 #include "command.h"
-
-typedef enum lmb_light_model { MODEL_HHD, MODEL_HLSH, MODEL_SH3 } lmb_light_model;
 
 typedef struct lmb_query {
     lmb_vec3d place; /* in the world */
@@ -40,7 +38,7 @@ int query_read_line(lmb_query *query, int *line_number);
 bool query_finish(lmb_query_arguments *query, lmb_arguments *arguments);
 
 /* Normalised irradiance of a probe by a lighting model. */
-lmb_rgb query_irradiance(const lmb_query *query, lmb_light_model model, const lmb_sh3_rgb *radiance);
+lmb_rgb query_irradiance(const lmb_query *query, const lmb_model *model, const lmb_sh3_rgb *radiance);
 
 /* Arrays for --json output. */
 cJSON *json_vector(lmb_vec3 vector);

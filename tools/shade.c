@@ -2,7 +2,7 @@
 
 #include <float.h>
 
-#include <lambent/hlsh.h>
+#include <lambent/hhd.h>
 #include <lambent/surface.h>
 
 #include "vector_math.h"
@@ -87,33 +87,33 @@ typedef struct arriving_light {
     lmb_rgb irradiance_z;
 } arriving_light;
 
-static arriving_light light_of_irradz(const lmb_irradz *irradz, const seen_surface *seen)
+static arriving_light light_of_channels(const lmb_model *model, const float *channel, lmb_vec3 vertex_normal,
+                                        const seen_surface *seen)
 {
-    const lmb_hhd_rgb hhd = lmb_irradz_decode(irradz, seen->place.shading_normal);
-    return (arriving_light){lmb_hhd_rgb_evaluate(&hhd, seen->place.shading_normal, seen->normal), irradz->irradiance_z};
+    const lmb_vec3 normals[2] = {seen->normal, vertex_normal};
+    lmb_rgb irradiance[2];
+    model->evaluate(channel, vertex_normal, normals, 2, irradiance);
+    return (arriving_light){irradiance[0], irradiance[1]};
 }
 
 static arriving_light light_of_lightmap(const lmb_shader *shader, const seen_surface *seen)
 {
-    const lmb_irradz texels =
-        lmb_lightmap_sample(shader->lightmap, seen->hit.instance, seen->hit.triangle, seen->hit.u, seen->hit.v);
-    return light_of_irradz(&texels, seen);
+    float channel[LMB_MODEL_MOST_CHANNELS];
+    lmb_lightmap_sample(shader->lightmap, &seen->hit, channel);
+    return light_of_channels(shader->lightmap->model, channel, seen->place.shading_normal, seen);
 }
 
-/* Objects take HLSH, the model of dynamic things; surfaces take the lightmap's own encoder. */
+/* Objects take the model of dynamic things; surfaces that of lightmaps. */
 static arriving_light light_of_probes(const lmb_shader *shader, const seen_surface *seen)
 {
     const lmb_gather_point point = seen_point(shader, seen);
-    lmb_sh3_rgb radiance;
+    const lmb_model *model = lmb_model_default(seen->object ? LMB_MODEL_FOR_OBJECT : LMB_MODEL_FOR_SURFACE);
     const lmb_scene *scene = lmb_tracer_scene(shader->transport->tracer);
+    lmb_sh3_rgb radiance;
+    float channel[LMB_MODEL_MOST_CHANNELS];
     lmb_volume_sample_at(shader->volume, lmb_scene_to_world(scene, point.position), &radiance);
-    if (!seen->object) {
-        const lmb_irradz irradz = lmb_irradz_encode(&radiance, point.normal, 0.0f);
-        return light_of_irradz(&irradz, seen);
-    }
-    const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(&radiance, point.normal, 0.0f);
-    return (arriving_light){lmb_hlsh_rgb_evaluate(&hlsh, point.normal, seen->normal),
-                            lmb_hlsh_rgb_evaluate(&hlsh, point.normal, point.normal)};
+    model->encode(&radiance, point.normal, 0.0f, channel);
+    return light_of_channels(model, channel, point.normal, seen);
 }
 
 static arriving_light light_of_reference(const lmb_shader *shader, const seen_surface *seen)

@@ -4,15 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/rgb.h"
-#include "base/vec3.h"
-
 /* State of a texel that waits for its ring; no texel has it when the work is done. */
 enum { TEXEL_QUEUED = LMB_TEXEL_DILATED + 1 };
 
 /* A region with its padding, in an image's texels. */
 typedef struct dilate_area {
     lmb_lightmap_image *image;
+    const lmb_model *model;
     int32_t left, top, right, bottom; /* right and bottom are just outside */
 } dilate_area;
 
@@ -27,13 +25,14 @@ static bool area_has(const dilate_area *area, int32_t x, int32_t y)
     return x >= area->left && x < area->right && y >= area->top && y < area->bottom;
 }
 
-/* Mean of the lit texels around one, those beside it counting twice those at its corners. */
-static lmb_irradz around_mean(const dilate_area *area, uint32_t pixel)
+/* Makes of a texel the mean of the lit ones around it, those beside it counting twice those at its corners. */
+static void around_mean(const dilate_area *area, uint32_t pixel)
 {
     const lmb_lightmap_image *image = area->image;
+    const lmb_model *model = area->model;
     const int32_t x = (int32_t)(pixel % (uint32_t)image->width);
     const int32_t y = (int32_t)(pixel / (uint32_t)image->width);
-    lmb_irradz sum = {{{0.0f, 0.0f, 0.0f}}, 0.0f, {0.0f, 0.0f, 0.0f}};
+    float sum[LMB_MODEL_MOST_CHANNELS] = {0.0f};
     float total = 0.0f;
     for (int32_t dy = -1; dy <= 1; ++dy) {
         for (int32_t dx = -1; dx <= 1; ++dx) {
@@ -42,18 +41,17 @@ static lmb_irradz around_mean(const dilate_area *area, uint32_t pixel)
                 (image->state[at] != LMB_TEXEL_GATHERED && image->state[at] != LMB_TEXEL_DILATED)) {
                 continue;
             }
-            const lmb_irradz *texel = &image->texel[at];
             const float weight = dx == 0 || dy == 0 ? 2.0f : 1.0f;
             total += weight;
-            sum.irradiance_z = rgb_add(sum.irradiance_z, rgb_scale(texel->irradiance_z, weight));
-            sum.ambient_weight += weight * texel->ambient_weight;
-            sum.direction = vec3_mad(sum.direction, texel->direction, weight);
+            for (int c = 0; c < model->channel_count; ++c) {
+                sum[c] += weight * lmb_lightmap_plane(image, c)[at];
+            }
         }
     }
-    sum.irradiance_z = rgb_scale(sum.irradiance_z, 1.0f / total);
-    sum.ambient_weight /= total;
-    sum.direction = vec3_normalize_or(sum.direction, sum.direction);
-    return sum;
+    model->average(sum, total);
+    for (int c = 0; c < model->channel_count; ++c) {
+        lmb_lightmap_plane(image, c)[pixel] = sum[c];
+    }
 }
 
 /* Queues the empty texels around a lit one. */
@@ -89,7 +87,7 @@ static void area_dilate(const dilate_area *area, dilate_ring ring, dilate_ring n
     while (ring.count > 0) {
         /* The whole ring is worked out from what was lit before it. */
         for (size_t i = 0; i < ring.count; ++i) {
-            image->texel[ring.pixel[i]] = around_mean(area, ring.pixel[i]);
+            around_mean(area, ring.pixel[i]);
         }
         next.count = 0;
         for (size_t i = 0; i < ring.count; ++i) {
@@ -108,8 +106,12 @@ static void area_dilate(const dilate_area *area, dilate_ring ring, dilate_ring n
 static dilate_area region_area(const lmb_lightmap *lightmap, const lmb_lightmap_region *region)
 {
     const int32_t padding = lightmap->settings.padding;
-    return (dilate_area){&lightmap->image[region->image], region->x - padding, region->y - padding,
-                         region->x + region->width + padding, region->y + region->height + padding};
+    return (dilate_area){&lightmap->image[region->image],
+                         lightmap->model,
+                         region->x - padding,
+                         region->y - padding,
+                         region->x + region->width + padding,
+                         region->y + region->height + padding};
 }
 
 lmb_result lmb_lightmap_dilate(lmb_lightmap *lightmap)

@@ -12,17 +12,13 @@
 #include <lambent/file.h>
 #include <lambent/gltf.h>
 
-enum { FORMAT_VERSION = 1, CHANNEL_COUNT = 7, MAX_FILE_NAME = 32 };
+enum { FORMAT_VERSION = 1, MAX_FILE_NAME = 32 };
 
 static const char FORMAT_NAME[] = "lambent lightmap";
-static const char ENCODING[] = "irradz-hhd";
 static const char JSON_NAME[] = "lightmap.json";
 static const char UV_LEVEL_NAME[] = "level_uv2.glb";
 
-/* Irradiance at the vertex normal (times 1/scale), ambient weight, direction: in the order of channel_values. */
-static const char *const CHANNELS[CHANNEL_COUNT] = {"R", "G", "B", "w", "d.X", "d.Y", "d.Z"};
-
-/* Irradiance is stored as it is while its largest value is in this range; fp16 ends at 65504 and loses precision below
+/* Light is stored as it is while its largest value is in this range; fp16 ends at 65504 and loses precision below
  * 6e-5. Else it is brought just below 2^STORED_EXPONENT, by a power of two of at most 2^MAX_SCALE_EXPONENT. */
 #define MAX_STORED 65504.0f
 #define MIN_STORED_MAX 0.0625f
@@ -68,56 +64,13 @@ static lmb_result size_add(const char *path, uint64_t *bytes, lmb_error *error)
     return LMB_OK;
 }
 
-static float texel_value(const lmb_irradz *texel, int channel)
+/* The power of two that light is divided by, so that the image's brightest texel suits fp16. */
+static float image_scale(const lmb_lightmap_image *image, const lmb_model *model)
 {
-    switch (channel) {
-    case 0:
-    case 1:
-    case 2:
-        return texel->irradiance_z.c[channel];
-    case 3:
-        return texel->ambient_weight;
-    case 4:
-        return texel->direction.x;
-    case 5:
-        return texel->direction.y;
-    default:
-        return texel->direction.z;
-    }
-}
-
-static void texel_set_value(lmb_irradz *texel, int channel, float value)
-{
-    switch (channel) {
-    case 0:
-    case 1:
-    case 2:
-        texel->irradiance_z.c[channel] = value;
-        break;
-    case 3:
-        texel->ambient_weight = value;
-        break;
-    case 4:
-        texel->direction.x = value;
-        break;
-    case 5:
-        texel->direction.y = value;
-        break;
-    default:
-        texel->direction.z = value;
-        break;
-    }
-}
-
-/* The power of two that irradiance is divided by, so that the image's brightest texel suits fp16. */
-static float image_scale(const lmb_lightmap_image *image)
-{
-    const size_t texels = (size_t)image->width * (size_t)image->height;
+    const size_t values = (size_t)model->light_count * (size_t)image->width * (size_t)image->height;
     float brightest = 0.0f;
-    for (size_t i = 0; i < texels; ++i) {
-        for (int c = 0; c < 3; ++c) {
-            brightest = fmaxf(brightest, image->texel[i].irradiance_z.c[c]);
-        }
+    for (size_t i = 0; i < values; ++i) {
+        brightest = fmaxf(brightest, fabsf(image->plane[i]));
     }
     if (brightest > 0.0f && (brightest > MAX_STORED || brightest < MIN_STORED_MAX)) {
         int exponent;
@@ -128,36 +81,35 @@ static float image_scale(const lmb_lightmap_image *image)
     return 1.0f;
 }
 
-static lmb_result image_write(const lmb_lightmap_image *image, const char *path, lmb_error *error)
+static lmb_result image_write(const lmb_lightmap_image *image, const lmb_model *model, const char *path,
+                              lmb_error *error)
 {
     const size_t texels = (size_t)image->width * (size_t)image->height;
-    float *values = malloc(texels * CHANNEL_COUNT * sizeof *values);
+    float *values = malloc(texels * (size_t)model->light_count * sizeof *values);
     if (!values) {
         return out_of_memory(error);
     }
-    const float scale = image_scale(image);
-    lmb_exr_channel channels[CHANNEL_COUNT];
-    for (int c = 0; c < CHANNEL_COUNT; ++c) {
-        float *plane = &values[(size_t)c * texels];
-        const float factor = c < 3 ? 1.0f / scale : 1.0f;
+    const float scale = image_scale(image, model);
+    lmb_exr_channel channels[LMB_MODEL_MOST_CHANNELS];
+    for (int c = 0; c < model->channel_count; ++c) {
+        channels[c] = (lmb_exr_channel){model->channel_name[c], lmb_lightmap_plane(image, c)};
+    }
+    for (int c = 0; c < model->light_count; ++c) {
+        float *const scaled = &values[(size_t)c * texels];
         for (size_t i = 0; i < texels; ++i) {
-            plane[i] = texel_value(&image->texel[i], c) * factor;
+            scaled[i] = channels[c].values[i] * (1.0f / scale);
         }
-        channels[c] = (lmb_exr_channel){CHANNELS[c], plane};
+        channels[c].values = scaled;
     }
     const lmb_exr_attribute attributes[] = {
-        {"lambent:format", FORMAT_NAME, 0.0f},
-        {"lambent:version", NULL, (float)FORMAT_VERSION},
-        {"lambent:encoding", ENCODING, 0.0f},
-        {"lambent:convention",
-         "R G B: normalised irradiance (integral of L cos / pi) at the vertex normal / lambent:scale, linear Rec. 709; "
-         "w: ambient weight; d: direction in world space, +Y up, normalise after filtering",
-         0.0f},
+        {"lambent:format", FORMAT_NAME, 0.0f},   {"lambent:version", NULL, (float)FORMAT_VERSION},
+        {"lambent:encoding", model->name, 0.0f}, {"lambent:convention", model->convention, 0.0f},
         {"lambent:scale", NULL, scale},
     };
     size_t overflows = 0;
-    const lmb_exr_picture picture = {image->width,  image->height, channels,
-                                     CHANNEL_COUNT, attributes,    sizeof attributes / sizeof attributes[0]};
+    const lmb_exr_picture picture = {image->width, image->height,
+                                     channels,     (size_t)model->channel_count,
+                                     attributes,   sizeof attributes / sizeof attributes[0]};
     const lmb_result result = lmb_exr_write(path, &picture, &overflows, error);
     free(values);
     return result;
@@ -179,7 +131,7 @@ static bool json_add_image(cJSON *images, const lmb_lightmap *lightmap, int32_t 
     return cJSON_AddItemToArray(images, object) && cJSON_AddStringToObject(object, "file", name) &&
            cJSON_AddNumberToObject(object, "width", image->width) &&
            cJSON_AddNumberToObject(object, "height", image->height) &&
-           cJSON_AddNumberToObject(object, "scale", (double)image_scale(image));
+           cJSON_AddNumberToObject(object, "scale", (double)image_scale(image, lightmap->model));
 }
 
 static bool json_add_node(cJSON *nodes, const lmb_lightmap *lightmap, uint32_t number)
@@ -210,6 +162,16 @@ static bool any_charts(const lmb_lightmap *lightmap)
     return false;
 }
 
+static bool json_add_channels(cJSON *channels, const lmb_model *model)
+{
+    const char *const *name = model->channel_name;
+    bool good = channels != NULL;
+    for (const lmb_model_part *part = model->part; good && part->count > 0; name += part->count, ++part) {
+        good = cJSON_AddItemToObject(channels, part->name, cJSON_CreateStringArray(name, part->count));
+    }
+    return good;
+}
+
 /* lightmap.json as text, for cJSON_free; NULL when out of memory. */
 static char *json_print(const lmb_lightmap *lightmap)
 {
@@ -217,16 +179,13 @@ static char *json_print(const lmb_lightmap *lightmap)
     bool good =
         cJSON_AddStringToObject(root, "format", FORMAT_NAME) &&
         cJSON_AddNumberToObject(root, "version", FORMAT_VERSION) &&
-        cJSON_AddStringToObject(root, "encoding", ENCODING) &&
+        cJSON_AddStringToObject(root, "encoding", lightmap->model->name) &&
         cJSON_AddNumberToObject(root, "texels_per_m", (double)lightmap->settings.texels_per_m) &&
         cJSON_AddNumberToObject(root, "max_image_size", lightmap->settings.max_image_size) &&
         (lightmap->settings.padding == 1 || cJSON_AddNumberToObject(root, "padding", lightmap->settings.padding)) &&
         (any_charts(lightmap) ? cJSON_AddStringToObject(root, "uv_level", UV_LEVEL_NAME)
                               : cJSON_AddNullToObject(root, "uv_level"));
-    cJSON *channels = cJSON_AddObjectToObject(root, "channels");
-    good = good && cJSON_AddItemToObject(channels, "irradiance", cJSON_CreateStringArray(&CHANNELS[0], 3)) &&
-           cJSON_AddItemToObject(channels, "ambient_weight", cJSON_CreateStringArray(&CHANNELS[3], 1)) &&
-           cJSON_AddItemToObject(channels, "direction", cJSON_CreateStringArray(&CHANNELS[4], 3));
+    good = good && json_add_channels(cJSON_AddObjectToObject(root, "channels"), lightmap->model);
     cJSON *images = cJSON_AddArrayToObject(root, "images");
     cJSON *nodes = cJSON_AddArrayToObject(root, "nodes");
     good = good && images && nodes;
@@ -291,7 +250,7 @@ static lmb_result file_write(file_writer *writer, file_kind kind, int32_t image,
     lmb_result result;
     switch (kind) {
     case FILE_IMAGE:
-        result = image_write(&writer->lightmap->image[image], path, writer->error);
+        result = image_write(&writer->lightmap->image[image], writer->lightmap->model, path, writer->error);
         break;
     case FILE_UV_LEVEL:
         result = uv_level_write(writer->lightmap, path, writer->options, writer->error);
@@ -423,9 +382,10 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error
     lmb_result result = LMB_OK;
     if (!root || !json_text_is(root, "format", FORMAT_NAME)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not a lightmap's description", path);
-    } else if (!json_number_is(root, "version", FORMAT_VERSION) || !json_text_is(root, "encoding", ENCODING)) {
+    } else if (!json_number_is(root, "version", FORMAT_VERSION) ||
+               !json_text_is(root, "encoding", lightmap->model->name)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: neither version %d nor encoding '%s'", path,
-                               (int)FORMAT_VERSION, ENCODING);
+                               (int)FORMAT_VERSION, lightmap->model->name);
     } else if (!json_layout_matches(root, lightmap)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT,
                                "%s: describes another layout than this level and these settings have", path);
@@ -436,12 +396,14 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error
     return result;
 }
 
-/* Reads one image's light into `texels`, of the image's size. */
-static lmb_result image_read(const lmb_lightmap_image *image, const char *path, lmb_irradz *texels, lmb_error *error)
+/* Reads one image's channels into `plane`, of the image's size. */
+static lmb_result image_read(const lmb_lightmap_image *image, const lmb_model *model, const char *path, float *plane,
+                             lmb_error *error)
 {
-    float *values[CHANNEL_COUNT] = {NULL};
+    float *values[LMB_MODEL_MOST_CHANNELS] = {NULL};
     lmb_exr_header header;
-    const lmb_result result = lmb_exr_read_channels(path, CHANNELS, CHANNEL_COUNT, values, &header, error);
+    const lmb_result result =
+        lmb_exr_read_channels(path, model->channel_name, (size_t)model->channel_count, values, &header, error);
     if (result != LMB_OK) {
         return result;
     }
@@ -449,11 +411,11 @@ static lmb_result image_read(const lmb_lightmap_image *image, const char *path, 
     const bool good = header.width == image->width && header.height == image->height && scale > 0.0f && isfinite(scale);
     const size_t count = good ? (size_t)image->width * (size_t)image->height : 0;
     bool finite = true;
-    for (int c = 0; c < CHANNEL_COUNT; ++c) {
+    for (int c = 0; c < model->channel_count; ++c) {
         for (size_t i = 0; i < count; ++i) {
-            const float value = values[c][i] * (c < 3 ? scale : 1.0f);
+            const float value = values[c][i] * (c < model->light_count ? scale : 1.0f);
             finite = finite && isfinite(value);
-            texel_set_value(&texels[i], c, value);
+            plane[(size_t)c * count + i] = value;
         }
         free(values[c]);
     }
@@ -463,16 +425,17 @@ static lmb_result image_read(const lmb_lightmap_image *image, const char *path, 
     return finite ? LMB_OK : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: holds NaN or infinity", path);
 }
 
-static lmb_result images_read(const lmb_lightmap *lightmap, const char *directory, lmb_irradz **texels,
-                              lmb_error *error)
+static lmb_result images_read(const lmb_lightmap *lightmap, const char *directory, float **plane, lmb_error *error)
 {
+    const lmb_model *model = lightmap->model;
     for (int32_t i = 0; i < lightmap->image_count; ++i) {
         const lmb_lightmap_image *image = &lightmap->image[i];
         char name[MAX_FILE_NAME];
         image_file_name(i, name);
         char *path = path_join(directory, name);
-        texels[i] = calloc((size_t)image->width * (size_t)image->height, sizeof **texels);
-        const lmb_result result = path && texels[i] ? image_read(image, path, texels[i], error) : out_of_memory(error);
+        plane[i] = calloc((size_t)image->width * (size_t)image->height * (size_t)model->channel_count, sizeof **plane);
+        const lmb_result result =
+            path && plane[i] ? image_read(image, model, path, plane[i], error) : out_of_memory(error);
         free(path);
         if (result != LMB_OK) {
             return result;
@@ -484,23 +447,23 @@ static lmb_result images_read(const lmb_lightmap *lightmap, const char *director
 lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_error *error)
 {
     char *path = path_join(directory, JSON_NAME);
-    lmb_irradz **texels = calloc((size_t)lightmap->image_count + 1u, sizeof *texels);
-    lmb_result result = path && texels ? json_check(lightmap, path, error) : out_of_memory(error);
+    float **plane = calloc((size_t)lightmap->image_count + 1u, sizeof *plane);
+    lmb_result result = path && plane ? json_check(lightmap, path, error) : out_of_memory(error);
     if (result == LMB_OK) {
-        result = images_read(lightmap, directory, texels, error);
+        result = images_read(lightmap, directory, plane, error);
     }
     if (result == LMB_OK && lmb_lightmap_mark(lightmap) != LMB_OK) {
         result = out_of_memory(error);
     }
-    for (int32_t i = 0; texels && i < lightmap->image_count; ++i) {
+    for (int32_t i = 0; plane && i < lightmap->image_count; ++i) {
         if (result == LMB_OK) {
-            free(lightmap->image[i].texel);
-            lightmap->image[i].texel = texels[i];
+            free(lightmap->image[i].plane);
+            lightmap->image[i].plane = plane[i];
         } else {
-            free(texels[i]);
+            free(plane[i]);
         }
     }
-    free(texels);
+    free(plane);
     free(path);
     return result;
 }

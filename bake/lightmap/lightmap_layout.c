@@ -458,6 +458,7 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
     if (created) {
         created->scene = scene;
         created->settings = *settings;
+        created->model = settings->model ? settings->model : lmb_model_default(LMB_MODEL_FOR_LIGHTMAP);
         created->settings.padding = settings->padding > 0 ? settings->padding : 1;
         created->region = calloc(instances, sizeof *created->region);
         created->corner_uv = calloc(meshes, sizeof *created->corner_uv);
@@ -496,7 +497,7 @@ void lmb_lightmap_destroy(lmb_lightmap *lightmap)
         free(lightmap->corner_uv[m]);
     }
     for (int32_t i = 0; i < lightmap->image_count; ++i) {
-        free(lightmap->image[i].texel);
+        free(lightmap->image[i].plane);
         free(lightmap->image[i].state);
     }
     free(lightmap->image);

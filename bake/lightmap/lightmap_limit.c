@@ -1,12 +1,13 @@
 /* Filtering must not make light.
  *
- * C_d = (1 - w) I_z / (n_v.d) is exact for the normal that a texel was encoded for. Where it is decoded at another, in
- * a chart that bends within a texel or between charts that share one, n_v.d may be far smaller, and C_d far larger,
- * than any light there is. So every piece of surface between texel centres is tried here as it will be seen: filtered,
- * decoded at its own normal, and its brightest direction compared with those of the texels around it. Where it is too
- * bright, d is stored short in the texels that it reads. lmb_irradz_decode trusts a d less whose n_v.d is below
- * LMB_IRRADZ_MIN_COS, so a length of LMB_IRRADZ_MIN_COS/(n_v.d) leaves a texel's own decode as it is and lets no lower
- * normal get more of C_d. What then still shines is taken off the directional share 1 - w. I_z stays as it is. */
+ * Of models that have a direction (lmb_model_direction), C_d = (1 - w) I_z / (n_v.d) is exact for the normal that a
+ * texel was encoded for. Where it is decoded at another, in a chart that bends within a texel or between charts that
+ * share one, n_v.d may be far smaller, and C_d far larger, than any light there is. So every piece of surface between
+ * texel centres is tried here as it will be seen: filtered, decoded at its own normal, and its brightest direction
+ * compared with those of the texels around it. Where it is too bright, d is stored short in the texels that it reads.
+ * decoding trusts a d less whose n_v.d is below the model's `min_height`, so a length of min_height / (n_v.d) leaves a
+ * texel's own decode as it is and lets no lower normal get more of C_d. What then still shines is taken off the
+ * directional share 1 - w. I_z stays as it is. */
 #include "lightmap/lightmap_internal.h"
 
 #include <math.h>
@@ -41,6 +42,7 @@ typedef enum limit_stage { LIMIT_LENGTHS, LIMIT_LENGTHS_AGAIN, LIMIT_WEIGHTS } l
 typedef struct limit_area {
     const lmb_tracer *tracer;
     const lmb_lightmap_image *image;
+    const lmb_model *model;
     const lmb_lightmap_region *region;
     uint32_t instance;
     int32_t padding; /* texels of the region's rim */
@@ -64,32 +66,47 @@ static bool area_has(const limit_area *area, int32_t x, int32_t y)
            y < area->region->height + area->padding;
 }
 
-static lmb_irradz *area_texel(const limit_area *area, int32_t x, int32_t y)
+/* One channel of the texel. */
+static float *area_value(const limit_area *area, int channel, int32_t x, int32_t y)
 {
     const int32_t column = area->region->x + x;
     const int32_t row = area->region->y + y;
-    return &area->image->texel[(size_t)row * (size_t)area->image->width + (size_t)column];
+    return &lmb_lightmap_plane(area->image, channel)[(size_t)row * (size_t)area->image->width + (size_t)column];
 }
 
-/* An HHD light of irradiance 1 at n_v. */
-typedef struct unit_hhd {
+static lmb_rgb area_light(const limit_area *area, int32_t x, int32_t y)
+{
+    return rgb(*area_value(area, 0, x, y), *area_value(area, 1, x, y), *area_value(area, 2, x, y));
+}
+
+/* A light of irradiance 1 at n_v. */
+typedef struct unit_light {
     float ambient, directional;
     float height; /* n_v.d */
-} unit_hhd;
+} unit_light;
 
-static unit_hhd unit_hhd_decode(const lmb_irradz *irradz, lmb_vec3 normal)
+static unit_light unit_light_decode(const limit_area *area, const float *channel, lmb_vec3 normal)
 {
-    const lmb_irradz unit = {{{1.0f, 1.0f, 1.0f}}, irradz->ambient_weight, irradz->direction};
-    const lmb_hhd_rgb hhd = lmb_irradz_decode(&unit, normal);
-    return (unit_hhd){hhd.ambient.c[0], hhd.directional.c[0], vec3_dot(hhd.direction, normal)};
+    unit_light unit;
+    area->model->direction->decode(channel, normal, &unit.ambient, &unit.directional, &unit.height);
+    return unit;
+}
+
+static unit_light texel_decode(const limit_area *area, int32_t x, int32_t y, lmb_vec3 normal)
+{
+    float channel[LMB_MODEL_MOST_CHANNELS];
+    for (int c = 0; c < area->model->channel_count; ++c) {
+        channel[c] = *area_value(area, c, x, y);
+    }
+    return unit_light_decode(area, channel, normal);
 }
 
 /* The irradiance of the brightest direction: C_a (1 + n_v.n)/2 + C_d n.d is C_a/2 + n.(C_a/2 n_v + C_d d). */
-static float unit_hhd_peak(const unit_hhd *hhd)
+static float unit_light_peak(const unit_light *light)
 {
-    const float half = 0.5f * hhd->ambient;
-    return half +
-           sqrtf(half * half + hhd->ambient * hhd->directional * hhd->height + hhd->directional * hhd->directional);
+    const float half = 0.5f * light->ambient;
+    return half + sqrtf(half * half + light->ambient * light->directional * light->height +
+                        light->directional * light->directional);
 }
 
 /* The C_d at which the brightest direction has irradiance `peak` >= 1 and n_v still 1, with C_a = 1 - C_d (n_v.d): the
@@ -107,7 +124,7 @@ static float directional_at_peak(float peak, float height)
 
 /* The four texels that one point reads. */
 typedef struct limit_filter {
-    lmb_irradz irradz; /* filtered */
+    float channel[LMB_MODEL_MOST_CHANNELS]; /* filtered */
     float weight[4];
 } limit_filter;
 
@@ -115,11 +132,10 @@ static void filter_make(const limit_area *area, const lmb_texel_piece *piece, fl
 {
     *filter = (limit_filter){.weight = {(1.0f - x) * (1.0f - y), x * (1.0f - y), (1.0f - x) * y, x * y}};
     for (int k = 0; k < 4; ++k) {
-        const lmb_irradz *texel = area_texel(area, piece->x + (k & 1), piece->y + (k >> 1));
         const float weight = filter->weight[k];
-        filter->irradz.irradiance_z = rgb_add(filter->irradz.irradiance_z, rgb_scale(texel->irradiance_z, weight));
-        filter->irradz.ambient_weight += weight * texel->ambient_weight;
-        filter->irradz.direction = vec3_mad(filter->irradz.direction, texel->direction, weight);
+        for (int c = 0; c < area->model->channel_count; ++c) {
+            filter->channel[c] += weight * *area_value(area, c, piece->x + (k & 1), piece->y + (k >> 1));
+        }
     }
 }
 
@@ -133,7 +149,7 @@ static lmb_rgb piece_brightest(const limit_area *area, const lmb_texel_piece *pi
                 continue;
             }
             const float peak = area_limit(area, x, y)->peak;
-            const lmb_rgb i_z = area_texel(area, x, y)->irradiance_z;
+            const lmb_rgb i_z = area_light(area, x, y);
             for (int c = 0; c < 3; ++c) {
                 brightest.c[c] = float_larger(brightest.c[c], peak * i_z.c[c]);
             }
@@ -172,7 +188,7 @@ static void directional_lower(limit_area *area, const lmb_texel_piece *piece, co
     float own[4], lower[4] = {0.0f, 0.0f, 0.0f, 0.0f};
     float total = 0.0f;
     for (int k = 0; k < 4; ++k) {
-        own[k] = 1.0f - area_texel(area, piece->x + (k & 1), piece->y + (k >> 1))->ambient_weight;
+        own[k] = 1.0f - *area_value(area, area->model->direction->weight, piece->x + (k & 1), piece->y + (k >> 1));
         total += filter->weight[k] * own[k];
     }
     float left = (1.0f - share) * total;
@@ -215,12 +231,12 @@ static float lowest_height(const limit_area *area, int32_t x, int32_t y)
  * there; never so far that it would be trusted less for the texel's own normal. */
 static void directions_shorten(limit_area *area, const lmb_texel_piece *piece, float height, float share)
 {
-    const float edge = LMB_IRRADZ_MIN_COS / float_larger(height, LMB_IRRADZ_MIN_COS);
+    const float trusted = area->model->direction->min_height;
+    const float edge = trusted / float_larger(height, trusted);
     for (int k = 0; k < 4; ++k) {
         limit_texel *texel = area_limit(area, piece->x + (k & 1), piece->y + (k >> 1));
         const float lowest = lowest_height(area, piece->x + (k & 1), piece->y + (k >> 1));
-        const float least =
-            LMB_IRRADZ_MIN_COS / float_larger(float_smaller(texel->height, EVEN_HEIGHTS * lowest), LMB_IRRADZ_MIN_COS);
+        const float least = trusted / float_larger(float_smaller(texel->height, EVEN_HEIGHTS * lowest), trusted);
         texel->shine = true;
         texel->length = float_smaller(texel->length, float_larger(texel->stored * edge * sqrtf(share), least));
     }
@@ -242,13 +258,14 @@ static tried_point point_try(limit_area *area, const lmb_texel_piece *piece, lmb
     limit_filter filter;
     filter_make(area, piece, (float)at.x, (float)at.y, &filter);
     const lmb_vec3 normal = area_normal(area, at.u, at.v);
-    tried_point tried = {at, vec3_dot(normal, filter.irradz.direction), false};
-    const unit_hhd hhd = unit_hhd_decode(&filter.irradz, normal);
-    const float allowed = peak_allowed(area->brightest, filter.irradz.irradiance_z);
-    if (!(unit_hhd_peak(&hhd) > SLACK * allowed)) {
+    const float *d = &filter.channel[area->model->direction->first];
+    tried_point tried = {at, vec3_dot(normal, vec3(d[0], d[1], d[2])), false};
+    const unit_light light = unit_light_decode(area, filter.channel, normal);
+    const float allowed = peak_allowed(area->brightest, rgb(filter.channel[0], filter.channel[1], filter.channel[2]));
+    if (!(unit_light_peak(&light) > SLACK * allowed)) {
         return tried;
     }
-    const float share = directional_at_peak(allowed, hhd.height) / hhd.directional;
+    const float share = directional_at_peak(allowed, light.height) / light.directional;
     tried.shines = true;
     if (share < 1.0f && area->stage != LIMIT_WEIGHTS) {
         directions_shorten(area, piece, tried.height, share);
@@ -264,19 +281,20 @@ static lmb_texel_vertex vertex_between(const lmb_texel_vertex *a, const lmb_texe
                               a->v + t * (b->v - a->v)};
 }
 
-/* The brightest place between two is where n_v.d falls through LMB_IRRADZ_MIN_COS: looked for by regula falsi. */
+/* The brightest place between two is where n_v.d falls through area->model->direction->min_height: looked for by regula
+ * falsi. */
 static void crossing_try(limit_area *area, const lmb_texel_piece *piece, tried_point low, tried_point high)
 {
     enum { STEPS = 4 };
     for (int step = 0; step < STEPS; ++step) {
-        const float below = low.height - LMB_IRRADZ_MIN_COS;
-        const float above = high.height - LMB_IRRADZ_MIN_COS;
+        const float below = low.height - area->model->direction->min_height;
+        const float above = high.height - area->model->direction->min_height;
         if (!(below < 0.0f && above > 0.0f)) {
             return;
         }
         const double t = (double)(below / (below - above));
         const tried_point between = point_try(area, piece, vertex_between(&low.at, &high.at, t));
-        if (between.height < LMB_IRRADZ_MIN_COS) {
+        if (between.height < area->model->direction->min_height) {
             low = between;
         } else {
             high = between;
@@ -374,9 +392,9 @@ static bool has_direction(lmb_vec3 a)
 /* What is known of a covered texel by itself. */
 static void covered_start(const limit_area *area, int32_t x, int32_t y, lmb_vec3 normal)
 {
-    const unit_hhd hhd = unit_hhd_decode(area_texel(area, x, y), normal);
-    area_limit(area, x, y)->height = hhd.height;
-    area_limit(area, x, y)->peak = unit_hhd_peak(&hhd);
+    const unit_light light = texel_decode(area, x, y, normal);
+    area_limit(area, x, y)->height = light.height;
+    area_limit(area, x, y)->peak = unit_light_peak(&light);
 }
 
 /* The same of a dilated one: for the mean normal of the covered texels around it, and no brighter than they. */
@@ -390,15 +408,15 @@ static void dilated_start(const limit_area *area, const lmb_texel_source *source
         if (has_direction(normal)) {
             sum = vec3_add(sum, normal);
             brightest = float_larger(brightest, area_limit(area, column, row)->peak *
-                                                    lmb_luminance(area_texel(area, column, row)->irradiance_z));
+                                                    lmb_luminance(area_light(area, column, row)));
         }
     }
-    const lmb_irradz *texel = area_texel(area, x, y);
-    const float light = lmb_luminance(texel->irradiance_z);
-    if (has_direction(sum) && light > 0.0f) {
-        const unit_hhd hhd = unit_hhd_decode(texel, vec3_normalize_or(sum, sum));
-        area_limit(area, x, y)->height = hhd.height;
-        area_limit(area, x, y)->peak = float_larger(float_smaller(unit_hhd_peak(&hhd), brightest / light), 1.0f);
+    const float luminance = lmb_luminance(area_light(area, x, y));
+    if (has_direction(sum) && luminance > 0.0f) {
+        const unit_light light = texel_decode(area, x, y, vec3_normalize_or(sum, sum));
+        area_limit(area, x, y)->height = light.height;
+        area_limit(area, x, y)->peak =
+            float_larger(float_smaller(unit_light_peak(&light), brightest / luminance), 1.0f);
     }
 }
 
@@ -427,15 +445,18 @@ static void area_start(const limit_area *area, const lmb_texel_source *source)
 /* Does what the stage has found. */
 static void area_change(const limit_area *area)
 {
+    const lmb_model_direction *direction = area->model->direction;
     for (int32_t y = -area->padding; y < area->region->height + area->padding; ++y) {
         for (int32_t x = -area->padding; x < area->region->width + area->padding; ++x) {
             limit_texel *limit = area_limit(area, x, y);
-            lmb_irradz *texel = area_texel(area, x, y);
             if (area->stage != LIMIT_WEIGHTS && limit->length < limit->stored) {
-                texel->direction = vec3_scale(texel->direction, limit->length / limit->stored);
+                for (int axis = 0; axis < 3; ++axis) {
+                    *area_value(area, direction->first + axis, x, y) *= limit->length / limit->stored;
+                }
                 limit->stored = limit->length;
             } else if (area->stage == LIMIT_WEIGHTS && limit->lower > 0.0f) {
-                texel->ambient_weight = float_smaller(texel->ambient_weight + limit->lower, 1.0f);
+                float *const weight = area_value(area, direction->weight, x, y);
+                *weight = float_smaller(*weight + limit->lower, 1.0f);
             }
         }
     }
@@ -461,6 +482,7 @@ static void limit_task(void *context, size_t task, int worker)
     const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, (uint32_t)task);
     limit_area area = {.tracer = work->tracer,
                        .image = &lightmap->image[region->image],
+                       .model = lightmap->model,
                        .region = region,
                        .instance = (uint32_t)task,
                        .padding = lightmap->settings.padding,
@@ -487,6 +509,9 @@ static void limit_task(void *context, size_t task, int worker)
 
 lmb_result lmb_lightmap_limit(lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_pool *pool)
 {
+    if (!lightmap->model->direction) {
+        return LMB_OK;
+    }
     const size_t instances = lightmap->scene->instance_count;
     limit_work work = {lightmap, tracer, calloc(instances + 1u, 1)};
     if (!work.out_of_memory) {

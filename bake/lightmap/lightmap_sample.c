@@ -1,37 +1,35 @@
 /* Looking up stored texels. */
 #include <math.h>
+#include <string.h>
 
-#include "base/vec3.h"
 #include "lightmap/lightmap_internal.h"
 
-static lmb_irradz irradz_mad(lmb_irradz sum, const lmb_irradz *texel, float weight)
+/* Where a hit lies in its image: in texels, from the first one's centre. */
+static void hit_find(const lmb_lightmap *lightmap, const lmb_hit *hit, double *x, double *y)
 {
-    for (int c = 0; c < 3; ++c) {
-        sum.irradiance_z.c[c] += weight * texel->irradiance_z.c[c];
-    }
-    sum.ambient_weight += weight * texel->ambient_weight;
-    sum.direction = vec3_mad(sum.direction, texel->direction, weight);
-    return sum;
-}
-
-lmb_irradz lmb_lightmap_sample(const lmb_lightmap *lightmap, uint32_t instance, uint32_t triangle, float u, float v)
-{
-    lmb_irradz sum = {{{0.0f, 0.0f, 0.0f}}, 0.0f, {0.0f, 0.0f, 0.0f}};
-    const lmb_lightmap_region *region = &lightmap->region[instance];
-    if (region->image < 0) {
-        return sum;
-    }
-    const lmb_lightmap_image *image = &lightmap->image[region->image];
-    const uint32_t number = lightmap->scene->instances[instance].mesh;
+    const lmb_lightmap_region *region = &lightmap->region[hit->instance];
+    const uint32_t number = lightmap->scene->instances[hit->instance].mesh;
     const lmb_mesh *mesh = &lightmap->scene->meshes[number];
     const lmb_vec2 *own = lightmap->corner_uv[number];
-    const lmb_vec2 a = lmb_texels_corner_uv(mesh, own, triangle, 0);
-    const lmb_vec2 b = lmb_texels_corner_uv(mesh, own, triangle, 1);
-    const lmb_vec2 c = lmb_texels_corner_uv(mesh, own, triangle, 2);
-    const float w = 1.0f - u - v;
-    const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, instance);
-    const double x = (double)(w * a.x + u * b.x + v * c.x) * grid.density - grid.shift_x + region->x - 0.5;
-    const double y = (double)(w * a.y + u * b.y + v * c.y) * grid.density - grid.shift_y + region->y - 0.5;
+    const lmb_vec2 a = lmb_texels_corner_uv(mesh, own, hit->triangle, 0);
+    const lmb_vec2 b = lmb_texels_corner_uv(mesh, own, hit->triangle, 1);
+    const lmb_vec2 c = lmb_texels_corner_uv(mesh, own, hit->triangle, 2);
+    const float u = hit->u, v = hit->v, w = 1.0f - u - v;
+    const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, hit->instance);
+    *x = (double)(w * a.x + u * b.x + v * c.x) * grid.density - grid.shift_x + region->x - 0.5;
+    *y = (double)(w * a.y + u * b.y + v * c.y) * grid.density - grid.shift_y + region->y - 0.5;
+}
+
+bool lmb_lightmap_sample(const lmb_lightmap *lightmap, const lmb_hit *hit, float channel[LMB_MODEL_MOST_CHANNELS])
+{
+    const lmb_lightmap_region *region = &lightmap->region[hit->instance];
+    memset(channel, 0, LMB_MODEL_MOST_CHANNELS * sizeof *channel);
+    if (region->image < 0) {
+        return false;
+    }
+    const lmb_lightmap_image *image = &lightmap->image[region->image];
+    double x, y;
+    hit_find(lightmap, hit, &x, &y);
     const double left = floor(x);
     const double top = floor(y);
     for (int k = 0; k < 4; ++k) {
@@ -40,7 +38,10 @@ lmb_irradz lmb_lightmap_sample(const lmb_lightmap *lightmap, uint32_t instance, 
         const double column = fmin(fmax(left + right, 0.0), image->width - 1);
         const double row = fmin(fmax(top + below, 0.0), image->height - 1);
         const double weight = (right ? x - left : 1.0 - (x - left)) * (below ? y - top : 1.0 - (y - top));
-        sum = irradz_mad(sum, &image->texel[(size_t)row * (size_t)image->width + (size_t)column], (float)weight);
+        const size_t pixel = (size_t)row * (size_t)image->width + (size_t)column;
+        for (int c = 0; c < lightmap->model->channel_count; ++c) {
+            channel[c] += (float)weight * lmb_lightmap_plane(image, c)[pixel];
+        }
     }
-    return sum;
+    return true;
 }

@@ -194,7 +194,11 @@ static void texel_encode(const lmb_texel_list *list, const listed_texel *texel, 
         radiance.channel[c] = lmb_sh3_fit_hemisphere(&moments->channel[c], normal);
     }
     lmb_lightmap_image *image = &lightmap->image[lightmap->region[texel->instance].image];
-    image->texel[texel->pixel] = lmb_irradz_encode(&radiance, normal, 0.0f);
+    float channel[LMB_MODEL_MOST_CHANNELS];
+    lightmap->model->encode(&radiance, normal, 0.0f, channel);
+    for (int c = 0; c < lightmap->model->channel_count; ++c) {
+        lmb_lightmap_plane(image, c)[texel->pixel] = channel[c];
+    }
     image->state[texel->pixel] = LMB_TEXEL_GATHERED;
 }
 
@@ -203,7 +207,7 @@ static void images_clear(lmb_lightmap *lightmap)
     for (int32_t i = 0; i < lightmap->image_count; ++i) {
         lmb_lightmap_image *image = &lightmap->image[i];
         const size_t texels = (size_t)image->width * (size_t)image->height;
-        memset(image->texel, 0, texels * sizeof *image->texel);
+        memset(image->plane, 0, (size_t)lightmap->model->channel_count * texels * sizeof *image->plane);
         memset(image->state, LMB_TEXEL_EMPTY, texels);
     }
 }

@@ -8,7 +8,7 @@
 
 #include <lambent/chart.h>
 #include <lambent/gather_elements.h>
-#include <lambent/hhd.h>
+#include <lambent/model.h>
 #include <lambent/surface.h>
 #include <lambent/uv_check.h>
 #include <lambent/warning.h>
@@ -26,6 +26,7 @@ typedef struct lmb_lightmap_settings {
                                LMB_LIGHTMAP_MAX_PADDING: one is what bilinear filtering reads, each mip level doubles
                                that. 0 counts as 1 */
     lmb_warnings warnings;  /* UVs that are not used, densities that do not fit, islands of a few texels */
+    const lmb_model *model; /* that texels are stored in; NULL: the default one of lightmaps */
 } lmb_lightmap_settings;
 
 /* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048, padding 1. */
@@ -45,8 +46,8 @@ typedef struct lmb_lightmap_region {
 /* One image of texels. */
 typedef struct lmb_lightmap_image {
     int32_t width, height;
-    lmb_irradz *texel; /* [x + width y]; zero light until baked or read */
-    uint8_t *state;    /* [x + width y] lmb_texel_state */
+    float *plane;   /* [channel][x + width y] of the lightmap's model; 0 until baked or read */
+    uint8_t *state; /* [x + width y] lmb_texel_state */
 } lmb_lightmap_image;
 
 typedef enum lmb_texel_state { LMB_TEXEL_EMPTY, LMB_TEXEL_GATHERED, LMB_TEXEL_DILATED } lmb_texel_state;
@@ -54,6 +55,7 @@ typedef enum lmb_texel_state { LMB_TEXEL_EMPTY, LMB_TEXEL_GATHERED, LMB_TEXEL_DI
 typedef struct lmb_lightmap {
     const lmb_scene *scene;
     lmb_lightmap_settings settings;
+    const lmb_model *model;
     lmb_lightmap_region *region; /* [instance] */
     lmb_vec2 **corner_uv;        /* [mesh] charts made here: [3 * triangle + corner], or NULL: the mesh's TEXCOORD_1 */
     lmb_uv_fault *fault;         /* [mesh] why charts were made, LMB_UV_GOOD when they were not */
@@ -78,8 +80,8 @@ void lmb_texel_list_destroy(lmb_texel_list *list);
 /* To be gathered at. */
 lmb_gather_list lmb_texel_list_elements(const lmb_texel_list *list);
 
-/* Fits SH3 to what was gathered, [covered_texel_count] in the list's order, encodes it into the list's lightmap, and
- * dilates into the padding. @return LMB_ERROR_MEMORY */
+/* Fits SH3 to what was gathered, [covered_texel_count] in the list's order, encodes it by the model into the list's
+ * lightmap, and dilates into the padding. @return LMB_ERROR_MEMORY */
 lmb_result lmb_texel_list_finish(const lmb_texel_list *list, const lmb_gathered *gathered, lmb_pool *pool,
                                  lmb_lightmap *lightmap);
 
@@ -93,9 +95,15 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
 lmb_gather_point lmb_surface_gather_point(const lmb_tracer *tracer, const lmb_place *place, float radius,
                                           bool *pushed_out);
 
-/* The stored texels at barycentric (u, v) of a triangle, bilinear; the direction is filtered, not renormalised
- * (lmb_irradz_decode does). Zero light where the instance has none. */
-lmb_irradz lmb_lightmap_sample(const lmb_lightmap *lightmap, uint32_t instance, uint32_t triangle, float u, float v);
+/* One channel of an image. */
+static inline float *lmb_lightmap_plane(const lmb_lightmap_image *image, int channel)
+{
+    return image->plane + (size_t)channel * (size_t)image->width * (size_t)image->height;
+}
+
+/* The stored texels at a hit, filtered bilinearly: the model's channels, to be evaluated. All 0, and false, where the
+ * instance has none. */
+bool lmb_lightmap_sample(const lmb_lightmap *lightmap, const lmb_hit *hit, float channel[LMB_MODEL_MOST_CHANNELS]);
 
 /* Writes lightmap_N.exr for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the
  * new UVs, through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.

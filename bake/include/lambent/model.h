@@ -1,0 +1,86 @@
+/* Lighting models: what is made of a hemisphere of light, and how it lights a bumpy surface.
+ *
+ * One row for each model; everything that bakes, stores, filters or compares them goes through the table and knows none
+ * by name. A model is stored as floats, its channels, which can be filtered; what filtering leaves can be evaluated.
+ * Rows of what ships with the sampler wrap its functions, so that a file and a game agree bit for bit. */
+#ifndef LAMBENT_MODEL_H
+#define LAMBENT_MODEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include <lambent/sh.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a model can be made for; a bit each. */
+typedef enum lmb_model_use {
+    LMB_MODEL_FOR_LIGHTMAP = 1, /* a texel, of SH3 fitted over its hemisphere */
+    LMB_MODEL_FOR_SURFACE = 2,  /* a surface that is lit by probes as if by a lightmap */
+    LMB_MODEL_FOR_OBJECT = 4    /* an object that moves among probes */
+} lmb_model_use;
+
+/* Of models that are I_z at the vertex normal n_v, an ambient weight w and a direction d: the light that a texel stands
+ * for, C_a (1 + n_v.n)/2 + C_d max(0, n.d), depends on the normal that it is decoded for, and filtering may make light.
+ */
+typedef struct lmb_model_direction {
+    int weight;       /* channel of w; 1 - w is the directional share */
+    int first;        /* of the three channels of d, which may be shorter than 1 */
+    float min_height; /* the lowest n_v.d of which decoding believes all */
+    /* C_a, C_d and n_v.d of the light with I(n_v) = 1 that w and d give at a normal. */
+    void (*decode)(const float *channel, lmb_vec3 normal, float *ambient, float *directional, float *height);
+} lmb_model_direction;
+
+/* Channels that belong together, one after the other. */
+typedef struct lmb_model_part {
+    const char *name;
+    int count;
+} lmb_model_part;
+
+enum { LMB_MODEL_MOST_CHANNELS = 27 };
+
+typedef struct lmb_model {
+    const char *name;       /* in files: what it is made of */
+    const char *short_name; /* on the command line */
+    const char *title;      /* for people */
+    unsigned uses;          /* lmb_model_use */
+    unsigned default_uses;  /* of them, those that it is taken for unless told otherwise */
+    bool at_run_time;       /* the sampler has it */
+    int channel_count;
+    const char *const *channel_name;
+    const lmb_model_part *part; /* all channels; ended by a count of 0 */
+    int light_count;            /* the first channels, which scale with the light: one RGB colour or more */
+    int bytes;                  /* of a stored texel or probe, as fp16 */
+    const char *convention;     /* what the channels mean, for a file's header */
+
+    /* Makes channels of SH3 radiance about unit `vertex_normal`, clipped by a cone about it (cone_cos = 0: the
+     * hemisphere). Models without occlusion ignore both. */
+    void (*encode)(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos, float *channel);
+
+    /* Normalised irradiance at `count` unit normals, >= 0, whatever was filtered. */
+    void (*evaluate)(const float *channel, lmb_vec3 vertex_normal, const lmb_vec3 *normal, int count,
+                     lmb_rgb *irradiance);
+
+    /* Makes of a sum over several, whose weights come to `total`, what one of them would be. */
+    void (*average)(float *channel, float total);
+
+    const lmb_model_direction *direction; /* NULL: filtering makes no light */
+} lmb_model;
+
+/* The table. */
+size_t lmb_model_count(void);
+const lmb_model *lmb_model_at(size_t index);
+
+/* The row of that name, or short name; NULL: none. */
+const lmb_model *lmb_model_find(const char *name);
+
+/* What is taken unless told otherwise. */
+const lmb_model *lmb_model_default(lmb_model_use use);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

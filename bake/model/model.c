@@ -1,0 +1,36 @@
+#include <lambent/model.h>
+
+#include <string.h>
+
+#include "model/models.h"
+
+static const lmb_model *const table[] = {&lmb_model_irradz_hhd, &lmb_model_hlsh, &lmb_model_sh3};
+
+size_t lmb_model_count(void)
+{
+    return sizeof table / sizeof table[0];
+}
+
+const lmb_model *lmb_model_at(size_t index)
+{
+    return table[index];
+}
+
+const lmb_model *lmb_model_find(const char *name)
+{
+    for (size_t i = 0; i < lmb_model_count(); ++i) {
+        if (strcmp(table[i]->name, name) == 0 || strcmp(table[i]->short_name, name) == 0) {
+            return table[i];
+        }
+    }
+    return NULL;
+}
+
+const lmb_model *lmb_model_default(lmb_model_use use)
+{
+    size_t i = 0;
+    while (i + 1 < lmb_model_count() && !(table[i]->default_uses & (unsigned)use)) {
+        ++i;
+    }
+    return table[i];
+}

@@ -1,0 +1,89 @@
+/* IrradZ: HHD in the form that lightmaps store (lambent/hhd.h). */
+#include <lambent/hhd.h>
+
+#include "base/rgb.h"
+#include "base/vec3.h"
+#include "model/models.h"
+
+enum { R, G, B, WEIGHT, DIRECTION, CHANNELS = DIRECTION + 3 };
+
+static const char *const names[CHANNELS] = {"R", "G", "B", "w", "d.X", "d.Y", "d.Z"};
+
+static const lmb_model_part parts[] = {{"irradiance", 3}, {"ambient_weight", 1}, {"direction", 3}, {NULL, 0}};
+
+static lmb_irradz irradz_of(const float *channel)
+{
+    return (lmb_irradz){{{channel[R], channel[G], channel[B]}},
+                        channel[WEIGHT],
+                        {channel[DIRECTION], channel[DIRECTION + 1], channel[DIRECTION + 2]}};
+}
+
+static void encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos, float *channel)
+{
+    const lmb_irradz irradz = lmb_irradz_encode(radiance, vertex_normal, cone_cos);
+    for (int c = 0; c < 3; ++c) {
+        channel[c] = irradz.irradiance_z.c[c];
+    }
+    channel[WEIGHT] = irradz.ambient_weight;
+    channel[DIRECTION] = irradz.direction.x;
+    channel[DIRECTION + 1] = irradz.direction.y;
+    channel[DIRECTION + 2] = irradz.direction.z;
+}
+
+static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec3 *normal, int count,
+                     lmb_rgb *irradiance)
+{
+    const lmb_irradz irradz = irradz_of(channel);
+    const lmb_hhd_rgb hhd = lmb_irradz_decode(&irradz, vertex_normal);
+    for (int i = 0; i < count; ++i) {
+        irradiance[i] = lmb_hhd_rgb_evaluate(&hhd, vertex_normal, normal[i]);
+    }
+}
+
+static void average(float *channel, float total)
+{
+    const lmb_irradz sum = irradz_of(channel);
+    const lmb_rgb light = rgb_scale(sum.irradiance_z, 1.0f / total);
+    const lmb_vec3 direction = vec3_normalize_or(sum.direction, sum.direction);
+    for (int c = 0; c < 3; ++c) {
+        channel[c] = light.c[c];
+    }
+    channel[WEIGHT] = sum.ambient_weight / total;
+    channel[DIRECTION] = direction.x;
+    channel[DIRECTION + 1] = direction.y;
+    channel[DIRECTION + 2] = direction.z;
+}
+
+static void unit_decode(const float *channel, lmb_vec3 normal, float *ambient, float *directional, float *height)
+{
+    lmb_irradz unit = irradz_of(channel);
+    unit.irradiance_z = rgb(1.0f, 1.0f, 1.0f);
+    const lmb_hhd_rgb hhd = lmb_irradz_decode(&unit, normal);
+    *ambient = hhd.ambient.c[0];
+    *directional = hhd.directional.c[0];
+    *height = vec3_dot(hhd.direction, normal);
+}
+
+static const lmb_model_direction direction = {
+    .weight = WEIGHT, .first = DIRECTION, .min_height = LMB_IRRADZ_MIN_COS, .decode = unit_decode};
+
+const lmb_model lmb_model_irradz_hhd = {
+    .name = "irradz-hhd",
+    .short_name = "hhd",
+    .title = "IrradZ",
+    .uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
+    .default_uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_SURFACE,
+    .at_run_time = true,
+    .channel_count = CHANNELS,
+    .channel_name = names,
+    .part = parts,
+    .light_count = 3,
+    .bytes = 2 * CHANNELS,
+    .convention =
+        "R G B: normalised irradiance (integral of L cos / pi) at the vertex normal / lambent:scale, linear Rec. 709; "
+        "w: ambient weight; d: direction in world space, +Y up, normalise after filtering",
+    .encode = encode,
+    .evaluate = evaluate,
+    .average = average,
+    .direction = &direction,
+};

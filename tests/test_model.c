@@ -1,0 +1,132 @@
+/* The table of lighting models: every row keeps its promises, and a lightmap can be stored in any. */
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <lambent/hhd.h>
+#include <lambent/hlsh.h>
+#include <lambent/model.h>
+
+#include "harness.h"
+#include "lightmap_fixture.h"
+
+/* Light from above and a little from the side, of three colours. */
+static lmb_sh3_rgb some_light(void)
+{
+    lmb_sh3_rgb light;
+    for (int c = 0; c < 3; ++c) {
+        const lmb_vec3 from = {0.36f, 0.8f, c == 1 ? 0.48f : -0.48f};
+        const lmb_sh3 basis = lmb_sh3_basis(from);
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            light.channel[c].c[i] = (float)(c + 1) * basis.c[i] + (i == 0 ? 1.0f : 0.0f);
+        }
+    }
+    return light;
+}
+
+static void rows_are_whole(void)
+{
+    for (size_t i = 0; i < lmb_model_count(); ++i) {
+        const lmb_model *model = lmb_model_at(i);
+        int channels = 0;
+        for (const lmb_model_part *part = model->part; part->count > 0; ++part) {
+            channels += part->count;
+        }
+        CHECK(channels == model->channel_count && channels <= LMB_MODEL_MOST_CHANNELS, "%s: %d", model->name, channels);
+        CHECK(model->light_count > 0 && model->light_count <= channels && model->bytes >= 2 * channels, "%s",
+              model->name);
+        CHECK((model->default_uses & ~model->uses) == 0, "%s", model->name);
+        CHECK(lmb_model_find(model->name) == model && lmb_model_find(model->short_name) == model, "%s", model->name);
+        for (int a = 0; a < channels; ++a) {
+            for (int b = 0; b < a; ++b) {
+                CHECK(strcmp(model->channel_name[a], model->channel_name[b]) != 0, "%s: %s", model->name,
+                      model->channel_name[a]);
+            }
+        }
+    }
+    CHECK(!lmb_model_find("nothing"), "nothing");
+    CHECK(lmb_model_default(LMB_MODEL_FOR_LIGHTMAP) == lmb_model_find("irradz-hhd"), "lightmaps");
+    CHECK(lmb_model_default(LMB_MODEL_FOR_SURFACE) == lmb_model_find("hhd"), "surfaces");
+    CHECK(lmb_model_default(LMB_MODEL_FOR_OBJECT) == lmb_model_find("hlsh"), "objects");
+}
+
+/* What a row gives is what the sampler gives, to the bit. */
+static void rows_are_the_sampler(void)
+{
+    const lmb_sh3_rgb light = some_light();
+    const lmb_vec3 n_v = {0.0f, 1.0f, 0.0f}, n = {0.6f, 0.8f, 0.0f};
+    const lmb_irradz irradz = lmb_irradz_encode(&light, n_v, 0.3f);
+    const lmb_hhd_rgb hhd = lmb_irradz_decode(&irradz, n_v);
+    const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(&light, n_v, 0.3f);
+    const struct {
+        const char *name;
+        lmb_rgb irradiance;
+    } expected[] = {{"irradz-hhd", lmb_hhd_rgb_evaluate(&hhd, n_v, n)},
+                    {"hlsh", lmb_hlsh_rgb_evaluate(&hlsh, n_v, n)},
+                    {"sh3", lmb_sh3_rgb_irradiance(&light, n)}};
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; ++i) {
+        const lmb_model *model = lmb_model_find(expected[i].name);
+        float channel[LMB_MODEL_MOST_CHANNELS];
+        lmb_rgb found;
+        model->encode(&light, n_v, 0.3f, channel);
+        model->evaluate(channel, n_v, &n, 1, &found);
+        CHECK(memcmp(&found, &expected[i].irradiance, sizeof found) == 0, "%s: %g, not %g", expected[i].name,
+              (double)found.c[0], (double)expected[i].irradiance.c[0]);
+        /* The mean of one, twice over, is that one. */
+        for (int c = 0; c < model->channel_count; ++c) {
+            channel[c] *= 2.0f;
+        }
+        model->average(channel, 2.0f);
+        model->evaluate(channel, n_v, &n, 1, &found);
+        CHECK_NEAR(found.c[1], expected[i].irradiance.c[1], 1e-5f * expected[i].irradiance.c[1], "%s",
+                   expected[i].name);
+    }
+}
+
+/* Floor tiles in the sun, stored by every model, written, read back, and evaluated: normalised irradiance of 3 lux. */
+static void lightmaps_in_every_model(void)
+{
+    static const char path[] = OUTPUT("model_tiles.glb");
+    const lmb_vec3 up = {0.0f, 1.0f, 0.0f};
+    lmb_error error = {{0}};
+    baked bake = {.lightmap = NULL};
+    if (!level_fixture_open(&bake.level, path, write_tiles(path, 3.0f, &error), &error, 1)) {
+        return;
+    }
+    for (size_t i = 0; i < lmb_model_count(); ++i) {
+        const lmb_lightmap_settings settings = {.texels_per_m = 4.0f, .max_image_size = 256, .model = lmb_model_at(i)};
+        lmb_lightmap *read = NULL;
+        char folder[256];
+        uint64_t bytes = 0;
+        snprintf(folder, sizeof folder, OUTPUT("model_%s"), settings.model->name);
+        mkdir(folder, 0777);
+        CHECK(lmb_lightmap_create(bake.level.scene, &settings, &bake.lightmap, &error) == LMB_OK &&
+                  lightmap_bake(&bake, 64) &&
+                  lmb_lightmap_write(bake.lightmap, folder, NULL, &bytes, &error) == LMB_OK &&
+                  lmb_lightmap_create(bake.level.scene, &settings, &read, &error) == LMB_OK &&
+                  lmb_lightmap_read(read, folder, &error) == LMB_OK,
+              "%s: %s", settings.model->name, error.message);
+        const lmb_hit hit = {.instance = 0, .triangle = 0, .u = 0.3f, .v = 0.3f};
+        float channel[LMB_MODEL_MOST_CHANNELS];
+        lmb_rgb irradiance = {{0.0f, 0.0f, 0.0f}};
+        if (read) {
+            CHECK(read->model == settings.model && lmb_lightmap_sample(read, &hit, channel), "%s",
+                  settings.model->name);
+            read->model->evaluate(channel, up, &up, 1, &irradiance);
+        }
+        /* A sun at the zenith gives 3 / pi; SH3 as it is, not clipped, its band limit. */
+        CHECK_NEAR(irradiance.c[1], 3.0 / 3.14159265, 0.1, "%s", settings.model->name);
+        lmb_lightmap_destroy(read);
+        lmb_lightmap_destroy(bake.lightmap);
+        bake.lightmap = NULL;
+    }
+    baked_close(&bake);
+}
+
+static const test_case cases[] = {
+    {"rows_are_whole", rows_are_whole},
+    {"rows_are_the_sampler", rows_are_the_sampler},
+    {"lightmaps_in_every_model", lightmaps_in_every_model},
+};
+
+TEST_MAIN(cases)
