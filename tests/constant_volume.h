@@ -9,6 +9,7 @@
 #include <lambent/volume.h>
 
 #include "harness.h"
+#include "probes_fixture.h"
 
 /* A volume of one constant radiance all over the bounds of a level. */
 typedef struct constant_volume {
@@ -32,25 +33,19 @@ static inline bool constant_volume_make(const lmb_scene *scene, lmb_rgb radiance
         min[i] = (int32_t)floorf(low[i]) - 1;
         size[i] = (int32_t)ceilf(high[i]) + 2 - min[i];
     }
-    const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
-    lmb_grid *grid = NULL;
-    uint8_t *wanted = malloc(count);
-    bool good = wanted && lmb_grid_create(1.0f, min, size, &grid) == LMB_OK;
-    if (good) {
-        memset(wanted, 1, count);
-        good = lmb_grid_add_probes(grid, wanted) == LMB_OK;
-    }
-    for (int32_t i = 0; good && i < grid->probe_count; ++i) {
+    const lmb_lattice lattice = {1.0f, {min[0], min[1], min[2]}, {size[0], size[1], size[2]}};
+    lmb_probes *grid = fixture_probes(&lattice, NULL);
+    bool good = grid != NULL;
+    for (int32_t i = 0; good && i < grid->count; ++i) {
         grid->validity[i] = 1.0f;
         for (int c = 0; c < 3; ++c) {
-            grid->radiance[i].channel[c].c[0] = radiance.c[c] * 3.54490770f; /* 2 sqrt(pi) */
+            grid->radiance[0][i].channel[c].c[0] = radiance.c[c] * 3.54490770f; /* 2 sqrt(pi) */
         }
     }
     size_t bytes = 0;
     good = good && lmb_pack(grid, &made->data, &bytes, NULL) == LMB_OK &&
            lmb_volume_open_memory(made->data, bytes, &made->volume) == LMB_OK;
-    free(wanted);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     CHECK(good, "volume");
     if (!good) {
         constant_volume_close(made);

@@ -6,7 +6,7 @@
 #include <stdarg.h>
 #include <stdint.h>
 
-#include "grid_fixture.h"
+#include "probes_fixture.h"
 #include "harness.h"
 
 enum { CROSSED_MAX_NODES = 8, CROSSED_TEXT_SIZE = 1 << 16, CROSSED_BUFFER_SIZE = 4096 };

@@ -6,13 +6,13 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include <lambent/grid_bake.h>
+#include <lambent/probes_bake.h>
 #include <lambent/lightmap.h>
 #include <lambent/pack.h>
 #include <lambent/placement.h>
 #include <lambent/volume.h>
 
-#include "grid_fixture.h"
+#include "probes_fixture.h"
 #include "scenes/level_builder.h"
 #include "irradz_fixture.h"
 #include "level_fixture.h"
@@ -21,7 +21,7 @@ static const lmb_vec3 hard_up = {0.0f, 1.0f, 0.0f};
 
 typedef struct hard_level {
     level_fixture traced;
-    lmb_grid *grid;
+    lmb_probes *grid;
     lmb_placement_stats placement;
     lmb_gather_stats baked;
     unsigned char *file;
@@ -49,7 +49,7 @@ static inline void hard_close(hard_level *level)
 {
     lmb_volume_close(level->volume);
     free(level->file);
-    lmb_grid_destroy(level->grid);
+    lmb_probes_destroy(level->grid);
     lmb_lightmap_destroy(level->lightmap);
     level_fixture_close(&level->traced);
 }
@@ -72,19 +72,19 @@ static inline bool rgb_is_light(lmb_rgb light)
     return good;
 }
 
-static inline void hard_check_grid(const lmb_grid *grid)
+static inline void hard_check_grid(const lmb_probes *grid)
 {
     lmb_error error = {{0}};
-    CHECK(lmb_grid_validate(grid, &error) == LMB_OK, "%s", error.message);
+    CHECK(lmb_probes_validate(grid, &error) == LMB_OK, "%s", error.message);
     int32_t broken = 0;
-    for (int32_t i = 0; i < grid->probe_count; ++i) {
-        bool good = sh_is_finite(&grid->radiance[i]);
+    for (int32_t i = 0; i < grid->count; ++i) {
+        bool good = sh_is_finite(&grid->radiance[0][i]);
         for (int c = 0; c < 3; ++c) {
-            good = good && grid->radiance[i].channel[c].c[0] >= 0.0f;
+            good = good && grid->radiance[0][i].channel[c].c[0] >= 0.0f;
         }
         broken += !good;
     }
-    CHECK(broken == 0, "%d of %d probes", (int)broken, (int)grid->probe_count);
+    CHECK(broken == 0, "%d of %d probes", (int)broken, (int)grid->count);
 }
 
 /* Anywhere in the bounds, around them, and where no position is. */
@@ -138,8 +138,8 @@ static inline bool hard_bake_volume(hard_level *level, const hard_settings *sett
                                            &level->placement, &error);
     if (result == LMB_OK) {
         result =
-            lmb_grid_bake(level->grid, &level->traced.transport, &(lmb_gather_effort){.samples = settings->samples},
-                          level->traced.pool, NULL, &level->baked);
+            lmb_probes_bake(level->grid, &level->traced.transport, &(lmb_gather_effort){.samples = settings->samples},
+                            level->traced.pool, NULL, &level->baked);
     }
     size_t size = 0;
     if (result == LMB_OK) {

@@ -1,6 +1,6 @@
 /* Every allocation fails in turn: the result says so, outputs are untouched, and (under AddressSanitizer) nothing
  * leaks. The linker sends the libraries' allocations here (--wrap). */
-#include "grid_fixture.h"
+#include "probes_fixture.h"
 #include "harness.h"
 
 #include <lambent/file.h>
@@ -45,37 +45,38 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 
 static const int32_t min[3] = {0, 0, 0}, size[3] = {3, 3, 3};
 
-static lmb_result create_grid(void)
+static lmb_result create_probes(void)
 {
-    lmb_grid *grid = NULL;
-    const lmb_result result = lmb_grid_create(1.0f, min, size, &grid);
-    CHECK((grid != NULL) == (result == LMB_OK), "grid");
-    lmb_grid_destroy(grid);
+    lmb_probes *probes = NULL;
+    const lmb_result result = lmb_probes_create(&probes);
+    CHECK((probes != NULL) == (result == LMB_OK), "probes");
+    lmb_probes_destroy(probes);
     return result;
 }
 
-static lmb_grid *shared_grid;
+static lmb_probes *shared_grid;
 static unsigned char *shared_image;
 static size_t shared_bytes;
 
 static lmb_result add_probes(void)
 {
-    static const uint8_t wanted[27] = {1, 1, 1};
+    static const lmb_lattice lattice = {1.0f, {0, 0, 0}, {3, 3, 3}};
+    static const int32_t points[3][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     const int left = allocations_left;
     allocations_left = -1;
-    lmb_grid *grid = NULL;
-    CHECK(lmb_grid_create(1.0f, min, size, &grid) == LMB_OK, "create");
+    lmb_probes *grid = NULL;
+    CHECK(lmb_probes_create(&grid) == LMB_OK, "create");
     allocations_left = left;
-    const lmb_result result = lmb_grid_add_probes(grid, wanted);
-    CHECK(lmb_grid_validate(grid, NULL) == LMB_OK, "the grid is whole");
-    CHECK(grid->probe_count == (result == LMB_OK ? 3 : 0), "%d probes", grid->probe_count);
-    lmb_grid_destroy(grid);
+    const lmb_result result = lmb_probes_add_level(grid, &lattice, points, 3);
+    CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "the probes are whole");
+    CHECK(grid->count == (result == LMB_OK ? 3 : 0), "%d probes", grid->count);
+    lmb_probes_destroy(grid);
     return result;
 }
 
 static lmb_result dilate(void)
 {
-    return lmb_grid_dilate(shared_grid);
+    return lmb_probes_dilate(shared_grid);
 }
 
 static lmb_result pack(void)
@@ -141,9 +142,15 @@ static void test_each(void)
         lmb_result (*run)(void);
         int least; /* failures seen, at least */
     } runs[] = {
-        {"create", create_grid, 2}, {"add probes", add_probes, 3}, {"dilate", dilate, 2},
-        {"pack", pack, 4},          {"open", open_volume, 1},      {"map", open_file, 1},
-        {"read", read_file, 1},     {"write", write_file, 1},      {"read and grow", read_growing_file, 2},
+        {"create", create_probes, 2},
+        {"add probes", add_probes, 6},
+        {"dilate", dilate, 2},
+        {"pack", pack, 4},
+        {"open", open_volume, 1},
+        {"map", open_file, 1},
+        {"read", read_file, 1},
+        {"write", write_file, 1},
+        {"read and grow", read_growing_file, 2},
     };
     shared_grid = fixture_grid(1.0f, min, size, 1.0, 0.5, 1.0, 3);
     CHECK(lmb_pack(shared_grid, &shared_image, &shared_bytes, NULL) == LMB_OK, "pack");
@@ -161,7 +168,7 @@ static void test_each(void)
     }
     remove(LMB_TEST_OUTPUT_DIR "/allocation.lmb");
     free(shared_image);
-    lmb_grid_destroy(shared_grid);
+    lmb_probes_destroy(shared_grid);
 }
 
 static const test_case cases[] = {{"every allocation fails in turn", test_each}};

@@ -235,7 +235,7 @@ static double green_sampled(const char *path)
 static void edited_volumes_give_edited_light(void)
 {
     lmb_error error = {{0}};
-    lmb_grid *grid;
+    lmb_probes *grid;
     if (!baked()) {
         return;
     }
@@ -243,9 +243,9 @@ static void edited_volumes_give_edited_light(void)
         CHECK(false, "%s", error.message);
         return;
     }
-    for (int32_t i = 0; i < grid->probe_count; ++i) {
+    for (int32_t i = 0; i < grid->count; ++i) {
         for (int k = 0; k < LMB_SH3_COUNT; ++k) {
-            grid->radiance[i].channel[1].c[k] *= 2.0f;
+            grid->radiance[0][i].channel[1].c[k] *= 2.0f;
         }
     }
     const lmb_vdb_metadata metadata = {"{}", "0"};
@@ -254,12 +254,12 @@ static void edited_volumes_give_edited_light(void)
     const double green = green_sampled("b/probes.lmb");
     CHECK(green > 0.0, "%g", green);
     CHECK_NEAR(green_sampled("edited.lmb"), 2.0 * green, 2e-3 * green, "twice the green");
-    for (int32_t i = 0; i < grid->probe_count; ++i) {
+    for (int32_t i = 0; i < grid->count; ++i) {
         grid->validity[i] = 0.0f;
     }
     CHECK(lmb_vdb_write(OUTPUT "/edited.vdb", grid, &metadata, &error) == LMB_OK, "%s", error.message);
     CHECK_RUN(3, "edited.vdb: no probe has light", IN_OUTPUT LMB_COMMAND " pack edited.vdb -o edited.lmb");
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
 }
 
 /* A floor of 4 m, seeds and cameras as glTF text. Base64 of 4 corners and 6 indices. */

@@ -4,7 +4,7 @@
 
 #include <lambent/environment.h>
 #include <lambent/file.h>
-#include <lambent/grid_bake.h>
+#include <lambent/probes_bake.h>
 #include <lambent/placement.h>
 #include <lambent/surface_solve.h>
 
@@ -56,7 +56,7 @@ static void probes_bake(const level_fixture *level, uint64_t seed)
     const lmb_placement_settings settings = {.max_probes = MAX_PROBES};
     const lmb_gather_effort effort = {.samples = SAMPLES};
     lmb_error fault = {""};
-    lmb_grid *grid = NULL;
+    lmb_probes *grid = NULL;
     lmb_placement_stats placed;
     lmb_gather_stats stats;
     lmb_result result = lmb_placement_make(level->tracer, &settings, level->pool, NULL, &grid, &placed, &fault);
@@ -67,16 +67,16 @@ static void probes_bake(const level_fixture *level, uint64_t seed)
     if (result != LMB_OK) {
         return;
     }
-    result = lmb_grid_bake(grid, &level->transport, &effort, level->pool, NULL, &stats);
+    result = lmb_probes_bake(grid, &level->transport, &effort, level->pool, NULL, &stats);
     CHECK(result == LMB_OK, "seed %llu", (unsigned long long)seed);
     bool finite = true;
-    for (int32_t i = 0; i < grid->probe_count; ++i) {
+    for (int32_t i = 0; i < grid->count; ++i) {
         for (int k = 0; k < 27; ++k) {
-            finite = finite && isfinite(grid->radiance[i].channel[k / 9].c[k % 9]);
+            finite = finite && isfinite(grid->radiance[0][i].channel[k / 9].c[k % 9]);
         }
     }
     CHECK(finite, "seed %llu: probes", (unsigned long long)seed);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
 }
 
 static void lightmap_files(const baked *bake, uint64_t seed)

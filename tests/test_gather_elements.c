@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <lambent/grid_bake.h>
+#include <lambent/probes_bake.h>
 #include <lambent/placement.h>
 
 #include "harness.h"
@@ -71,7 +71,7 @@ static void probes_in_parts(void)
     static const char path[] = OUTPUT("gather_probes.glb");
     lmb_error error = {{0}};
     level_fixture level;
-    lmb_grid *grid = NULL;
+    lmb_probes *grid = NULL;
     lmb_placement_stats placed;
     if (!level_fixture_open(&level, path, lmb_level_cornell(path, &error), &error, 2)) {
         return;
@@ -81,22 +81,23 @@ static void probes_in_parts(void)
     CHECK(result == LMB_OK, "%s", error.message);
     if (result == LMB_OK) {
         lmb_gather_stats stats;
-        CHECK(lmb_grid_bake(grid, &level.transport, &effort, level.pool, NULL, &stats) == LMB_OK, "whole");
-        const size_t bytes = (size_t)grid->probe_count * sizeof *grid->radiance;
+        CHECK(lmb_probes_bake(grid, &level.transport, &effort, level.pool, NULL, &stats) == LMB_OK, "whole");
+        const size_t bytes = (size_t)grid->count * sizeof *grid->radiance[0];
         lmb_sh3_rgb *whole = malloc(bytes);
-        memcpy(whole, grid->radiance, bytes);
-        memset(grid->radiance, 0, bytes);
+        memcpy(whole, grid->radiance[0], bytes);
+        memset(grid->radiance[0], 0, bytes);
         lmb_probe_list list;
         CHECK(lmb_probe_list_create(grid, level.tracer, &list) == LMB_OK, "memory");
         const lmb_gather_list elements = lmb_probe_list_elements(&list);
         lmb_gathered *gathered = malloc(elements.count * sizeof *gathered);
         CHECK(parts_gather(&level, &elements, &effort, gathered) &&
-                  lmb_probe_list_finish(&list, gathered, grid) == LMB_OK && memcmp(whole, grid->radiance, bytes) == 0,
+                  lmb_probe_list_finish(&list, gathered, grid) == LMB_OK &&
+                  memcmp(whole, grid->radiance[0], bytes) == 0,
               "%zu probes", list.count);
         lmb_probe_list_free(&list);
         free(gathered);
         free(whole);
-        lmb_grid_destroy(grid);
+        lmb_probes_destroy(grid);
     }
     level_fixture_close(&level);
 }

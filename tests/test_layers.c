@@ -2,7 +2,7 @@
 #include <float.h>
 #include <stdlib.h>
 
-#include <lambent/grid_bake.h>
+#include <lambent/probes_bake.h>
 #include <lambent/placement.h>
 
 #include "level_fixture.h"
@@ -325,7 +325,7 @@ static void batches_pass_like_single_rays(void)
 static void threads_do_not_matter(void)
 {
     static const int threads[] = {1, 2, 7};
-    lmb_grid *grids[3] = {NULL, NULL, NULL};
+    lmb_probes *grids[3] = {NULL, NULL, NULL};
     if (!shards_write()) {
         return;
     }
@@ -342,18 +342,18 @@ static void threads_do_not_matter(void)
         lmb_result result =
             lmb_placement_make(level.tracer, &settings, level.pool, NULL, &grids[i], &placement, &error);
         if (result == LMB_OK) {
-            result = lmb_grid_bake(grids[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
-                                   &baked);
+            result = lmb_probes_bake(grids[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
+                                     &baked);
         }
         CHECK(result == LMB_OK, "%d threads: %s", threads[i], error.message);
-        CHECK(i == 0 || (grids[0] && grids[i] && grids[0]->probe_count == grids[i]->probe_count &&
-                         memcmp(grids[0]->radiance, grids[i]->radiance,
-                                (size_t)grids[0]->probe_count * sizeof *grids[0]->radiance) == 0),
+        CHECK(i == 0 || (grids[0] && grids[i] && grids[0]->count == grids[i]->count &&
+                         memcmp(grids[0]->radiance[0], grids[i]->radiance[0],
+                                (size_t)grids[0]->count * sizeof *grids[0]->radiance[0]) == 0),
               "%d threads differ from 1", threads[i]);
         level_fixture_close(&level);
     }
     for (int i = 0; i < 3; ++i) {
-        lmb_grid_destroy(grids[i]);
+        lmb_probes_destroy(grids[i]);
     }
 }
 

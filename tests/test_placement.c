@@ -1,7 +1,7 @@
 /* Where probes go, and that what they hold is what a point of free space sees. */
 #include <stdlib.h>
 
-#include <lambent/grid_bake.h>
+#include <lambent/probes_bake.h>
 #include <lambent/placement.h>
 
 #include "level_fixture.h"
@@ -16,13 +16,13 @@ static const char *output_path(const char *name)
     return path;
 }
 
-static lmb_grid *place(const level_fixture *level, const lmb_placement_settings *settings, lmb_placement_stats *stats)
+static lmb_probes *place(const level_fixture *level, const lmb_placement_settings *settings, lmb_placement_stats *stats)
 {
     lmb_error error = {{0}};
-    lmb_grid *grid = NULL;
+    lmb_probes *grid = NULL;
     const lmb_result result = lmb_placement_make(level->tracer, settings, level->pool, NULL, &grid, stats, &error);
     CHECK(result == LMB_OK, "%s", error.message);
-    CHECK(result != LMB_OK || lmb_grid_validate(grid, &error) == LMB_OK, "%s", error.message);
+    CHECK(result != LMB_OK || lmb_probes_validate(grid, &error) == LMB_OK, "%s", error.message);
     return grid;
 }
 
@@ -40,20 +40,19 @@ static void probes_on_walls_see_the_room(void)
     settings.spacing = 1.0f;
     lmb_placement_stats stats;
     lmb_gather_stats baked;
-    lmb_grid *grid = place(&level, &settings, &stats);
+    lmb_probes *grid = place(&level, &settings, &stats);
     if (grid) {
-        CHECK(grid->probe_count == 125 && stats.probes_valid == 125, "%d probes, %d valid", grid->probe_count,
-              stats.probes_valid);
-        CHECK(lmb_grid_bake(grid, &level.transport, &(lmb_gather_effort){.samples = 1024}, level.pool, NULL, &baked) ==
-                  LMB_OK,
+        CHECK(grid->count == 125 && stats.probes_valid == 125, "%d probes, %d valid", grid->count, stats.probes_valid);
+        CHECK(lmb_probes_bake(grid, &level.transport, &(lmb_gather_effort){.samples = 1024}, level.pool, NULL,
+                              &baked) == LMB_OK,
               "bake");
-        for (int32_t i = 0; i < grid->probe_count; ++i) {
-            const lmb_vec3 p = lmb_grid_position(grid, i);
-            CHECK_NEAR(grid->radiance[i].channel[1].c[0], 2.0 * sqrt(PI) * 2.0, 0.2, "probe at %g %g %g", (double)p.x,
-                       (double)p.y, (double)p.z);
+        for (int32_t i = 0; i < grid->count; ++i) {
+            const lmb_vec3 p = lmb_probes_position(grid, i);
+            CHECK_NEAR(grid->radiance[0][i].channel[1].c[0], 2.0 * sqrt(PI) * 2.0, 0.2, "probe at %g %g %g",
+                       (double)p.x, (double)p.y, (double)p.z);
         }
     }
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     level_fixture_close(&level);
 }
 
@@ -117,22 +116,22 @@ static void max_probes_is_kept(void)
         settings.spacing = 0.05f;
         settings.max_probes = limits[i];
         lmb_placement_stats stats;
-        lmb_grid *grid = place(&level, &settings, &stats);
-        CHECK(grid && grid->probe_count <= limits[i] && grid->probe_count >= limits[i] / 4, "%d probes of %d",
-              grid ? grid->probe_count : -1, limits[i]);
-        lmb_grid_destroy(grid);
+        lmb_probes *grid = place(&level, &settings, &stats);
+        CHECK(grid && grid->count <= limits[i] && grid->count >= limits[i] / 4, "%d probes of %d",
+              grid ? grid->count : -1, limits[i]);
+        lmb_probes_destroy(grid);
     }
     level_fixture_close(&level);
 }
 
 /* Valid probes within one of the two rooms of lmb_level_two_rooms. */
-static int32_t valid_count(const lmb_grid *grid, bool right)
+static int32_t valid_count(const lmb_probes *grid, bool right)
 {
     int32_t count = 0;
-    for (int32_t i = 0; i < grid->probe_count; ++i) {
-        const lmb_vec3 p = lmb_grid_position(grid, i);
+    for (int32_t i = 0; i < grid->count; ++i) {
+        const lmb_vec3 p = lmb_probes_position(grid, i);
         const bool in_rooms = fabsf(p.x) < 4.05f && fabsf(p.z) < 2.0f && p.y > 0.0f && p.y < 3.0f;
-        count += in_rooms && grid->validity[i] >= LMB_GRID_MIN_VALIDITY && (p.x > 0.0f) == right;
+        count += in_rooms && grid->validity[i] >= LMB_PROBES_MIN_VALIDITY && (p.x > 0.0f) == right;
     }
     return count;
 }
@@ -154,10 +153,10 @@ static void seeds_choose_the_space(void)
         lmb_placement_settings settings = lmb_placement_settings_default();
         settings.spacing = 0.4f;
         lmb_placement_stats stats;
-        lmb_grid *all = place(&level, &settings, &stats);
+        lmb_probes *all = place(&level, &settings, &stats);
         settings.seeds = seeds;
         settings.seed_count = 2;
-        lmb_grid *seeded = place(&level, &settings, &stats);
+        lmb_probes *seeded = place(&level, &settings, &stats);
         if (all && seeded) {
             CHECK(stats.seeds_in_solid, "the seed outside the level");
             CHECK(valid_count(all, true) > 100, "%d", valid_count(all, true));
@@ -165,8 +164,8 @@ static void seeds_choose_the_space(void)
             CHECK((valid_count(seeded, true) > 100) == (doors[i] > 0.0f), "door %g: %d beyond", (double)doors[i],
                   valid_count(seeded, true));
         }
-        lmb_grid_destroy(all);
-        lmb_grid_destroy(seeded);
+        lmb_probes_destroy(all);
+        lmb_probes_destroy(seeded);
         level_fixture_close(&level);
     }
 }
@@ -183,10 +182,10 @@ static void crossed_cells_are_counted(void)
     lmb_placement_settings settings = lmb_placement_settings_default();
     settings.spacing = 2.0f;
     lmb_placement_stats stats;
-    lmb_grid *grid = place(&level, &settings, &stats);
+    lmb_probes *grid = place(&level, &settings, &stats);
     CHECK(stats.cells == 100 && stats.cells_crossed == 100, "%lld cells, %lld crossed", (long long)stats.cells,
           (long long)stats.cells_crossed);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     level_fixture_close(&level);
 }
 

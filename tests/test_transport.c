@@ -6,7 +6,7 @@
 #include <cjson/cJSON.h>
 
 #include <lambent/file.h>
-#include <lambent/grid_bake.h>
+#include <lambent/probes_bake.h>
 #include <lambent/placement.h>
 
 #include "gather_fixture.h"
@@ -229,17 +229,17 @@ static void quad_light_form_factor(void)
     }
 }
 
-static bool same_grid(const lmb_grid *a, const lmb_grid *b)
+static bool same_grid(const lmb_probes *a, const lmb_probes *b)
 {
-    return a->probe_count == b->probe_count &&
-           memcmp(a->radiance, b->radiance, (size_t)a->probe_count * sizeof *a->radiance) == 0 &&
-           memcmp(a->validity, b->validity, (size_t)a->probe_count * sizeof *a->validity) == 0;
+    return a->count == b->count &&
+           memcmp(a->radiance[0], b->radiance[0], (size_t)a->count * sizeof *a->radiance[0]) == 0 &&
+           memcmp(a->validity, b->validity, (size_t)a->count * sizeof *a->validity) == 0;
 }
 
 static void threads_do_not_matter(void)
 {
     static const int threads[] = {1, 2, 7};
-    lmb_grid *grids[3] = {NULL, NULL, NULL};
+    lmb_probes *grids[3] = {NULL, NULL, NULL};
     lmb_error error = {{0}};
     CHECK(lmb_level_cornell(output_path("cornell"), &error) == LMB_OK, "%s", error.message);
     for (int i = 0; i < 3; ++i) {
@@ -254,8 +254,8 @@ static void threads_do_not_matter(void)
         lmb_result result =
             lmb_placement_make(level.tracer, &settings, level.pool, NULL, &grids[i], &placement, &error);
         if (result == LMB_OK) {
-            result = lmb_grid_bake(grids[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
-                                   &baked);
+            result = lmb_probes_bake(grids[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
+                                     &baked);
         }
         CHECK(result == LMB_OK, "%d threads: %s", threads[i], error.message);
         CHECK(i == 0 || (grids[0] && grids[i] && same_grid(grids[0], grids[i])), "%d threads differ from 1",
@@ -263,7 +263,7 @@ static void threads_do_not_matter(void)
         level_fixture_close(&level);
     }
     for (int i = 0; i < 3; ++i) {
-        lmb_grid_destroy(grids[i]);
+        lmb_probes_destroy(grids[i]);
     }
 }
 

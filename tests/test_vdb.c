@@ -1,7 +1,7 @@
 /* probes.vdb: what is written comes back, in the same bytes every time, under the names that other tools show. */
 #define _POSIX_C_SOURCE 200809L
 
-#include "grid_fixture.h"
+#include "probes_fixture.h"
 #include "harness.h"
 
 #include <lambent/file.h>
@@ -45,7 +45,7 @@ static int count_entries(void)
     return count;
 }
 
-static void write_grid(const lmb_grid *grid)
+static void write_grid(const lmb_probes *grid)
 {
     lmb_error error = {""};
     const lmb_result result = lmb_vdb_write(PATH, grid, &metadata, &error);
@@ -54,7 +54,7 @@ static void write_grid(const lmb_grid *grid)
 
 static void check_refused(const char *path, lmb_result expected, const char *reason)
 {
-    lmb_grid *grid = NULL;
+    lmb_probes *grid = NULL;
     char *settings = NULL;
     lmb_error error = {""};
     const lmb_result result = lmb_vdb_read(path, &grid, &settings, NULL, &error);
@@ -62,16 +62,16 @@ static void check_refused(const char *path, lmb_result expected, const char *rea
     CHECK(!grid && !settings, "%s: outputs were touched", path);
     CHECK(strstr(error.message, path) && strstr(error.message, reason) && !strchr(error.message, '\n'), "%s: '%s'",
           path, error.message);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     free(settings);
 }
 
 static void check_round_trip(const int32_t min[3], const int32_t size[3], float spacing, double density,
                              double magnitude)
 {
-    lmb_grid *const grid = fixture_grid(spacing, min, size, density, 0.7, magnitude, 7);
+    lmb_probes *const grid = fixture_grid(spacing, min, size, density, 0.7, magnitude, 7);
     write_grid(grid);
-    lmb_grid *read = NULL;
+    lmb_probes *read = NULL;
     char *settings = NULL, *scene_hash = NULL;
     lmb_error error = {""};
     const lmb_result result = lmb_vdb_read(PATH, &read, &settings, &scene_hash, &error);
@@ -79,24 +79,25 @@ static void check_round_trip(const int32_t min[3], const int32_t size[3], float 
     if (result == LMB_OK) {
         CHECK(strcmp(settings, metadata.settings) == 0 && strcmp(scene_hash, metadata.scene_hash) == 0, "'%s', '%s'",
               settings, scene_hash);
-        CHECK(read->spacing == spacing && memcmp(read->min, min, sizeof read->min) == 0 &&
-                  memcmp(read->size, size, sizeof read->size) == 0 && read->probe_count == grid->probe_count,
+        CHECK(read->level[0].lattice.spacing == spacing &&
+                  memcmp(read->level[0].lattice.min, min, sizeof read->level[0].lattice.min) == 0 &&
+                  memcmp(read->level[0].lattice.size, size, sizeof read->level[0].lattice.size) == 0 &&
+                  read->count == grid->count,
               "box or probes differ");
-        for (int32_t probe = 0; probe < grid->probe_count && probe < read->probe_count; ++probe) {
-            CHECK(memcmp(read->lattice[probe], grid->lattice[probe], sizeof grid->lattice[probe]) == 0, "probe %d",
-                  probe);
+        for (int32_t probe = 0; probe < grid->count && probe < read->count; ++probe) {
+            CHECK(memcmp(read->point[probe], grid->point[probe], sizeof grid->point[probe]) == 0, "probe %d", probe);
             CHECK(read->validity[probe] == grid->validity[probe], "validity of probe %d", probe);
             for (int i = 0; i < 27; ++i) {
-                const double expected = (double)grid->radiance[probe].channel[i / 9].c[i % 9];
-                CHECK_NEAR(read->radiance[probe].channel[i / 9].c[i % 9], expected,
+                const double expected = (double)grid->radiance[0][probe].channel[i / 9].c[i % 9];
+                CHECK_NEAR(read->radiance[0][probe].channel[i / 9].c[i % 9], expected,
                            fabs(expected) * 0x1p-11 + magnitude * 1e-6, "probe %d, coefficient %d", probe, i);
             }
         }
     }
     free(settings);
     free(scene_hash);
-    lmb_grid_destroy(read);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(read);
+    lmb_probes_destroy(grid);
 }
 
 static void test_round_trip(void)
@@ -126,10 +127,10 @@ static void test_round_trip(void)
 static void test_pack_of_vdb(void)
 {
     const int32_t min[3] = {-9, 3, 5}, size[3] = {11, 12, 13};
-    lmb_grid *const grid = fixture_grid(0.3f, min, size, 0.7, 0.5, 4.0, 7);
-    CHECK(lmb_grid_dilate(grid) == LMB_OK, "dilate");
+    lmb_probes *const grid = fixture_grid(0.3f, min, size, 0.7, 0.5, 4.0, 7);
+    CHECK(lmb_probes_dilate(grid) == LMB_OK, "dilate");
     write_grid(grid);
-    lmb_grid *read = NULL;
+    lmb_probes *read = NULL;
     CHECK(lmb_vdb_read(PATH, &read, NULL, NULL, NULL) == LMB_OK, "read");
     unsigned char *a = NULL, *b = NULL;
     size_t size_a = 0, size_b = 0;
@@ -138,15 +139,15 @@ static void test_pack_of_vdb(void)
     CHECK(size_a == size_b && a && b && memcmp(a, b, size_a) == 0, "%zu and %zu bytes differ", size_a, size_b);
     free(a);
     free(b);
-    lmb_grid_destroy(read);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(read);
+    lmb_probes_destroy(grid);
 }
 
 static void test_equal_bytes(void)
 {
     start_folder();
     const int32_t min[3] = {-20, 3, 5}, size[3] = {31, 12, 40};
-    lmb_grid *const grid = fixture_grid(0.3f, min, size, 0.7, 0.7, 4.0, 7);
+    lmb_probes *const grid = fixture_grid(0.3f, min, size, 0.7, 0.7, 4.0, 7);
     unsigned char *first = NULL, *second = NULL;
     size_t first_size = 0, second_size = 0;
     write_grid(grid);
@@ -166,14 +167,14 @@ static void test_equal_bytes(void)
     CHECK(first_size > 57 && first[21 + 8] == '-' && first[21 + 14] == '8', "the UUID is not of version 8: %.36s",
           (const char *)first + 21);
 
-    grid->radiance[5].channel[1].c[3] += 1.0f;
+    grid->radiance[0][5].channel[1].c[3] += 1.0f;
     free(second);
     write_grid(grid);
     CHECK(lmb_file_read(PATH, &second, &second_size, NULL) == LMB_OK, "read");
     CHECK(memcmp(first + 21, second + 21, 36) != 0, "another grid has the same UUID");
     free(first);
     free(second);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
 }
 
 /* Every truncation, and changes all over the file, of a small one. */
@@ -181,9 +182,9 @@ static void test_damage(void)
 {
     start_folder();
     const int32_t min[3] = {0, 0, 0}, size[3] = {2, 2, 2};
-    lmb_grid *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 7);
+    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 7);
     write_grid(grid);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     unsigned char *data = NULL;
     size_t bytes = 0;
     CHECK(lmb_file_read(PATH, &data, &bytes, NULL) == LMB_OK, "read");
@@ -258,7 +259,7 @@ static void test_failed_writes(void)
 {
     start_folder();
     const int32_t min[3] = {0, 0, 0}, size[3] = {20, 20, 20};
-    lmb_grid *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 7);
+    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 7);
     lmb_error error = {""};
     CHECK(lmb_vdb_write(FOLDER "/missing/a.vdb", grid, &metadata, &error) == LMB_ERROR_WRITE, "no such folder");
     CHECK(strstr(error.message, FOLDER "/missing/a.vdb") && strstr(error.message, "No such file"), "'%s'",
@@ -282,12 +283,12 @@ static void test_failed_writes(void)
     CHECK(lmb_file_read(PATH, &data, &bytes, NULL) == LMB_OK && bytes == 3, "the old contents are gone");
     free(data);
 
-    grid->radiance[3].channel[0].c[0] = 3e38f;
+    grid->radiance[0][3].channel[0].c[0] = 3e38f;
     CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_ERROR_ARGUMENT, "beyond every scale");
-    grid->radiance[3].channel[0].c[0] = NAN;
+    grid->radiance[0][3].channel[0].c[0] = NAN;
     CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_ERROR_ARGUMENT, "NaN");
     CHECK(count_entries() == 1, "%d entries are left", count_entries());
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
 }
 
 /* What OpenVDB's own tool reads from the file. */
@@ -299,9 +300,9 @@ static void test_vdb_print(void)
     }
     start_folder();
     const int32_t min[3] = {-9, 3, 5}, size[3] = {4, 5, 6};
-    lmb_grid *const grid = fixture_grid(0.25f, min, size, 1.0, 1.0, 1e6, 7);
+    lmb_probes *const grid = fixture_grid(0.25f, min, size, 1.0, 1.0, 1e6, 7);
     write_grid(grid);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     CHECK(system("/usr/bin/vdb_print -l -m '" PATH "' > '" FOLDER "/printed' 2>&1") == 0, "vdb_print");
     unsigned char *text = NULL;
     size_t bytes = 0;

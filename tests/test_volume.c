@@ -1,9 +1,9 @@
 /* The run-time file: what is packed comes out of the sampler, and no bytes whatsoever make it misbehave.
  *
- * The oracle interpolates the lmb_grid itself, in double; it shares nothing with the file. */
+ * The oracle interpolates the lmb_probes itself, in double; it shares nothing with the file. */
 #define _POSIX_C_SOURCE 200809L
 
-#include "grid_fixture.h"
+#include "probes_fixture.h"
 #include "harness.h"
 
 #include <lambent/file.h>
@@ -23,7 +23,7 @@ typedef struct packed {
     lmb_volume *volume;
 } packed;
 
-static packed pack_and_open(const lmb_grid *grid)
+static packed pack_and_open(const lmb_probes *grid)
 {
     packed p = {NULL, 0, {0}, NULL};
     const lmb_result result = lmb_pack(grid, &p.data, &p.size, &p.stats);
@@ -45,17 +45,17 @@ static void close_packed(packed *p)
 /* --------------------------------------------------------------------------------------------- the oracle */
 
 /* `lit[probe]`: does light reach the probe, by flooding over 26 neighbours until nothing changes? */
-static bool *flood_light(const lmb_grid *grid)
+static bool *flood_light(const lmb_probes *grid)
 {
-    bool *const lit = calloc((size_t)grid->probe_count + 1, 1);
+    bool *const lit = calloc((size_t)grid->count + 1, 1);
     for (bool changed = true; changed;) {
         changed = false;
-        for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
+        for (int32_t probe = 0; probe < grid->count; ++probe) {
             bool reached = grid->validity[probe] >= 0.5f;
             for (int32_t n = 0; n < 27 && !reached; ++n) {
-                const int32_t *const at = grid->lattice[probe];
+                const int32_t *const at = grid->point[probe];
                 const int32_t other =
-                    lmb_grid_probe_at(grid, at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1);
+                    lmb_probes_find(grid, 0, at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1);
                 reached = other >= 0 && lit[other];
             }
             changed |= reached && !lit[probe];
@@ -67,7 +67,7 @@ static bool *flood_light(const lmb_grid *grid)
 
 /* Trilinear light at lattice coordinates relative to the box, clamped to it, the missing corners' weight given to the
  * others. @return the weight of the corners that hold light, 0 to 1 */
-static double oracle_sample(const lmb_grid *grid, const bool *lit, const double at[3], double light[27])
+static double oracle_sample(const lmb_probes *grid, const bool *lit, const double at[3], double light[27])
 {
     double weights = 0.0;
     for (int i = 0; i < 27; ++i) {
@@ -77,18 +77,18 @@ static double oracle_sample(const lmb_grid *grid, const bool *lit, const double 
         double weight = 1.0;
         int32_t place[3];
         for (int axis = 0; axis < 3; ++axis) {
-            const double last = grid->size[axis] - 1;
+            const double last = grid->level[0].lattice.size[axis] - 1;
             const double inside = at[axis] < 0.0 ? 0.0 : at[axis] > last ? last : at[axis];
             const bool upper = corner >> axis & 1;
             const double below = floor(inside);
-            place[axis] = grid->min[axis] + (int32_t)below + upper;
+            place[axis] = grid->level[0].lattice.min[axis] + (int32_t)below + upper;
             weight *= upper ? inside - below : 1.0 - (inside - below);
         }
-        const int32_t probe = lmb_grid_probe_at(grid, place[0], place[1], place[2]);
+        const int32_t probe = lmb_probes_find(grid, 0, place[0], place[1], place[2]);
         if (weight > 0.0 && probe >= 0 && lit[probe]) {
             weights += weight;
             for (int i = 0; i < 27; ++i) {
-                light[i] += weight * (double)grid->radiance[probe].channel[i / 9].c[i % 9];
+                light[i] += weight * (double)grid->radiance[0][probe].channel[i / 9].c[i % 9];
             }
         }
     }
@@ -106,25 +106,29 @@ static float round_to_float(double value)
 }
 
 /* How far off, in cells, a float position may be before it counts as outside (docs/formats.md, sampling). */
-static double position_slack(const lmb_grid *grid)
+static double position_slack(const lmb_probes *grid)
 {
     double farthest = 1.0;
     for (int axis = 0; axis < 3; ++axis) {
-        farthest = fmax(farthest, fmax(fabs((double)grid->min[axis]), fabs(grid->min[axis] + grid->size[axis] - 1.0)));
+        farthest =
+            fmax(farthest, fmax(fabs((double)grid->level[0].lattice.min[axis]),
+                                fabs(grid->level[0].lattice.min[axis] + grid->level[0].lattice.size[axis] - 1.0)));
     }
     return fmin(farthest * 0x1p-22, 0x1p-6);
 }
 
-static void check_point(const lmb_grid *grid, const bool *lit, const packed *p, const double at[3], double tolerance)
+static void check_point(const lmb_probes *grid, const bool *lit, const packed *p, const double at[3], double tolerance)
 {
     const double slack = position_slack(grid);
     float position[3];
     double rounded[3]; /* where that float position really is */
     double outside = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
-        position[axis] = round_to_float((grid->min[axis] + at[axis]) * (double)grid->spacing);
-        rounded[axis] = (double)position[axis] / (double)grid->spacing - grid->min[axis];
-        outside = fmax(outside, fmax(-rounded[axis], rounded[axis] - (grid->size[axis] - 1)));
+        position[axis] =
+            round_to_float((grid->level[0].lattice.min[axis] + at[axis]) * (double)grid->level[0].lattice.spacing);
+        rounded[axis] =
+            (double)position[axis] / (double)grid->level[0].lattice.spacing - grid->level[0].lattice.min[axis];
+        outside = fmax(outside, fmax(-rounded[axis], rounded[axis] - (grid->level[0].lattice.size[axis] - 1)));
     }
     double expected[27];
     const double weight = oracle_sample(grid, lit, rounded, expected);
@@ -137,8 +141,9 @@ static void check_point(const lmb_grid *grid, const bool *lit, const packed *p, 
         CHECK(!inside, "(%g, %g, %g) is outside", at[0], at[1], at[2]);
     }
     if (at[0] == round(at[0]) && at[1] == round(at[1]) && at[2] == round(at[2]) && outside <= slack) {
-        const int32_t probe = lmb_grid_probe_at(grid, grid->min[0] + (int32_t)at[0], grid->min[1] + (int32_t)at[1],
-                                                grid->min[2] + (int32_t)at[2]);
+        const int32_t probe = lmb_probes_find(grid, 0, grid->level[0].lattice.min[0] + (int32_t)at[0],
+                                              grid->level[0].lattice.min[1] + (int32_t)at[1],
+                                              grid->level[0].lattice.min[2] + (int32_t)at[2]);
         CHECK(inside == (probe >= 0 && lit[probe]), "lattice point (%g, %g, %g), however its position rounds", at[0],
               at[1], at[2]);
     }
@@ -157,8 +162,8 @@ static void check_point(const lmb_grid *grid, const bool *lit, const packed *p, 
 static void check_volume(const int32_t min[3], const int32_t size[3], float spacing, double density, double magnitude,
                          uint64_t seed)
 {
-    lmb_grid *const grid = fixture_grid(spacing, min, size, density, 0.6, magnitude, seed);
-    CHECK(lmb_grid_dilate(grid) == LMB_OK, "dilate");
+    lmb_probes *const grid = fixture_grid(spacing, min, size, density, 0.6, magnitude, seed);
+    CHECK(lmb_probes_dilate(grid) == LMB_OK, "dilate");
     bool *const lit = flood_light(grid);
     packed p = pack_and_open(grid);
     /* Halfs hold 11 bits; interpolation adds float rounding and the rounding of t. */
@@ -166,7 +171,7 @@ static void check_volume(const int32_t min[3], const int32_t size[3], float spac
 
     const lmb_volume_info info = lmb_volume_get_info(p.volume);
     uint64_t lit_count = 0;
-    for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
+    for (int32_t probe = 0; probe < grid->count; ++probe) {
         lit_count += lit[probe];
     }
     CHECK(info.probe_count == lit_count, "%llu probes stored, %llu lit", (unsigned long long)info.probe_count,
@@ -193,7 +198,7 @@ static void check_volume(const int32_t min[3], const int32_t size[3], float spac
     }
     close_packed(&p);
     free(lit);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
 }
 
 static void test_sample(void)
@@ -238,7 +243,7 @@ static bool is_dark(const lmb_sh3_rgb *light)
 static void test_far_and_broken_positions(void)
 {
     const int32_t min[3] = {-4, 0, 4}, size[3] = {6, 6, 6};
-    lmb_grid *const grid = fixture_grid(0.5f, min, size, 1.0, 1.0, 5.0, 3);
+    lmb_probes *const grid = fixture_grid(0.5f, min, size, 1.0, 1.0, 5.0, 3);
     packed p = pack_and_open(grid);
     static const float odd[] = {0.0f, -0.0f, 1.0f, 1e30f, -FLT_MAX, FLT_MAX, FLT_MIN, 1e-45f, INFINITY, -INFINITY, NAN};
     enum { COUNT = sizeof odd / sizeof odd[0] };
@@ -255,7 +260,7 @@ static void test_far_and_broken_positions(void)
               "(%g, %g, %g) is not inside", (double)position.x, (double)position.y, (double)position.z);
     }
     close_packed(&p);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
 }
 
 /* What is beyond even the largest scale keeps its direction: the whole probe is scaled. */
@@ -264,8 +269,8 @@ static void test_positions_in_double(void)
 {
     const int32_t near[3] = {-3, 2, 0}, away[3] = {100000000, -99999999, 2}, size[3] = {6, 5, 4};
     const float spacing = 0.1f;
-    lmb_grid *const near_grid = fixture_grid(spacing, near, size, 1.0, 1.0, 5.0, 4);
-    lmb_grid *const far_grid = fixture_grid(spacing, away, size, 1.0, 1.0, 5.0, 4);
+    lmb_probes *const near_grid = fixture_grid(spacing, near, size, 1.0, 1.0, 5.0, 4);
+    lmb_probes *const far_grid = fixture_grid(spacing, away, size, 1.0, 1.0, 5.0, 4);
     packed a = pack_and_open(near_grid), b = pack_and_open(far_grid);
     uint64_t state = 5;
     for (int i = 0; i < 500; ++i) {
@@ -300,16 +305,16 @@ static void test_positions_in_double(void)
     }
     close_packed(&a);
     close_packed(&b);
-    lmb_grid_destroy(near_grid);
-    lmb_grid_destroy(far_grid);
+    lmb_probes_destroy(near_grid);
+    lmb_probes_destroy(far_grid);
 }
 
 static void test_overflow(void)
 {
     const int32_t min[3] = {0, 0, 0}, size[3] = {2, 2, 2};
-    lmb_grid *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 3);
+    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 3);
     for (int i = 0; i < 27; ++i) {
-        grid->radiance[0].channel[i / 9].c[i % 9] = (float)(i - 13) * 2e37f;
+        grid->radiance[0][0].channel[i / 9].c[i % 9] = (float)(i - 13) * 2e37f;
     }
     packed p = pack_and_open(grid);
     CHECK(p.stats.overflow_count == 26, "%llu overflows", (unsigned long long)p.stats.overflow_count);
@@ -325,7 +330,7 @@ static void test_overflow(void)
 
     /* Sunlight beside candles: a scale, no overflow. */
     for (int32_t probe = 0; probe < 8; ++probe) {
-        grid->radiance[probe] = (lmb_sh3_rgb){{{{probe % 2 ? 3e6f : 1.0f}}}};
+        grid->radiance[0][probe] = (lmb_sh3_rgb){{{{probe % 2 ? 3e6f : 1.0f}}}};
     }
     p = pack_and_open(grid);
     CHECK(p.stats.overflow_count == 0 && p.stats.scale == 128.0f, "scale %g", (double)p.stats.scale);
@@ -335,7 +340,7 @@ static void test_overflow(void)
     CHECK(lmb_volume_sample(p.volume, (lmb_vec3){1, 1, 1}, &light), "inside");
     CHECK_NEAR(light.channel[0].c[0], 3e6, 3e3, "the sun");
     close_packed(&p);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
 }
 
 static void test_pack_refuses(void)
@@ -343,18 +348,18 @@ static void test_pack_refuses(void)
     const int32_t min[3] = {0, 0, 0}, size[3] = {3, 3, 3};
     unsigned char *data = NULL;
     size_t bytes = 0;
-    lmb_grid *grid = fixture_grid(1.0f, min, size, 0.0, 1.0, 1.0, 1);
+    lmb_probes *grid = fixture_grid(1.0f, min, size, 0.0, 1.0, 1.0, 1);
     CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "no probes");
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     grid = fixture_grid(1.0f, min, size, 1.0, 0.0, 1.0, 1);
     CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "no probe with light");
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
-    grid->radiance[26].channel[2].c[8] = NAN;
+    grid->radiance[0][26].channel[2].c[8] = NAN;
     CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "NaN");
-    grid->radiance[26].channel[2].c[8] = INFINITY;
+    grid->radiance[0][26].channel[2].c[8] = INFINITY;
     CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "infinity");
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     CHECK(!data && bytes == 0, "outputs untouched");
 }
 
@@ -375,9 +380,9 @@ static lmb_result open_copy(const unsigned char *data, size_t size, unsigned cha
 static packed pack_small(void)
 {
     const int32_t min[3] = {-3, 0, 3}, size[3] = {6, 3, 2};
-    lmb_grid *const grid = fixture_grid(0.5f, min, size, 0.9, 0.7, 5.0, 17);
+    lmb_probes *const grid = fixture_grid(0.5f, min, size, 0.9, 0.7, 5.0, 17);
     packed p = pack_and_open(grid);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     return p;
 }
 
@@ -529,9 +534,9 @@ static void test_forged_fields(void)
         {"half behind the last probe", 192 + 24 + 6748, 0x10000, LMB_ERROR_FORMAT},
     };
     const int32_t min[3] = {1, 1, 1}, size[3] = {6, 2, 2};
-    lmb_grid *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 5.0, 17);
+    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 5.0, 17);
     packed p = pack_and_open(grid);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     CHECK(lmb_volume_get_info(p.volume).brick_count == 2, "two bricks");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         unsigned char *copy = malloc(p.size);

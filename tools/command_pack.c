@@ -25,14 +25,15 @@ typedef struct pack_options {
     bool quiet;
 } pack_options;
 
-static lmb_result pack_write(const pack_options *options, const lmb_grid *grid, lmb_pack_stats *stats, lmb_error *error)
+static lmb_result pack_write(const pack_options *options, const lmb_probes *grid, lmb_pack_stats *stats,
+                             lmb_error *error)
 {
     unsigned char *data = NULL;
     size_t size;
     lmb_result result = lmb_pack(grid, &data, &size, stats);
     if (result == LMB_ERROR_ARGUMENT) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no probe has light: validity is below %g everywhere",
-                             options->source, (double)LMB_GRID_MIN_VALIDITY);
+                             options->source, (double)LMB_PROBES_MIN_VALIDITY);
     }
     if (result != LMB_OK) {
         return lmb_error_set(error, result, "%s: %s", options->source, lmb_result_text(result));
@@ -44,7 +45,7 @@ static lmb_result pack_write(const pack_options *options, const lmb_grid *grid, 
 
 static lmb_result pack_run(const pack_options *options, lmb_error *error)
 {
-    lmb_grid *grid = NULL;
+    lmb_probes *grid = NULL;
     lmb_pack_stats stats;
     lmb_result result = output_file_check(options->output, error);
     if (result == LMB_OK) {
@@ -60,10 +61,10 @@ static lmb_result pack_run(const pack_options *options, lmb_error *error)
         console_warning(line, options->quiet);
     }
     if (result == LMB_OK && !options->quiet) {
-        printf("written   %s (%d probes at %g m, %.1f kB)\n", options->output, grid->probe_count, (double)grid->spacing,
-               1e-3 * (double)stats.bytes);
+        printf("written   %s (%d probes at %g m, %.1f kB)\n", options->output, grid->count,
+               (double)grid->level[0].lattice.spacing, 1e-3 * (double)stats.bytes);
     }
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     return result;
 }
 

@@ -72,7 +72,7 @@ typedef struct convergence {
 
 static lmb_result probes_take(convergence *work, lmb_error *error)
 {
-    lmb_grid *grid = NULL;
+    lmb_probes *grid = NULL;
     lmb_placement_settings settings = lmb_placement_settings_default();
     settings.spacing = work->spacing;
     lmb_placement_stats stats;
@@ -84,20 +84,20 @@ static lmb_result probes_take(convergence *work, lmb_error *error)
     point_set *set = work->set[0];
     const int32_t valid = stats.probes_valid;
     int32_t passed = 0;
-    for (int32_t i = 0; i < grid->probe_count; ++i) {
-        if (grid->validity[i] < LMB_GRID_MIN_VALIDITY) {
+    for (int32_t i = 0; i < grid->count; ++i) {
+        if (grid->validity[i] < LMB_PROBES_MIN_VALIDITY) {
             continue;
         }
         if (set->count < work->points && (int64_t)passed * work->points >= (int64_t)set->count * valid) {
             uint64_t rays = 0;
             set->point[set->count++] =
-                (lmb_gather_point){.position = lmb_placement_relocate(work->level.tracer, lmb_grid_position(grid, i),
-                                                                      grid->spacing, &rays),
-                                   .min_light_distance = 0.5f * grid->spacing};
+                (lmb_gather_point){.position = lmb_placement_relocate(work->level.tracer, lmb_probes_position(grid, i),
+                                                                      grid->level[0].lattice.spacing, &rays),
+                                   .min_light_distance = 0.5f * grid->level[0].lattice.spacing};
         }
         ++passed;
     }
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
     return LMB_OK;
 }
 

@@ -98,10 +98,10 @@ static bool elements_allocate(elements *of, size_t count)
 
 static void probes_keep(const lmb_bake *bake, elements *probes)
 {
-    const lmb_grid *grid = bake->grid;
-    for (int32_t i = 0; i < grid->probe_count; ++i) {
-        if (grid->validity[i] >= LMB_GRID_MIN_VALIDITY) {
-            const lmb_sh3_rgb *radiance = &grid->radiance[i];
+    const lmb_probes *grid = bake->grid;
+    for (int32_t i = 0; i < grid->count; ++i) {
+        if (grid->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
+            const lmb_sh3_rgb *radiance = &grid->radiance[0][i];
             const lmb_rgb light = {{radiance->channel[0].c[0], radiance->channel[1].c[0], radiance->channel[2].c[0]}};
             probes->moments[probes->count] = *radiance;
             probes->light[probes->count++] = rgb_mean(&light);
@@ -158,12 +158,13 @@ static lmb_result light_bake(lmb_bake *bake, const lmb_gather_effort *effort, ui
     lmb_transport transport = bake->level->transport;
     transport.seed = seed;
     *light = (baked_light){.samples = 0.0};
-    if (!elements_allocate(&light->kind[0], (size_t)bake->grid->probe_count) ||
+    if (!elements_allocate(&light->kind[0], (size_t)bake->grid->count) ||
         !elements_allocate(&light->kind[1], (size_t)bake->lightmap->covered_texel_count)) {
         return LMB_ERROR_MEMORY;
     }
     const double start = seconds_used();
-    lmb_result result = lmb_grid_bake(bake->grid, &transport, effort, bake->level->pool, NULL, &bake->record.gathered);
+    lmb_result result =
+        lmb_probes_bake(bake->grid, &transport, effort, bake->level->pool, NULL, &bake->record.gathered);
     if (result == LMB_OK) {
         result = texels_bake(bake, &transport, effort, &light->kind[1]);
     }
@@ -251,7 +252,7 @@ static lmb_result truth_bake(quality_work *work)
     baked_light one[TRUTH_SEEDS] = {{.samples = 0.0}};
     lmb_bake *bake = &work->bake;
     const lmb_gather_effort effort = {.samples = work->truth_samples / TRUTH_SEEDS};
-    const bool good = elements_allocate(&work->truth.kind[0], (size_t)bake->grid->probe_count) &&
+    const bool good = elements_allocate(&work->truth.kind[0], (size_t)bake->grid->count) &&
                       elements_allocate(&work->truth.kind[1], (size_t)bake->lightmap->covered_texel_count);
     lmb_result result = good ? LMB_OK : LMB_ERROR_MEMORY;
     for (int seed = 0; seed < TRUTH_SEEDS && result == LMB_OK; ++seed) {

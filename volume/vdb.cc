@@ -5,6 +5,7 @@
 
 #include <lambent/file.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cerrno>
 #include <cmath>
@@ -26,6 +27,9 @@
 #include <openvdb/io/Stream.h>
 
 namespace {
+
+// Tiles of a few bytes may stand for any number.
+constexpr int64_t kMostProbes = int64_t(1) << 28;
 
 using openvdb::Coord;
 using openvdb::CoordBBox;
@@ -132,13 +136,15 @@ class Writer : public openvdb::io::Archive {
 };
 
 // What a reader needs to interpret the values; on the file and on every grid, as editors keep only the latter.
-void describe(openvdb::MetaMap &target, const lmb_grid &grid, float scale)
+void describe(openvdb::MetaMap &target, const lmb_lattice &lattice, float scale)
 {
     target.insertMeta("lambent_version", openvdb::Int32Metadata(kFormatVersion));
     target.insertMeta("lambent_scale", openvdb::FloatMetadata(scale));
-    target.insertMeta("lambent_spacing", openvdb::FloatMetadata(grid.spacing));
-    target.insertMeta("lambent_min", openvdb::Vec3IMetadata(openvdb::Vec3i(grid.min[0], grid.min[1], grid.min[2])));
-    target.insertMeta("lambent_size", openvdb::Vec3IMetadata(openvdb::Vec3i(grid.size[0], grid.size[1], grid.size[2])));
+    target.insertMeta("lambent_spacing", openvdb::FloatMetadata(lattice.spacing));
+    target.insertMeta("lambent_min",
+                      openvdb::Vec3IMetadata(openvdb::Vec3i(lattice.min[0], lattice.min[1], lattice.min[2])));
+    target.insertMeta("lambent_size",
+                      openvdb::Vec3IMetadata(openvdb::Vec3i(lattice.size[0], lattice.size[1], lattice.size[2])));
     target.insertMeta("lambent_convention",
                       openvdb::StringMetadata("real orthonormal spherical harmonics with Condon-Shortley signs; "
                                               "right-handed world, +Y up"));
@@ -147,19 +153,20 @@ void describe(openvdb::MetaMap &target, const lmb_grid &grid, float scale)
                                                                "(r,g,b); lengths in metres"));
 }
 
-FloatGrid::Ptr make_validity_grid(const lmb_grid &grid)
+FloatGrid::Ptr make_validity_grid(const lmb_probes &probes)
 {
     FloatGrid::Ptr validity = FloatGrid::create(0.0f);
     validity->setName("validity");
-    validity->setTransform(openvdb::math::Transform::createLinearTransform(static_cast<double>(grid.spacing)));
+    validity->setTransform(
+        openvdb::math::Transform::createLinearTransform(static_cast<double>(probes.level[0].lattice.spacing)));
     FloatGrid::Accessor accessor = validity->getAccessor();
-    for (int32_t probe = 0; probe < grid.probe_count; ++probe) {
-        accessor.setValue(Coord(grid.lattice[probe]), grid.validity[probe]);
+    for (int32_t probe = 0; probe < probes.count; ++probe) {
+        accessor.setValue(Coord(probes.point[probe]), probes.validity[probe]);
     }
     return validity;
 }
 
-Vec3SGrid::Ptr make_coefficient_grid(const lmb_grid &grid, const FloatGrid &validity, int i, float scale)
+Vec3SGrid::Ptr make_coefficient_grid(const lmb_probes &probes, const FloatGrid &validity, int i, float scale)
 {
     Vec3SGrid::Ptr coefficient = Vec3SGrid::create(
         std::make_shared<openvdb::Vec3STree>(validity.tree(), openvdb::Vec3s(0.0f), openvdb::TopologyCopy()));
@@ -168,18 +175,18 @@ Vec3SGrid::Ptr make_coefficient_grid(const lmb_grid &grid, const FloatGrid &vali
     coefficient->setSaveFloatAsHalf(true);
     coefficient->setVectorType(openvdb::VEC_INVARIANT);
     Vec3SGrid::Accessor accessor = coefficient->getAccessor();
-    for (int32_t probe = 0; probe < grid.probe_count; ++probe) {
-        const lmb_sh3 *const channel = grid.radiance[probe].channel;
-        accessor.setValueOnly(Coord(grid.lattice[probe]),
+    for (int32_t probe = 0; probe < probes.count; ++probe) {
+        const lmb_sh3 *const channel = probes.radiance[0][probe].channel;
+        accessor.setValueOnly(Coord(probes.point[probe]),
                               openvdb::Vec3s(channel[0].c[i], channel[1].c[i], channel[2].c[i]) / scale);
     }
     return coefficient;
 }
 
-void check_magnitudes(const lmb_grid &grid, float scale)
+void check_magnitudes(const lmb_probes &probes, float scale)
 {
-    for (int32_t probe = 0; probe < grid.probe_count; ++probe) {
-        for (const lmb_sh3 &channel : grid.radiance[probe].channel) {
+    for (int32_t probe = 0; probe < probes.count; ++probe) {
+        for (const lmb_sh3 &channel : probes.radiance[0][probe].channel) {
             for (const float value : channel.c) {
                 if (!(std::fabs(value / scale) <= LMB_HALF_MAX)) {
                     fail(LMB_ERROR_ARGUMENT, "probe " + std::to_string(probe) + " has radiance of " +
@@ -190,23 +197,23 @@ void check_magnitudes(const lmb_grid &grid, float scale)
     }
 }
 
-void write_temporary(const std::string &path, const lmb_grid &grid, const lmb_vdb_metadata &metadata)
+void write_temporary(const std::string &path, const lmb_probes &probes, const lmb_vdb_metadata &metadata)
 {
-    const float scale = lmb_grid_scale(&grid);
-    check_magnitudes(grid, scale);
+    const float scale = lmb_probes_scale(&probes);
+    check_magnitudes(probes, scale);
     openvdb::initialize();
-    const FloatGrid::Ptr validity = make_validity_grid(grid);
+    const FloatGrid::Ptr validity = make_validity_grid(probes);
     openvdb::GridPtrVec grids;
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-        grids.push_back(make_coefficient_grid(grid, *validity, i, scale));
+        grids.push_back(make_coefficient_grid(probes, *validity, i, scale));
     }
     grids.push_back(validity);
     for (const openvdb::GridBase::Ptr &each : grids) {
-        describe(*each, grid, scale);
+        describe(*each, probes.level[0].lattice, scale);
         each->setCreator("Lambent");
     }
     openvdb::MetaMap file_metadata;
-    describe(file_metadata, grid, scale);
+    describe(file_metadata, probes.level[0].lattice, scale);
     file_metadata.insertMeta("lambent_settings", openvdb::StringMetadata(metadata.settings));
     file_metadata.insertMeta("lambent_scene_hash", openvdb::StringMetadata(metadata.scene_hash));
 
@@ -224,13 +231,13 @@ void write_temporary(const std::string &path, const lmb_grid &grid, const lmb_vd
 
 // ---------------------------------------------------------------------------------------------- reading
 
-struct GridDeleter {
-    void operator()(lmb_grid *grid) const
+struct ProbesDeleter {
+    void operator()(lmb_probes *probes) const
     {
-        lmb_grid_destroy(grid);
+        lmb_probes_destroy(probes);
     }
 };
-using GridHandle = std::unique_ptr<lmb_grid, GridDeleter>;
+using ProbesHandle = std::unique_ptr<lmb_probes, ProbesDeleter>;
 
 struct FreeDeleter {
     void operator()(char *text) const
@@ -240,7 +247,7 @@ struct FreeDeleter {
 };
 using TextHandle = std::unique_ptr<char, FreeDeleter>;
 
-// What a file holds, before it becomes an lmb_grid.
+// What a file holds, before it becomes lmb_probes.
 struct Contents {
     Vec3SGrid::Ptr coefficients[LMB_SH3_COUNT];
     FloatGrid::Ptr validity;
@@ -375,71 +382,77 @@ void check(lmb_result result, const char *what)
     }
 }
 
-// An empty grid with the file's box and a probe at every active voxel; tiles count as the voxels that they cover.
-GridHandle make_probes(const Contents &contents)
+// Dark probes of the file's box, one at every active voxel; tiles count as the voxels that they cover.
+ProbesHandle make_probes(const Contents &contents)
 {
     const CoordBBox box = read_box(contents);
-    int32_t min[3], size[3];
+    lmb_lattice lattice{};
+    lattice.spacing = read_spacing(*contents.validity);
     for (int axis = 0; axis < 3; ++axis) {
         const int64_t length = static_cast<int64_t>(box.max()[axis]) - box.min()[axis] + 1;
-        min[axis] = box.min()[axis];
-        size[axis] = length > INT32_MAX ? 0 : static_cast<int32_t>(length); /* 0 is refused just below */
+        lattice.min[axis] = box.min()[axis];
+        lattice.size[axis] = length > INT32_MAX ? 0 : static_cast<int32_t>(length); /* 0 is refused below */
     }
-    lmb_grid *created = nullptr;
-    check(lmb_grid_create(read_spacing(*contents.validity), min, size, &created),
-          "the box of probes is too large, or the spacing is out of range");
-    GridHandle grid(created);
-
-    std::vector<uint8_t> wanted(lmb_grid_point_count(grid.get()), 0);
+    if (contents.validity->tree().activeVoxelCount() > static_cast<openvdb::Index64>(kMostProbes)) {
+        fail(LMB_ERROR_FORMAT, "holds too many probes");
+    }
+    std::vector<Coord> points;
     for (auto value = contents.validity->tree().cbeginValueOn(); value; ++value) {
         CoordBBox covered;
         value.getBoundingBox(covered);
         for (auto point = covered.begin(); point; ++point) {
-            const Coord local = *point - box.min();
-            wanted[static_cast<size_t>(local.x()) +
-                   static_cast<size_t>(size[0]) * (static_cast<size_t>(local.y()) +
-                                                   static_cast<size_t>(size[1]) * static_cast<size_t>(local.z()))] = 1;
+            points.push_back(*point);
         }
     }
-    check(lmb_grid_add_probes(grid.get(), wanted.data()), "out of memory");
-    return grid;
+    // The order in which they were placed: x fastest.
+    std::sort(points.begin(), points.end(), [](const Coord &a, const Coord &b) {
+        return a.z() != b.z() ? a.z() < b.z() : a.y() != b.y() ? a.y() < b.y() : a.x() < b.x();
+    });
+    static_assert(sizeof(Coord) == sizeof(int32_t[3]), "points are coordinates");
+    lmb_probes *created = nullptr;
+    check(lmb_probes_create(&created), "out of memory");
+    ProbesHandle probes(created);
+    check(lmb_probes_add_level(created, &lattice, reinterpret_cast<const int32_t(*)[3]>(points.data()),
+                               static_cast<int32_t>(points.size())),
+          "the box of probes, or the spacing, is out of range");
+    return probes;
 }
 
-void read_coefficient(const Vec3SGrid &coefficient, int i, lmb_grid &grid)
+void read_coefficient(const Vec3SGrid &coefficient, int i, lmb_probes &probes)
 {
-    if (read_spacing(coefficient) != grid.spacing ||
-        coefficient.activeVoxelCount() != static_cast<openvdb::Index64>(grid.probe_count)) {
+    if (read_spacing(coefficient) != probes.level[0].lattice.spacing ||
+        coefficient.activeVoxelCount() != static_cast<openvdb::Index64>(probes.count)) {
         fail(LMB_ERROR_FORMAT, "grids " + coefficient.getName() + " and validity differ in spacing or active voxels");
     }
     check_version(coefficient);
     const float scale = read_scale(coefficient);
     const Vec3SGrid::ConstAccessor accessor = coefficient.getConstAccessor();
-    for (int32_t probe = 0; probe < grid.probe_count; ++probe) {
+    for (int32_t probe = 0; probe < probes.count; ++probe) {
         openvdb::Vec3s value;
-        if (!accessor.probeValue(Coord(grid.lattice[probe]), value)) {
+        if (!accessor.probeValue(Coord(probes.point[probe]), value)) {
             fail(LMB_ERROR_FORMAT, "grids " + coefficient.getName() + " and validity differ in active voxels");
         }
         for (int channel = 0; channel < 3; ++channel) {
-            grid.radiance[probe].channel[channel].c[i] = value[channel] * scale;
+            probes.radiance[0][probe].channel[channel].c[i] = value[channel] * scale;
         }
     }
 }
 
-GridHandle read_grid(const Contents &contents)
+ProbesHandle read_probes(const Contents &contents)
 {
-    GridHandle grid = make_probes(contents);
+    ProbesHandle probes = make_probes(contents);
     const FloatGrid::ConstAccessor accessor = contents.validity->getConstAccessor();
-    for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
-        grid->validity[probe] = accessor.getValue(Coord(grid->lattice[probe]));
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        probes->validity[probe] = accessor.getValue(Coord(probes->point[probe]));
     }
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-        read_coefficient(*contents.coefficients[i], i, *grid);
+        read_coefficient(*contents.coefficients[i], i, *probes);
     }
     lmb_error error;
-    if (lmb_grid_validate(grid.get(), &error) != LMB_OK) {
+    if (lmb_probes_validate(probes.get(), &error) != LMB_OK) {
         fail(LMB_ERROR_FORMAT, error.message);
     }
-    return grid;
+    return probes;
 }
 
 // Empty when another tool has dropped it.
@@ -472,14 +485,17 @@ template <typename Work> lmb_result guarded(const char *path, lmb_result otherwi
 
 } // namespace
 
-lmb_result lmb_vdb_write(const char *path, const lmb_grid *grid, const lmb_vdb_metadata *metadata, lmb_error *error)
+lmb_result lmb_vdb_write(const char *path, const lmb_probes *probes, const lmb_vdb_metadata *metadata, lmb_error *error)
 {
-    assert(path && grid && metadata && metadata->settings && metadata->scene_hash);
+    assert(path && probes && metadata && metadata->settings && metadata->scene_hash);
+    if (probes->level_count != 1 || probes->set_count != 1) {
+        return lmb_error_set(error, LMB_ERROR_ARGUMENT, "%s: the format holds one level and one set of lights", path);
+    }
     char *const temporary = lmb_file_temporary_path(path);
     if (!temporary) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", path);
     }
-    lmb_result result = guarded(path, LMB_ERROR_WRITE, error, [&] { write_temporary(temporary, *grid, *metadata); });
+    lmb_result result = guarded(path, LMB_ERROR_WRITE, error, [&] { write_temporary(temporary, *probes, *metadata); });
     if (result == LMB_OK) {
         result = lmb_file_commit(temporary, path, error);
     } else {
@@ -489,9 +505,9 @@ lmb_result lmb_vdb_write(const char *path, const lmb_grid *grid, const lmb_vdb_m
     return result;
 }
 
-lmb_result lmb_vdb_read(const char *path, lmb_grid **grid, char **settings, char **scene_hash, lmb_error *error)
+lmb_result lmb_vdb_read(const char *path, lmb_probes **probes, char **settings, char **scene_hash, lmb_error *error)
 {
-    assert(path && grid);
+    assert(path && probes);
     std::FILE *const opened = std::fopen(path, "rb");
     if (!opened || std::fgetc(opened) == EOF) {
         const bool is_empty = opened && !std::ferror(opened);
@@ -507,10 +523,10 @@ lmb_result lmb_vdb_read(const char *path, lmb_grid **grid, char **settings, char
     return guarded(path, LMB_ERROR_FORMAT, error, [&] {
         openvdb::initialize();
         const Contents contents = read_contents(path);
-        GridHandle read = read_grid(contents);
+        ProbesHandle read = read_probes(contents);
         TextHandle settings_text = read_text(*contents.metadata, "lambent_settings");
         TextHandle hash_text = read_text(*contents.metadata, "lambent_scene_hash");
-        *grid = read.release();
+        *probes = read.release();
         if (settings) {
             *settings = settings_text.release();
         }

@@ -2,7 +2,7 @@
 #ifndef LAMBENT_VOLUME_INTERNAL_H
 #define LAMBENT_VOLUME_INTERNAL_H
 
-#include <lambent/grid.h>
+#include <lambent/probes.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -11,16 +11,13 @@ extern "C" {
 /* The largest finite half. */
 #define LMB_HALF_MAX 65504.0f
 
-/* Lattice points of the grid's box. */
-size_t lmb_grid_point_count(const lmb_grid *grid);
-
 /* The power of two that radiance is divided by before it is stored as halfs, the same in .vdb and .lmb: 1 while the
  * largest coefficient is in 2^-4 .. 65504, else what brings it into 2^14 .. 2^15; within 2^-96 .. 2^96. */
-float lmb_grid_scale(const lmb_grid *grid);
+float lmb_probes_scale(const lmb_probes *probes);
 
 /* Which pass of the dilation fills a probe: `pass[probe]` is 0 for a valid probe, -1 for one that is never reached.
- * `order` lists the reached ones by rising pass, `*reached` says how many. Both arrays hold probe_count elements. */
-void lmb_grid_dilation_passes(const lmb_grid *grid, int32_t *pass, int32_t *order, int32_t *reached);
+ * `order` lists the reached ones by rising pass, `*reached` says how many. Both arrays hold `count` elements. */
+void lmb_probes_dilation_passes(const lmb_probes *probes, int32_t *pass, int32_t *order, int32_t *reached);
 
 #ifdef __cplusplus
 }

@@ -53,7 +53,7 @@ float lmb_placement_default_spacing(const lmb_scene *scene)
     return (float)(round_figures[i] * decade);
 }
 
-static bool lattice_fit(lmb_lattice *lattice, const lmb_scene *scene, float spacing)
+static bool lattice_fit(lmb_survey *survey, const lmb_scene *scene, float spacing)
 {
     const float low[3] = {scene->bounds_min.x, scene->bounds_min.y, scene->bounds_min.z};
     const float high[3] = {scene->bounds_max.x, scene->bounds_max.y, scene->bounds_max.z};
@@ -65,40 +65,40 @@ static bool lattice_fit(lmb_lattice *lattice, const lmb_scene *scene, float spac
         if (!(fabs(first) < 1e9) || !(fabs(last) < 1e9)) {
             return false;
         }
-        lattice->min[axis] = (int32_t)first;
-        lattice->size[axis] = (int32_t)(last - first) + 1;
-        count *= lattice->size[axis];
+        survey->min[axis] = (int32_t)first;
+        survey->size[axis] = (int32_t)(last - first) + 1;
+        count *= survey->size[axis];
         if (count > MAX_LATTICE_POINTS) {
             return false;
         }
     }
-    lattice->spacing = spacing;
-    lattice->origin = scene->origin;
-    lattice->count = (size_t)count;
+    survey->spacing = spacing;
+    survey->origin = scene->origin;
+    survey->count = (size_t)count;
     return true;
 }
 
-static void lattice_free(lmb_lattice *lattice)
+static void survey_free(lmb_survey *survey)
 {
-    free(lattice->validity);
-    free(lattice->free);
-    *lattice = (lmb_lattice){0};
+    free(survey->validity);
+    free(survey->free);
+    *survey = (lmb_survey){0};
 }
 
 /* Marks the corners of every cell that has a free corner. Returns how many there are. */
-static int64_t wanted_mark(const lmb_lattice *lattice, uint8_t *wanted)
+static int64_t wanted_mark(const lmb_survey *survey, uint8_t *wanted)
 {
-    memset(wanted, 0, lattice->count);
+    memset(wanted, 0, survey->count);
     int64_t count = 0;
-    for (int32_t z = 0; z + 1 < lattice->size[2]; ++z) {
-        for (int32_t y = 0; y + 1 < lattice->size[1]; ++y) {
-            for (int32_t x = 0; x + 1 < lattice->size[0]; ++x) {
+    for (int32_t z = 0; z + 1 < survey->size[2]; ++z) {
+        for (int32_t y = 0; y + 1 < survey->size[1]; ++y) {
+            for (int32_t x = 0; x + 1 < survey->size[0]; ++x) {
                 bool any = false;
                 for (int k = 0; k < 8; ++k) {
-                    any |= lattice->free[lattice_index(lattice, x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))] != 0;
+                    any |= survey->free[survey_index(survey, x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))] != 0;
                 }
                 for (int k = 0; k < 8 && any; ++k) {
-                    uint8_t *mark = &wanted[lattice_index(lattice, x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))];
+                    uint8_t *mark = &wanted[survey_index(survey, x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))];
                     count += *mark == 0;
                     *mark = 1;
                 }
@@ -108,9 +108,9 @@ static int64_t wanted_mark(const lmb_lattice *lattice, uint8_t *wanted)
     return count;
 }
 
-static bool lattice_any_free(const lmb_lattice *lattice)
+static bool survey_any_free(const lmb_survey *survey)
 {
-    return memchr(lattice->free, 1, lattice->count) != NULL;
+    return memchr(survey->free, 1, survey->count) != NULL;
 }
 
 /* All seeds: the caller's, then the scene's own. */
@@ -162,38 +162,38 @@ static void seeds_warn(const lmb_scene *scene, const seed_list *seeds, const lmb
     }
 }
 
-/* Classifies the lattice at one spacing. */
-static lmb_result lattice_make(lmb_lattice *lattice, const lmb_tracer *tracer, float spacing, const seed_list *seeds,
-                               lmb_pool *pool, const lmb_progress *progress, lmb_placement_stats *stats,
-                               lmb_error *error)
+/* Classifies the survey at one spacing. */
+static lmb_result survey_make(lmb_survey *survey, const lmb_tracer *tracer, float spacing, const seed_list *seeds,
+                              lmb_pool *pool, const lmb_progress *progress, lmb_placement_stats *stats,
+                              lmb_error *error)
 {
-    if (!lattice_fit(lattice, lmb_tracer_scene(tracer), spacing)) {
+    if (!lattice_fit(survey, lmb_tracer_scene(tracer), spacing)) {
         return lmb_error_set(error, LMB_ERROR_UNSUPPORTED,
                              "%s: spacing of %g m is too fine for the level's size, or so far from the world's origin",
                              lmb_tracer_scene(tracer)->path, (double)spacing);
     }
-    lattice->validity = calloc(lattice->count, sizeof *lattice->validity);
-    lattice->free = calloc(lattice->count, sizeof *lattice->free);
-    if (!lattice->validity || !lattice->free) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory for %zu lattice points", lattice->count);
+    survey->validity = calloc(survey->count, sizeof *survey->validity);
+    survey->free = calloc(survey->count, sizeof *survey->free);
+    if (!survey->validity || !survey->free) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory for %zu lattice points", survey->count);
     }
-    lmb_result result = lmb_lattice_classify(lattice, tracer, pool, progress, &stats->rays);
+    lmb_result result = lmb_survey_classify(survey, tracer, pool, progress, &stats->rays);
     if (result != LMB_OK) {
         return lmb_error_set(error, result, "placement: %s", lmb_result_text(result));
     }
-    stats->everything_solid = !lattice_any_free(lattice);
+    stats->everything_solid = !survey_any_free(survey);
     if (stats->everything_solid) {
-        for (size_t i = 0; i < lattice->count; ++i) {
-            lattice->free[i] = 1;
-            lattice->validity[i] = 1.0f;
+        for (size_t i = 0; i < survey->count; ++i) {
+            survey->free[i] = 1;
+            survey->validity[i] = 1.0f;
         }
     }
     if (seeds->count > 0) {
-        result = lmb_lattice_flood(lattice, tracer, seeds->at, seeds->count, seeds->state, &stats->rays);
+        result = lmb_survey_flood(survey, tracer, seeds->at, seeds->count, seeds->state, &stats->rays);
         if (result != LMB_OK) {
             return lmb_error_set(error, result, "out of memory");
         }
-        if (!lattice_any_free(lattice)) {
+        if (!survey_any_free(survey)) {
             return seeds_fail(lmb_tracer_scene(tracer), seeds, error);
         }
         stats->seeds_in_solid = false;
@@ -204,63 +204,59 @@ static lmb_result lattice_make(lmb_lattice *lattice, const lmb_tracer *tracer, f
     return LMB_OK;
 }
 
-/* The grid of the wanted points, its box trimmed to them. */
-static lmb_result grid_from_lattice(const lmb_lattice *lattice, const uint8_t *wanted, lmb_grid **grid,
-                                    lmb_placement_stats *stats)
+/* The box of the wanted points, and their list, x fastest; NULL: no memory. */
+static int32_t (*wanted_list(const lmb_survey *survey, const uint8_t *wanted, int64_t count, lmb_lattice *lattice))[3]
 {
-    int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX};
-    int32_t high[3] = {-1, -1, -1};
-    for (int32_t z = 0; z < lattice->size[2]; ++z) {
-        for (int32_t y = 0; y < lattice->size[1]; ++y) {
-            for (int32_t x = 0; x < lattice->size[0]; ++x) {
-                if (wanted[lattice_index(lattice, x, y, z)]) {
-                    const int32_t at[3] = {x, y, z};
-                    for (int axis = 0; axis < 3; ++axis) {
-                        low[axis] = at[axis] < low[axis] ? at[axis] : low[axis];
-                        high[axis] = at[axis] > high[axis] ? at[axis] : high[axis];
-                    }
-                }
-            }
+    int32_t(*const point)[3] = malloc(((size_t)count + 1) * sizeof *point);
+    int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
+    size_t found = 0;
+    for (size_t i = 0; point && i < survey->count; ++i) {
+        if (!wanted[i]) {
+            continue;
         }
+        const size_t width = (size_t)survey->size[0], height = (size_t)survey->size[1];
+        const int32_t at[3] = {(int32_t)(i % width), (int32_t)(i / width % height), (int32_t)(i / width / height)};
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = at[axis] < low[axis] ? at[axis] : low[axis];
+            high[axis] = at[axis] > high[axis] ? at[axis] : high[axis];
+            point[found][axis] = survey->min[axis] + at[axis];
+        }
+        ++found;
     }
-    int32_t min[3], size[3];
+    lattice->spacing = survey->spacing;
     for (int axis = 0; axis < 3; ++axis) {
-        min[axis] = lattice->min[axis] + low[axis];
-        size[axis] = high[axis] - low[axis] + 1;
+        lattice->min[axis] = survey->min[axis] + low[axis];
+        lattice->size[axis] = high[axis] - low[axis] + 1;
     }
-    lmb_grid *created;
-    lmb_result result = lmb_grid_create(lattice->spacing, min, size, &created);
+    return point;
+}
+
+/* Probes at the wanted points. */
+static lmb_result probes_make(const lmb_survey *survey, const uint8_t *wanted, int64_t count, lmb_probes **probes,
+                              lmb_placement_stats *stats)
+{
+    lmb_lattice lattice;
+    lmb_probes *created = NULL;
+    int32_t(*const point)[3] = wanted_list(survey, wanted, count, &lattice);
+    lmb_result result = point ? lmb_probes_create(&created) : LMB_ERROR_MEMORY;
+    if (result == LMB_OK) {
+        result = lmb_probes_add_level(created, &lattice, (const int32_t(*)[3])point, (int32_t)count);
+    }
+    free(point);
     if (result != LMB_OK) {
+        lmb_probes_destroy(created);
         return result;
     }
-    uint8_t *trimmed = malloc((size_t)size[0] * (size_t)size[1] * (size_t)size[2]);
-    result = trimmed ? LMB_OK : LMB_ERROR_MEMORY;
-    size_t at = 0;
-    for (int32_t z = low[2]; trimmed && z <= high[2]; ++z) {
-        for (int32_t y = low[1]; y <= high[1]; ++y) {
-            memcpy(trimmed + at, wanted + lattice_index(lattice, low[0], y, z), (size_t)size[0]);
-            at += (size_t)size[0];
-        }
-    }
-    if (trimmed) {
-        result = lmb_grid_add_probes(created, trimmed);
-        free(trimmed);
-    }
-    if (result != LMB_OK) {
-        lmb_grid_destroy(created);
-        return result;
-    }
-    for (int32_t i = 0; i < created->probe_count; ++i) {
-        const int32_t *p = created->lattice[i];
-        const size_t from =
-            lattice_index(lattice, p[0] - lattice->min[0], p[1] - lattice->min[1], p[2] - lattice->min[2]);
-        const bool baked = lattice->free[from] && lattice->validity[from] >= LMB_GRID_MIN_VALIDITY;
-        created->validity[i] = baked ? lattice->validity[from] : 0.0f;
+    for (int32_t i = 0; i < created->count; ++i) {
+        const int32_t *p = created->point[i];
+        const size_t from = survey_index(survey, p[0] - survey->min[0], p[1] - survey->min[1], p[2] - survey->min[2]);
+        const bool baked = survey->free[from] && survey->validity[from] >= LMB_PROBES_MIN_VALIDITY;
+        created->validity[i] = baked ? survey->validity[from] : 0.0f;
         stats->probes_valid += baked;
         stats->probes_dilated += !baked;
     }
-    created->origin = lattice->origin;
-    *grid = created;
+    created->origin = survey->origin;
+    *probes = created;
     return LMB_OK;
 }
 
@@ -291,7 +287,7 @@ static bool seeds_gather(const lmb_scene *scene, const lmb_placement_settings *s
 }
 
 lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
-                              const lmb_progress *progress, lmb_grid **grid, lmb_placement_stats *stats,
+                              const lmb_progress *progress, lmb_probes **probes, lmb_placement_stats *stats,
                               lmb_error *error)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
@@ -299,38 +295,39 @@ lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_sett
         return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: the level has no static triangles", scene->path);
     }
     *stats = (lmb_placement_stats){0};
-    lmb_lattice lattice = {0};
+    lmb_survey survey = {0};
     uint8_t *wanted = NULL;
     seed_list seeds;
     if (!seeds_gather(scene, settings, &seeds)) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
     lmb_result result = LMB_OK;
+    int64_t count = 0;
     float spacing = settings->spacing > 0.0f ? settings->spacing : lmb_placement_default_spacing(scene);
     for (int step = 0; result == LMB_OK; ++step) {
-        result = lattice_make(&lattice, tracer, spacing, &seeds, pool, progress, stats, error);
-        wanted = result == LMB_OK ? malloc(lattice.count) : NULL;
+        result = survey_make(&survey, tracer, spacing, &seeds, pool, progress, stats, error);
+        wanted = result == LMB_OK ? malloc(survey.count) : NULL;
         if (result == LMB_OK && !wanted) {
             result = lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
         }
-        const int64_t count = wanted ? wanted_mark(&lattice, wanted) : 0;
+        count = wanted ? wanted_mark(&survey, wanted) : 0;
         if (result != LMB_OK || count <= settings->max_probes || step == MAX_SPACING_STEPS) {
             break;
         }
         /* Counts fall with the cube of the spacing; a third of the excess is a step that does not overshoot. */
         const double excess = (double)count / (double)settings->max_probes;
         spacing *= (float)fmin(1.0 + (excess - 1.0) / 3.0 + 0.01, 2.0);
-        lattice_free(&lattice);
+        survey_free(&survey);
         free(wanted);
         wanted = NULL;
     }
     if (result == LMB_OK) {
-        result = grid_from_lattice(&lattice, wanted, grid, stats);
+        result = probes_make(&survey, wanted, count, probes, stats);
         if (result == LMB_OK) {
-            result = lmb_grid_count_cells(*grid, tracer, &stats->cells, &stats->cells_crossed);
+            result = lmb_placement_count_cells(*probes, 0, tracer, &stats->cells, &stats->cells_crossed);
             if (result != LMB_OK) {
-                lmb_grid_destroy(*grid);
-                *grid = NULL;
+                lmb_probes_destroy(*probes);
+                *probes = NULL;
             }
         }
         if (result != LMB_OK) {
@@ -339,7 +336,7 @@ lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_sett
             seeds_warn(scene, &seeds, &settings->warnings);
         }
     }
-    lattice_free(&lattice);
+    survey_free(&survey);
     free(wanted);
     seeds_free(&seeds);
     return result;

@@ -1,4 +1,4 @@
-/* Cells of a grid, and which of them geometry crosses. */
+/* Cells between probes, and which of them geometry crosses. */
 #include "probes/placement_internal.h"
 
 #include <math.h>
@@ -37,74 +37,82 @@ static bool triangle_touches_cube(const lmb_vec3 corner[3])
     return true;
 }
 
-/* First and last cell along an axis that the range [low, high] touches, clipped to the grid. */
-static bool cell_range(const lmb_grid *grid, int axis, float low, float high, int32_t *first, int32_t *last)
-{
-    const double origin = axis == 0 ? grid->origin.x : axis == 1 ? grid->origin.y : grid->origin.z;
-    const double scale = 1.0 / (double)grid->spacing;
-    const double from = floor(((double)low + origin) * scale) - (double)grid->min[axis];
-    const double to = floor(((double)high + origin) * scale) - (double)grid->min[axis];
-    const double cells = (double)grid->size[axis] - 1.0;
-    if (!(to >= 0.0) || !(from < cells)) {
-        return false;
-    }
-    *first = from > 0.0 ? (int32_t)from : 0;
-    *last = to < cells ? (int32_t)to : grid->size[axis] - 2;
-    return *first <= *last;
-}
+/* Cells of a level that a triangle's box may touch. */
+typedef struct cell_range {
+    int32_t first[3], last[3]; /* relative to the lattice's first point */
+} cell_range;
 
-static size_t cell_index(const lmb_grid *grid, int32_t x, int32_t y, int32_t z)
+/* Clipped to the lattice; false when there are none. */
+static bool cells_find(const lmb_probes *probes, const lmb_lattice *lattice, const lmb_vec3 corner[3],
+                       cell_range *range)
 {
-    return (size_t)x + (size_t)grid->size[0] * ((size_t)y + (size_t)grid->size[1] * (size_t)z);
-}
-
-static void triangle_mark(const lmb_grid *grid, const lmb_vec3 corner[3], uint8_t *crossed)
-{
-    const float low[3] = {float_smaller(corner[0].x, float_smaller(corner[1].x, corner[2].x)),
-                          float_smaller(corner[0].y, float_smaller(corner[1].y, corner[2].y)),
-                          float_smaller(corner[0].z, float_smaller(corner[1].z, corner[2].z))};
-    const float high[3] = {float_larger(corner[0].x, float_larger(corner[1].x, corner[2].x)),
-                           float_larger(corner[0].y, float_larger(corner[1].y, corner[2].y)),
-                           float_larger(corner[0].z, float_larger(corner[1].z, corner[2].z))};
-    int32_t first[3], last[3];
+    const double origin[3] = {probes->origin.x, probes->origin.y, probes->origin.z};
+    const double scale = 1.0 / (double)lattice->spacing;
     for (int axis = 0; axis < 3; ++axis) {
-        if (!cell_range(grid, axis, low[axis], high[axis], &first[axis], &last[axis])) {
-            return;
+        const float a = (&corner[0].x)[axis], b = (&corner[1].x)[axis], c = (&corner[2].x)[axis];
+        const float low = float_smaller(a, float_smaller(b, c)), high = float_larger(a, float_larger(b, c));
+        const double from = floor(((double)low + origin[axis]) * scale) - (double)lattice->min[axis];
+        const double to = floor(((double)high + origin[axis]) * scale) - (double)lattice->min[axis];
+        const double cells = (double)lattice->size[axis] - 1.0;
+        if (!(to >= 0.0) || !(from < cells)) {
+            return false;
         }
-    }
-    const double spacing = (double)grid->spacing;
-    const float half = 0.5f * grid->spacing;
-    for (int32_t z = first[2]; z <= last[2]; ++z) {
-        for (int32_t y = first[1]; y <= last[1]; ++y) {
-            for (int32_t x = first[0]; x <= last[0]; ++x) {
-                const lmb_vec3 centre = vec3((float)((grid->min[0] + x) * spacing - grid->origin.x) + half,
-                                             (float)((grid->min[1] + y) * spacing - grid->origin.y) + half,
-                                             (float)((grid->min[2] + z) * spacing - grid->origin.z) + half);
-                lmb_vec3 local[3];
-                for (int k = 0; k < 3; ++k) {
-                    local[k] = vec3_scale(vec3_sub(corner[k], centre), 1.0f / half);
-                }
-                uint8_t *mark = &crossed[cell_index(grid, x, y, z)];
-                *mark = *mark || triangle_touches_cube(local);
-            }
-        }
-    }
-}
-
-static bool cell_is_complete(const lmb_grid *grid, int32_t x, int32_t y, int32_t z)
-{
-    for (int k = 0; k < 8; ++k) {
-        if (grid->probe_at[cell_index(grid, x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))] < 0) {
+        range->first[axis] = from > 0.0 ? (int32_t)from : 0;
+        range->last[axis] = to < cells ? (int32_t)to : lattice->size[axis] - 2;
+        if (range->first[axis] > range->last[axis]) {
             return false;
         }
     }
     return true;
 }
 
-lmb_result lmb_grid_count_cells(const lmb_grid *grid, const lmb_tracer *tracer, int64_t *cells, int64_t *crossed)
+/* Whether all eight corners of the cell whose first corner is a probe's point hold probes. */
+static bool cell_is_complete(const lmb_probes *probes, uint32_t level, const int32_t point[3])
+{
+    for (int k = 0; k < 8; ++k) {
+        if (lmb_probes_find(probes, level, point[0] + (k & 1), point[1] + (k >> 1 & 1), point[2] + (k >> 2)) < 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Marks, by their first corners' probes, the cells that a triangle touches. */
+static void triangle_mark(const lmb_probes *probes, uint32_t level, const lmb_vec3 corner[3], uint8_t *crossed)
+{
+    const lmb_lattice *lattice = &probes->level[level].lattice;
+    cell_range range;
+    if (!cells_find(probes, lattice, corner, &range)) {
+        return;
+    }
+    const double spacing = (double)lattice->spacing;
+    const float half = 0.5f * lattice->spacing;
+    for (int32_t z = range.first[2]; z <= range.last[2]; ++z) {
+        for (int32_t y = range.first[1]; y <= range.last[1]; ++y) {
+            for (int32_t x = range.first[0]; x <= range.last[0]; ++x) {
+                const int32_t at[3] = {lattice->min[0] + x, lattice->min[1] + y, lattice->min[2] + z};
+                const int32_t probe = lmb_probes_find(probes, level, at[0], at[1], at[2]);
+                if (probe < 0 || crossed[probe]) {
+                    continue;
+                }
+                const lmb_vec3 centre = vec3((float)(at[0] * spacing - probes->origin.x) + half,
+                                             (float)(at[1] * spacing - probes->origin.y) + half,
+                                             (float)(at[2] * spacing - probes->origin.z) + half);
+                lmb_vec3 local[3];
+                for (int k = 0; k < 3; ++k) {
+                    local[k] = vec3_scale(vec3_sub(corner[k], centre), 1.0f / half);
+                }
+                crossed[probe] = triangle_touches_cube(local);
+            }
+        }
+    }
+}
+
+lmb_result lmb_placement_count_cells(const lmb_probes *probes, uint32_t level, const lmb_tracer *tracer, int64_t *cells,
+                                     int64_t *crossed)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
-    uint8_t *mark = calloc((size_t)grid->size[0] * (size_t)grid->size[1] * (size_t)grid->size[2], 1);
+    uint8_t *mark = calloc((size_t)probes->count + 1, 1);
     if (!mark) {
         return LMB_ERROR_MEMORY;
     }
@@ -113,19 +121,16 @@ lmb_result lmb_grid_count_cells(const lmb_grid *grid, const lmb_tracer *tracer, 
         for (uint32_t t = 0; t < scene->meshes[instance->mesh].triangle_count && !instance->dynamic; ++t) {
             lmb_vec3 corner[3];
             lmb_trace_corners(tracer, i, t, corner);
-            triangle_mark(grid, corner, mark);
+            triangle_mark(probes, level, corner, mark);
         }
     }
     *cells = 0;
     *crossed = 0;
-    for (int32_t z = 0; z + 1 < grid->size[2]; ++z) {
-        for (int32_t y = 0; y + 1 < grid->size[1]; ++y) {
-            for (int32_t x = 0; x + 1 < grid->size[0]; ++x) {
-                const bool complete = cell_is_complete(grid, x, y, z);
-                *cells += complete;
-                *crossed += complete && mark[cell_index(grid, x, y, z)];
-            }
-        }
+    const lmb_probe_level *own = &probes->level[level];
+    for (int32_t probe = own->first; probe < own->first + own->count; ++probe) {
+        const bool complete = cell_is_complete(probes, level, probes->point[probe]);
+        *cells += complete;
+        *crossed += complete && mark[probe];
     }
     free(mark);
     return LMB_OK;

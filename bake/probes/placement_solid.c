@@ -21,7 +21,7 @@ enum { RAYS_PER_POINT = LMB_RAY_BATCH, WINDING_RAYS = 32, POINTS_PER_TASK = 64 }
 #define ROOM_WINDING (-0.25f)
 
 typedef struct lmb_classify_work {
-    lmb_lattice *lattice;
+    lmb_survey *survey;
     const lmb_tracer *tracer;
     uint64_t *rays; /* [task] */
 } lmb_classify_work;
@@ -80,7 +80,8 @@ static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *i
     }
     /* A free point is valid, however much of it double-sided scenery turns its back on. */
     const float share = 1.0f - (float)backs / (float)RAYS_PER_POINT;
-    return *is_free ? float_larger(share, LMB_GRID_MIN_VALIDITY) : float_smaller(share, 0.5f * LMB_GRID_MIN_VALIDITY);
+    return *is_free ? float_larger(share, LMB_PROBES_MIN_VALIDITY)
+                    : float_smaller(share, 0.5f * LMB_PROBES_MIN_VALIDITY);
 }
 
 bool lmb_placement_is_free(const lmb_tracer *tracer, lmb_vec3 position, uint64_t *rays)
@@ -94,28 +95,28 @@ static void classify_task(void *context, size_t task, int worker)
 {
     (void)worker;
     const lmb_classify_work *work = context;
-    lmb_lattice *lattice = work->lattice;
+    lmb_survey *survey = work->survey;
     const size_t first = task * POINTS_PER_TASK;
-    const size_t last = first + POINTS_PER_TASK < lattice->count ? first + POINTS_PER_TASK : lattice->count;
+    const size_t last = first + POINTS_PER_TASK < survey->count ? first + POINTS_PER_TASK : survey->count;
     uint64_t rays = 0;
     for (size_t i = first; i < last; ++i) {
-        const int32_t x = (int32_t)(i % (size_t)lattice->size[0]);
-        const int32_t y = (int32_t)(i / (size_t)lattice->size[0] % (size_t)lattice->size[1]);
-        const int32_t z = (int32_t)(i / (size_t)lattice->size[0] / (size_t)lattice->size[1]);
+        const int32_t x = (int32_t)(i % (size_t)survey->size[0]);
+        const int32_t y = (int32_t)(i / (size_t)survey->size[0] % (size_t)survey->size[1]);
+        const int32_t z = (int32_t)(i / (size_t)survey->size[0] / (size_t)survey->size[1]);
         bool is_free;
         const lmb_vec3 position =
-            lmb_placement_relocate(work->tracer, lattice_position(lattice, x, y, z), lattice->spacing, &rays);
-        lattice->validity[i] = point_validity(work->tracer, position, &is_free, &rays);
-        lattice->free[i] = is_free;
+            lmb_placement_relocate(work->tracer, survey_position(survey, x, y, z), survey->spacing, &rays);
+        survey->validity[i] = point_validity(work->tracer, position, &is_free, &rays);
+        survey->free[i] = is_free;
     }
     work->rays[task] = rays;
 }
 
-lmb_result lmb_lattice_classify(lmb_lattice *lattice, const lmb_tracer *tracer, lmb_pool *pool,
-                                const lmb_progress *progress, uint64_t *rays)
+lmb_result lmb_survey_classify(lmb_survey *survey, const lmb_tracer *tracer, lmb_pool *pool,
+                               const lmb_progress *progress, uint64_t *rays)
 {
-    const size_t tasks = (lattice->count + POINTS_PER_TASK - 1) / POINTS_PER_TASK;
-    lmb_classify_work work = {lattice, tracer, calloc(tasks + 1, sizeof *work.rays)};
+    const size_t tasks = (survey->count + POINTS_PER_TASK - 1) / POINTS_PER_TASK;
+    lmb_classify_work work = {survey, tracer, calloc(tasks + 1, sizeof *work.rays)};
     if (!work.rays) {
         return LMB_ERROR_MEMORY;
     }
@@ -128,15 +129,15 @@ lmb_result lmb_lattice_classify(lmb_lattice *lattice, const lmb_tracer *tracer, 
 }
 
 /* The free lattice point nearest to a seed among the corners of its cell, or SIZE_MAX, and why. */
-static size_t seed_point(const lmb_lattice *lattice, lmb_vec3 seed, lmb_seed_state *state)
+static size_t seed_point(const lmb_survey *survey, lmb_vec3 seed, lmb_seed_state *state)
 {
-    const double world[3] = {(double)seed.x + lattice->origin.x, (double)seed.y + lattice->origin.y,
-                             (double)seed.z + lattice->origin.z};
+    const double world[3] = {(double)seed.x + survey->origin.x, (double)seed.y + survey->origin.y,
+                             (double)seed.z + survey->origin.z};
     *state = LMB_SEED_OUTSIDE;
     int32_t cell[3];
     for (int axis = 0; axis < 3; ++axis) {
-        const double at = floor(world[axis] / (double)lattice->spacing) - (double)lattice->min[axis];
-        if (!(at >= 0.0 && at + 1.0 < (double)lattice->size[axis])) {
+        const double at = floor(world[axis] / (double)survey->spacing) - (double)survey->min[axis];
+        if (!(at >= 0.0 && at + 1.0 < (double)survey->size[axis])) {
             return SIZE_MAX;
         }
         cell[axis] = (int32_t)at;
@@ -145,9 +146,9 @@ static size_t seed_point(const lmb_lattice *lattice, lmb_vec3 seed, lmb_seed_sta
     float nearest_distance = FLT_MAX;
     for (int k = 0; k < 8; ++k) {
         const int32_t x = cell[0] + (k & 1), y = cell[1] + (k >> 1 & 1), z = cell[2] + (k >> 2);
-        const size_t index = lattice_index(lattice, x, y, z);
-        const float distance = vec3_length(vec3_sub(lattice_position(lattice, x, y, z), seed));
-        if (lattice->free[index] && distance < nearest_distance) {
+        const size_t index = survey_index(survey, x, y, z);
+        const float distance = vec3_length(vec3_sub(survey_position(survey, x, y, z), seed));
+        if (survey->free[index] && distance < nearest_distance) {
             nearest = index;
             nearest_distance = distance;
         }
@@ -156,21 +157,20 @@ static size_t seed_point(const lmb_lattice *lattice, lmb_vec3 seed, lmb_seed_sta
     return nearest;
 }
 
-static bool points_connected(const lmb_lattice *lattice, const lmb_tracer *tracer, size_t a, size_t b, uint64_t *rays)
+static bool points_connected(const lmb_survey *survey, const lmb_tracer *tracer, size_t a, size_t b, uint64_t *rays)
 {
-    const size_t row = (size_t)lattice->size[0];
-    const size_t slice = row * (size_t)lattice->size[1];
-    const lmb_vec3 from =
-        lattice_position(lattice, (int32_t)(a % row), (int32_t)(a % slice / row), (int32_t)(a / slice));
-    const lmb_vec3 to = lattice_position(lattice, (int32_t)(b % row), (int32_t)(b % slice / row), (int32_t)(b / slice));
+    const size_t row = (size_t)survey->size[0];
+    const size_t slice = row * (size_t)survey->size[1];
+    const lmb_vec3 from = survey_position(survey, (int32_t)(a % row), (int32_t)(a % slice / row), (int32_t)(a / slice));
+    const lmb_vec3 to = survey_position(survey, (int32_t)(b % row), (int32_t)(b % slice / row), (int32_t)(b / slice));
     return rgb_max(lmb_trace_transmittance(tracer, from, to, rays)) > 0.0f;
 }
 
-lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, const lmb_vec3 *seeds, uint32_t seed_count,
-                             lmb_seed_state *states, uint64_t *rays)
+lmb_result lmb_survey_flood(lmb_survey *survey, const lmb_tracer *tracer, const lmb_vec3 *seeds, uint32_t seed_count,
+                            lmb_seed_state *states, uint64_t *rays)
 {
-    uint8_t *reached = calloc(lattice->count, 1);
-    size_t *queue = malloc(lattice->count * sizeof *queue);
+    uint8_t *reached = calloc(survey->count, 1);
+    size_t *queue = malloc(survey->count * sizeof *queue);
     if (!reached || !queue) {
         free(reached);
         free(queue);
@@ -178,14 +178,14 @@ lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, con
     }
     size_t filled = 0;
     for (uint32_t i = 0; i < seed_count; ++i) {
-        const size_t point = seed_point(lattice, seeds[i], &states[i]);
+        const size_t point = seed_point(survey, seeds[i], &states[i]);
         if (point != SIZE_MAX && !reached[point]) {
             reached[point] = 1;
             queue[filled++] = point;
         }
     }
-    const size_t row = (size_t)lattice->size[0];
-    const size_t slice = row * (size_t)lattice->size[1];
+    const size_t row = (size_t)survey->size[0];
+    const size_t slice = row * (size_t)survey->size[1];
     for (size_t done = 0; done < filled; ++done) {
         const size_t at = queue[done];
         const size_t coordinate[3] = {at % row, at % slice / row, at / slice};
@@ -193,18 +193,18 @@ lmb_result lmb_lattice_flood(lmb_lattice *lattice, const lmb_tracer *tracer, con
         for (int side = 0; side < 6; ++side) {
             const int axis = side / 2;
             const bool up = side % 2 == 1;
-            if (up ? coordinate[axis] + 1 >= (size_t)lattice->size[axis] : coordinate[axis] == 0) {
+            if (up ? coordinate[axis] + 1 >= (size_t)survey->size[axis] : coordinate[axis] == 0) {
                 continue;
             }
             const size_t next = up ? at + stride[axis] : at - stride[axis];
-            if (lattice->free[next] && !reached[next] && points_connected(lattice, tracer, at, next, rays)) {
+            if (survey->free[next] && !reached[next] && points_connected(survey, tracer, at, next, rays)) {
                 reached[next] = 1;
                 queue[filled++] = next;
             }
         }
     }
-    for (size_t i = 0; i < lattice->count; ++i) {
-        lattice->free[i] = reached[i];
+    for (size_t i = 0; i < survey->count; ++i) {
+        survey->free[i] = reached[i];
     }
     free(reached);
     free(queue);

@@ -9,12 +9,13 @@
 #define STEPS_OF_SPACING 8.0
 
 /* The grid's largest coordinate in the world. */
-static double grid_reach(const lmb_grid *grid)
+static double grid_reach(const lmb_probes *grid)
 {
     double reach = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
-        const double first = (double)grid->min[axis], last = first + (grid->size[axis] - 1);
-        reach = fmax(reach, fmax(fabs(first), fabs(last)) * (double)grid->spacing);
+        const double first = (double)grid->level[0].lattice.min[axis],
+                     last = first + (grid->level[0].lattice.size[axis] - 1);
+        reach = fmax(reach, fmax(fabs(first), fabs(last)) * (double)grid->level[0].lattice.spacing);
     }
     return reach;
 }
@@ -23,7 +24,7 @@ static void warn_of_coarse_floats(const lmb_bake *bake)
 {
     const lmb_warnings *warnings = &bake->level->warnings;
     const lmb_scene *scene = bake->level->scene;
-    const double spacing = (double)bake->grid->spacing;
+    const double spacing = (double)bake->grid->level[0].lattice.spacing;
     const double step = (double)lmb_scene_position_step(scene);
     if (step * STEPS_OF_SPACING > spacing && !bake->record.settings.lightmaps) {
         lmb_warn(warnings,
@@ -59,12 +60,12 @@ static void record_placed(lmb_bake *bake)
 {
     lmb_bake_record *record = &bake->record;
     const lmb_scene *scene = bake->level->scene;
-    record->settings.spacing = bake->grid->spacing;
+    record->settings.spacing = bake->grid->level[0].lattice.spacing;
     for (uint32_t i = 0; i < record->settings.seed_count; ++i) {
         const lmb_vec3 used = lmb_scene_from_world(scene, record->settings.seeds[i]);
         record->settings.seeds[i] = lmb_scene_to_world(scene, used);
     }
-    record->probes = bake->grid->probe_count;
+    record->probes = bake->grid->count;
     record->rays[LMB_PHASE_PLACE] = record->placement.rays;
 }
 
@@ -178,8 +179,8 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     const lmb_gather_effort effort = lmb_bake_effort(&record->settings, bake->level);
-    const lmb_result result = lmb_grid_bake(bake->grid, &bake->level->transport, &effort, bake->level->pool,
-                                            bake->progress, &record->gathered);
+    const lmb_result result = lmb_probes_bake(bake->grid, &bake->level->transport, &effort, bake->level->pool,
+                                              bake->progress, &record->gathered);
     record->seconds[LMB_PHASE_PROBES] = lmb_clock_seconds() - start;
     record->rays[LMB_PHASE_PROBES] = record->gathered.rays;
     return phase_result(LMB_PHASE_PROBES, result, error);
@@ -203,7 +204,7 @@ lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error)
 void lmb_bake_end(lmb_bake *bake)
 {
     lmb_lightmap_destroy(bake->lightmap);
-    lmb_grid_destroy(bake->grid);
+    lmb_probes_destroy(bake->grid);
     bake->lightmap = NULL;
     bake->grid = NULL;
 }

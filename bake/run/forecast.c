@@ -1,6 +1,6 @@
 #include "run/forecast.h"
 
-#include <lambent/grid_bake.h>
+#include <lambent/probes_bake.h>
 
 #include "base/clock.h"
 

@@ -1,6 +1,6 @@
-/* A tool that builds a volume: grid, dilation, .vdb, .lmb, sampler, all through the installed package. */
-#include <lambent/grid.h>
+/* A tool that builds a volume: probes, dilation, .vdb, .lmb, sampler, all through the installed package. */
 #include <lambent/pack.h>
+#include <lambent/probes.h>
 #include <lambent/vdb.h>
 #include <lambent/volume.h>
 
@@ -10,22 +10,23 @@
 
 int main(void)
 {
-    const int32_t min[3] = {0, 0, 0}, size[3] = {2, 2, 2};
-    const uint8_t wanted[8] = {1, 1, 1, 1, 1, 1, 1, 1};
-    lmb_grid *grid = NULL;
-    lmb_grid *read = NULL;
+    const lmb_lattice lattice = {1.0f, {0, 0, 0}, {2, 2, 2}};
+    const int32_t points[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0},
+                                  {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}};
+    lmb_probes *probes = NULL;
+    lmb_probes *read = NULL;
     lmb_volume *volume = NULL;
     unsigned char *data = NULL;
     size_t bytes = 0;
     lmb_sh3_rgb light = {{{{0.0f}}}};
-    if (lmb_grid_create(1.0f, min, size, &grid) != LMB_OK || lmb_grid_add_probes(grid, wanted) != LMB_OK) {
+    if (lmb_probes_create(&probes) != LMB_OK || lmb_probes_add_level(probes, &lattice, points, 8) != LMB_OK) {
         return 1;
     }
-    grid->validity[0] = 1.0f;
-    grid->radiance[0].channel[1].c[0] = 0.5f;
+    probes->validity[0] = 1.0f;
+    probes->radiance[0][0].channel[1].c[0] = 0.5f;
     const lmb_vdb_metadata metadata = {"{}", ""};
     lmb_error error = {""};
-    if (lmb_grid_dilate(grid) != LMB_OK || lmb_vdb_write("consumer.vdb", grid, &metadata, &error) != LMB_OK ||
+    if (lmb_probes_dilate(probes) != LMB_OK || lmb_vdb_write("consumer.vdb", probes, &metadata, &error) != LMB_OK ||
         lmb_vdb_read("consumer.vdb", &read, NULL, NULL, &error) != LMB_OK ||
         lmb_pack(read, &data, &bytes, NULL) != LMB_OK || lmb_volume_open_memory(data, bytes, &volume) != LMB_OK) {
         fprintf(stderr, "%s\n", error.message);
@@ -36,7 +37,7 @@ int main(void)
     printf("inside %d, light %g\n", is_inside, (double)light.channel[1].c[0]);
     lmb_volume_close(volume);
     free(data);
-    lmb_grid_destroy(read);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(read);
+    lmb_probes_destroy(probes);
     return is_inside && light.channel[1].c[0] == 0.5f ? 0 : 1;
 }

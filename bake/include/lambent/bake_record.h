@@ -3,7 +3,7 @@
 #define LAMBENT_BAKE_RECORD_H
 
 #include <lambent/bake_settings.h>
-#include <lambent/grid_bake.h>
+#include <lambent/probes_bake.h>
 #include <lambent/lightmap.h>
 #include <lambent/placement.h>
 

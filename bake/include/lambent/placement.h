@@ -2,7 +2,7 @@
 #ifndef LAMBENT_PLACEMENT_H
 #define LAMBENT_PLACEMENT_H
 
-#include <lambent/grid.h>
+#include <lambent/probes.h>
 #include <lambent/pool.h>
 #include <lambent/trace.h>
 #include <lambent/warning.h>
@@ -39,11 +39,11 @@ typedef struct lmb_placement_stats {
 /* Places probes. A point is solid when most of the rays that hit anything hit a back face AND signed crossings of
  * surfaces over whole rays do not say that it lies within a room that faces inwards. Probes are made for every corner
  * of every cell that has at least one free, reachable corner; those not free have validity 0 and are to be filled by
- * lmb_grid_dilate. `*grid` has validity set and no light.
+ * lmb_probes_dilate. `*probes` have validity set and no light.
  * @return LMB_ERROR_UNSUPPORTED (no triangles, so no bounds; spacing too fine for the level's size; or seeds, of which
  * none lies in free space), _MEMORY, _INTERRUPTED */
 lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
-                              const lmb_progress *progress, lmb_grid **grid, lmb_placement_stats *stats,
+                              const lmb_progress *progress, lmb_probes **probes, lmb_placement_stats *stats,
                               lmb_error *error);
 
 /* Where the light of a probe at lattice position `position` is gathered: there, or, when that is on a surface or

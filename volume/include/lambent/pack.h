@@ -1,23 +1,25 @@
-/* Packing a grid into the run-time file, .lmb (docs/formats.md; opened by lambent/volume.h). */
+/* Packing probes into the run-time file, .lmb (docs/formats.md; opened by lambent/volume.h). */
 #ifndef LAMBENT_PACK_H
 #define LAMBENT_PACK_H
 
-#include <lambent/grid.h>
+#include <lambent/probes.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 typedef struct lmb_pack_stats {
-    float scale;              /* power of two that radiance was divided by, so that fp16 holds it */
-    uint64_t overflow_count;  /* coefficients beyond fp16 even so; their whole probe was scaled down, not the one
-                                 coefficient: clamping a coefficient turns the light */
+    float scale;             /* power of two that radiance was divided by, so that fp16 holds it */
+    uint64_t overflow_count; /* coefficients beyond fp16 even so; their whole probe was scaled down, not the one
+                                coefficient: clamping a coefficient turns the light */
     uint64_t bytes;
 } lmb_pack_stats;
 
-/* The .lmb image of `grid` in malloc'ed memory, 16-byte aligned; the caller frees `*data`. `stats` may be NULL.
- * @return LMB_ERROR_MEMORY, _ARGUMENT (no probes, or non-finite radiance) */
-lmb_result lmb_pack(const lmb_grid *grid, unsigned char **data, size_t *size, lmb_pack_stats *stats);
+/* The .lmb image of probes, of one level and one set of lights, in malloc'ed memory, 16-byte aligned; the caller frees
+ * `*data`. `stats` may be NULL.
+ * @return LMB_ERROR_MEMORY, _ARGUMENT (no probes, several levels or sets, a box of too many bricks for the format's
+ * directory, or non-finite radiance) */
+lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size, lmb_pack_stats *stats);
 
 #ifdef __cplusplus
 }

@@ -5,7 +5,7 @@
 #ifndef LAMBENT_VDB_H
 #define LAMBENT_VDB_H
 
-#include <lambent/grid.h>
+#include <lambent/probes.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,13 +17,14 @@ typedef struct lmb_vdb_metadata {
     const char *scene_hash; /* hexadecimal content hash of level and environment */
 } lmb_vdb_metadata;
 
-/* Writes beside, then renames. The file's UUID is a hash of its content: equal grids give equal bytes.
+/* Writes beside, then renames. The file's UUID is a hash of its content: equal probes give equal bytes.
  * @return LMB_ERROR_WRITE, _MEMORY, _ARGUMENT */
-lmb_result lmb_vdb_write(const char *path, const lmb_grid *grid, const lmb_vdb_metadata *metadata, lmb_error *error);
+lmb_result lmb_vdb_write(const char *path, const lmb_probes *probes, const lmb_vdb_metadata *metadata,
+                         lmb_error *error);
 
 /* Reads a file of ours back, edited or not. `*settings` and `*scene_hash` are malloc'ed strings; either pointer may be
  * NULL. @return LMB_ERROR_IO, _FORMAT (not a .vdb, grids missing, topologies differ), _VERSION, _MEMORY */
-lmb_result lmb_vdb_read(const char *path, lmb_grid **grid, char **settings, char **scene_hash, lmb_error *error);
+lmb_result lmb_vdb_read(const char *path, lmb_probes **probes, char **settings, char **scene_hash, lmb_error *error);
 
 #ifdef __cplusplus
 }

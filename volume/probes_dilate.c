@@ -1,7 +1,7 @@
 /* Dilation: light for the probes that could not be baked. Passes are found first, by walking outwards from the valid
  * probes; then each probe takes the mean of neighbours of earlier passes only, so that the order of probes does not
  * matter. */
-#include <lambent/grid.h>
+#include <lambent/probes.h>
 
 #include "volume_internal.h"
 
@@ -11,27 +11,29 @@
 enum { NEIGHBOUR_COUNT = 26 };
 
 /* Probe at offset number `n` (x fastest, the probe itself left out), or -1; `*distance_squared` is 1, 2 or 3. */
-static int32_t neighbour_of(const lmb_grid *grid, int32_t probe, int n, int *distance_squared)
+static int32_t neighbour_of(const lmb_probes *probes, int32_t probe, int n, int *distance_squared)
 {
-    const int place = n < NEIGHBOUR_COUNT / 2 ? n : n + 1;
-    const int offset[3] = {place % 3 - 1, place / 3 % 3 - 1, place / 9 - 1};
-    int64_t local[3];
+    const int step = n < NEIGHBOUR_COUNT / 2 ? n : n + 1;
+    const int offset[3] = {step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1};
+    const lmb_probe_level *level = lmb_probes_level_of(probes, probe);
+    int32_t point[3];
     *distance_squared = 0;
     for (int axis = 0; axis < 3; ++axis) {
+        const int64_t at = (int64_t)probes->point[probe][axis] + offset[axis];
         *distance_squared += offset[axis] * offset[axis];
-        local[axis] = (int64_t)grid->lattice[probe][axis] - grid->min[axis] + offset[axis];
-        if (local[axis] < 0 || local[axis] >= grid->size[axis]) {
+        if (at < INT32_MIN || at > INT32_MAX) {
             return -1;
         }
+        point[axis] = (int32_t)at;
     }
-    return grid->probe_at[local[0] + grid->size[0] * (local[1] + grid->size[1] * local[2])];
+    return lmb_probes_find(probes, (uint32_t)(level - probes->level), point[0], point[1], point[2]);
 }
 
-void lmb_grid_dilation_passes(const lmb_grid *grid, int32_t *pass, int32_t *order, int32_t *reached)
+void lmb_probes_dilation_passes(const lmb_probes *probes, int32_t *pass, int32_t *order, int32_t *reached)
 {
     int32_t count = 0;
-    for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
-        pass[probe] = grid->validity[probe] >= LMB_GRID_MIN_VALIDITY ? 0 : -1;
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        pass[probe] = probes->validity[probe] >= LMB_PROBES_MIN_VALIDITY ? 0 : -1;
         if (pass[probe] == 0) {
             order[count++] = probe;
         }
@@ -39,7 +41,7 @@ void lmb_grid_dilation_passes(const lmb_grid *grid, int32_t *pass, int32_t *orde
     for (int32_t next = 0; next < count; ++next) {
         for (int n = 0; n < NEIGHBOUR_COUNT; ++n) {
             int distance_squared;
-            const int32_t neighbour = neighbour_of(grid, order[next], n, &distance_squared);
+            const int32_t neighbour = neighbour_of(probes, order[next], n, &distance_squared);
             if (neighbour >= 0 && pass[neighbour] < 0) {
                 pass[neighbour] = pass[order[next]] + 1;
                 order[count++] = neighbour;
@@ -50,13 +52,13 @@ void lmb_grid_dilation_passes(const lmb_grid *grid, int32_t *pass, int32_t *orde
 }
 
 /* Mean over neighbours of earlier passes, weighted by 1 / distance^2, summed in double in a fixed order. */
-static void fill_probe(lmb_grid *grid, const int32_t *pass, int32_t probe)
+static void fill_probe(lmb_probes *probes, lmb_sh3_rgb *light, const int32_t *pass, int32_t probe)
 {
     double sum[3][LMB_SH3_COUNT] = {{0.0}};
     double weights = 0.0;
     for (int n = 0; n < NEIGHBOUR_COUNT; ++n) {
         int distance_squared;
-        const int32_t neighbour = neighbour_of(grid, probe, n, &distance_squared);
+        const int32_t neighbour = neighbour_of(probes, probe, n, &distance_squared);
         if (neighbour < 0 || pass[neighbour] < 0 || pass[neighbour] >= pass[probe]) {
             continue;
         }
@@ -64,47 +66,49 @@ static void fill_probe(lmb_grid *grid, const int32_t *pass, int32_t probe)
         weights += weight;
         for (int channel = 0; channel < 3; ++channel) {
             for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-                sum[channel][i] += weight * (double)grid->radiance[neighbour].channel[channel].c[i];
+                sum[channel][i] += weight * (double)light[neighbour].channel[channel].c[i];
             }
         }
     }
     assert(weights > 0.0); /* a probe is reached through a neighbour of the pass before */
     for (int channel = 0; channel < 3; ++channel) {
         for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-            grid->radiance[probe].channel[channel].c[i] = (float)(sum[channel][i] / weights);
+            light[probe].channel[channel].c[i] = (float)(sum[channel][i] / weights);
         }
     }
 }
 
-static void clear_unreached(lmb_grid *grid, const int32_t *pass)
+static void clear_unreached(const lmb_probes *probes, lmb_sh3_rgb *light, const int32_t *pass)
 {
-    for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
         if (pass[probe] < 0) {
-            grid->radiance[probe] = (lmb_sh3_rgb){{{{0.0f}}}};
+            light[probe] = (lmb_sh3_rgb){{{{0.0f}}}};
         }
     }
 }
 
-lmb_result lmb_grid_dilate(lmb_grid *grid)
+lmb_result lmb_probes_dilate(lmb_probes *probes)
 {
-    assert(grid);
-    if (grid->probe_count == 0) {
+    assert(probes);
+    if (probes->count == 0) {
         return LMB_OK;
     }
-    int32_t *const pass = malloc((size_t)grid->probe_count * sizeof *pass);
-    int32_t *const order = malloc((size_t)grid->probe_count * sizeof *order);
+    int32_t *const pass = malloc((size_t)probes->count * sizeof *pass);
+    int32_t *const order = malloc((size_t)probes->count * sizeof *order);
     lmb_result result = LMB_ERROR_MEMORY;
     if (!pass || !order) {
         goto cleanup;
     }
     int32_t reached;
-    lmb_grid_dilation_passes(grid, pass, order, &reached);
-    for (int32_t i = 0; i < reached; ++i) {
-        if (pass[order[i]] > 0) {
-            fill_probe(grid, pass, order[i]);
+    lmb_probes_dilation_passes(probes, pass, order, &reached);
+    for (uint32_t set = 0; set < probes->set_count; ++set) {
+        for (int32_t i = 0; i < reached; ++i) {
+            if (pass[order[i]] > 0) {
+                fill_probe(probes, probes->radiance[set], pass, order[i]);
+            }
         }
+        clear_unreached(probes, probes->radiance[set], pass);
     }
-    clear_unreached(grid, pass);
     result = LMB_OK;
 cleanup:
     free(pass);

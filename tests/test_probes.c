@@ -1,5 +1,5 @@
-/* Grids: what they hold, what the walker finds, and dilation against a version written from its definition. */
-#include "grid_fixture.h"
+/* Probes: what they hold, what the walker finds, and dilation against a version written from its definition. */
+#include "probes_fixture.h"
 #include "harness.h"
 
 #include <float.h>
@@ -18,40 +18,41 @@ static void test_create_limits(void)
         {1.0f, {INT32_MAX, 0, 0}, {2, 1, 1}, LMB_ERROR_ARGUMENT},
         {1.0f, {0, 0, 0}, {0, 1, 1}, LMB_ERROR_ARGUMENT},
         {1.0f, {0, 0, 0}, {1, -1, -1}, LMB_ERROR_ARGUMENT},
-        {1.0f, {0, 0, 0}, {65536, 65536, 1}, LMB_ERROR_ARGUMENT},
-        {1.0f, {INT32_MIN, INT32_MIN, INT32_MIN}, {INT32_MAX, INT32_MAX, INT32_MAX}, LMB_ERROR_ARGUMENT},
+        {1.0f, {0, 0, 0}, {65536, 65536, 1}, LMB_OK}, /* nothing is held for points without probes */
+        {1.0f, {INT32_MIN, INT32_MIN, INT32_MIN}, {INT32_MAX, INT32_MAX, INT32_MAX}, LMB_OK},
         {0.0f, {0, 0, 0}, {1, 1, 1}, LMB_ERROR_ARGUMENT},
         {-1.0f, {0, 0, 0}, {1, 1, 1}, LMB_ERROR_ARGUMENT},
         {NAN, {0, 0, 0}, {1, 1, 1}, LMB_ERROR_ARGUMENT},
         {INFINITY, {0, 0, 0}, {1, 1, 1}, LMB_ERROR_ARGUMENT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        lmb_grid *grid = NULL;
-        const lmb_result result = lmb_grid_create(cases[i].spacing, cases[i].min, cases[i].size, &grid);
+        lmb_probes *grid = NULL;
+        CHECK(lmb_probes_create(&grid) == LMB_OK, "case %zu: memory", i);
+        lmb_lattice lattice = {.spacing = cases[i].spacing};
+        memcpy(lattice.min, cases[i].min, sizeof lattice.min);
+        memcpy(lattice.size, cases[i].size, sizeof lattice.size);
+        const lmb_result result = lmb_probes_add_level(grid, &lattice, NULL, 0);
         CHECK(result == cases[i].expected, "case %zu: result %d", i, result);
-        CHECK((grid != NULL) == (result == LMB_OK), "case %zu: output", i);
-        if (grid) {
-            CHECK(lmb_grid_validate(grid, NULL) == LMB_OK, "case %zu: a grid without probes is valid", i);
-            CHECK(lmb_grid_dilate(grid) == LMB_OK, "case %zu: nothing to dilate", i);
-        }
-        lmb_grid_destroy(grid);
+        CHECK((grid->level_count == 1) == (result == LMB_OK), "case %zu: output", i);
+        CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "case %zu: no probes at all are valid", i);
+        CHECK(lmb_probes_dilate(grid) == LMB_OK, "case %zu: nothing to dilate", i);
+        lmb_probes_destroy(grid);
     }
-    lmb_grid_destroy(NULL);
+    lmb_probes_destroy(NULL);
 }
 
 static void test_probes(void)
 {
-    const int32_t min[3] = {-3, 5, -1}, size[3] = {4, 2, 3};
-    lmb_grid *grid = NULL;
-    uint8_t wanted[24] = {0};
-    wanted[1] = 1;
-    wanted[7] = 255;
-    wanted[23] = 2;
-    CHECK(lmb_grid_create(0.5f, min, size, &grid) == LMB_OK, "create");
-    CHECK(lmb_grid_add_probes(grid, wanted) == LMB_OK, "add");
-    CHECK(lmb_grid_add_probes(grid, wanted) == LMB_ERROR_ARGUMENT, "added twice");
-    CHECK(grid->probe_count == 3, "%d probes", grid->probe_count);
-    CHECK(lmb_grid_validate(grid, NULL) == LMB_OK, "valid");
+    const lmb_lattice lattice = {0.5f, {-3, 5, -1}, {4, 2, 3}};
+    static const int32_t points[3][3] = {{-2, 5, -1}, {0, 6, -1}, {0, 6, 1}};
+    static const int32_t twice[2][3] = {{-2, 5, 0}, {-2, 5, 0}}, beyond[1][3] = {{-2, 7, 0}};
+    lmb_probes *grid = NULL;
+    CHECK(lmb_probes_create(&grid) == LMB_OK, "create");
+    CHECK(lmb_probes_add_level(grid, &lattice, points, 3) == LMB_OK, "add");
+    CHECK(lmb_probes_add_level(grid, &lattice, twice, 2) == LMB_ERROR_ARGUMENT, "a point twice");
+    CHECK(lmb_probes_add_level(grid, &lattice, beyond, 1) == LMB_ERROR_ARGUMENT, "a point outside");
+    CHECK(grid->count == 3, "%d probes", grid->count);
+    CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "valid");
 
     static const struct {
         int32_t at[3];
@@ -70,83 +71,105 @@ static void test_probes(void)
         {{INT32_MAX, INT32_MIN, INT32_MAX}, -1},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        const int32_t probe = lmb_grid_probe_at(grid, cases[i].at[0], cases[i].at[1], cases[i].at[2]);
+        const int32_t probe = lmb_probes_find(grid, 0, cases[i].at[0], cases[i].at[1], cases[i].at[2]);
         CHECK(probe == cases[i].expected, "case %zu: probe %d", i, probe);
     }
-    const lmb_vec3 position = lmb_grid_position(grid, 0);
+    const lmb_vec3 position = lmb_probes_position(grid, 0);
     CHECK(position.x == -1.0f && position.y == 2.5f && position.z == -0.5f, "(%g, %g, %g)", (double)position.x,
           (double)position.y, (double)position.z);
     grid->origin = (lmb_vec3d){-1e8 - 0.25, 2.0, 1e8};
-    const lmb_vec3 moved = lmb_grid_position(grid, 0);
+    const lmb_vec3 moved = lmb_probes_position(grid, 0);
     CHECK(moved.x == 1e8f && moved.y == 0.5f && moved.z == -1e8f, "(%g, %g, %g)", (double)moved.x, (double)moved.y,
           (double)moved.z);
-    CHECK(grid->validity[2] == 0.0f && grid->radiance[2].channel[2].c[8] == 0.0f, "probes start dark");
-    lmb_grid_destroy(grid);
+    CHECK(grid->validity[2] == 0.0f && grid->radiance[0][2].channel[2].c[8] == 0.0f, "probes start dark");
+    lmb_probes_destroy(grid);
 }
 
 /* ------------------------------------------------------------------------------------------ the walker */
 
-static void break_spacing(lmb_grid *grid)
+static void break_spacing(lmb_probes *grid)
 {
-    grid->spacing = 0.0f;
+    grid->level[0].lattice.spacing = 0.0f;
 }
-static void break_size(lmb_grid *grid)
+static void break_size(lmb_probes *grid)
 {
-    grid->size[1] = 0;
+    grid->level[0].lattice.size[1] = 0;
 }
-static void break_min(lmb_grid *grid)
+static void break_min(lmb_probes *grid)
 {
-    grid->min[0] = INT32_MAX;
+    grid->level[0].lattice.min[0] = INT32_MAX;
 }
-static void break_shift(lmb_grid *grid)
+static void break_shift(lmb_probes *grid)
 {
-    ++grid->min[2];
+    ++grid->level[0].lattice.min[2];
 }
-static void break_count_up(lmb_grid *grid)
+/* The n-th entry of the index that holds a probe. */
+static int32_t *entry(lmb_probes *grid, int n)
 {
-    grid->probe_at[0] = -1;
+    const lmb_probe_index *index = &grid->level[0].index;
+    for (uint32_t i = 0; i < index->block_count; ++i) {
+        for (int k = 0; k < LMB_PROBE_BLOCK_POINTS; ++k) {
+            if (index->block[i].probe[k] >= 0 && n-- == 0) {
+                return &index->block[i].probe[k];
+            }
+        }
+    }
+    return NULL;
 }
-static void break_count_down(lmb_grid *grid)
+static void break_count_up(lmb_probes *grid)
 {
-    --grid->probe_count;
+    *entry(grid, 0) = -1;
 }
-static void break_count_negative(lmb_grid *grid)
+static void break_count_down(lmb_probes *grid)
 {
-    grid->probe_count = -1;
+    --grid->level[0].count;
+    --grid->count;
 }
-static void break_number_high(lmb_grid *grid)
+static void break_count_negative(lmb_probes *grid)
 {
-    grid->probe_at[5] = grid->probe_count;
+    grid->count = -1;
 }
-static void break_number_low(lmb_grid *grid)
+static void break_number_high(lmb_probes *grid)
 {
-    grid->probe_at[5] = -2;
+    *entry(grid, 5) = grid->count;
 }
-static void break_number_twice(lmb_grid *grid)
+static void break_number_low(lmb_probes *grid)
 {
-    grid->probe_at[5] = grid->probe_at[6];
+    *entry(grid, 5) = -2;
 }
-static void break_lattice(lmb_grid *grid)
+static void break_number_twice(lmb_probes *grid)
 {
-    ++grid->lattice[3][1];
+    *entry(grid, 5) = *entry(grid, 6);
 }
-static void break_radiance_nan(lmb_grid *grid)
+static void break_level(lmb_probes *grid)
 {
-    grid->radiance[4].channel[1].c[7] = NAN;
+    ++grid->level[0].first;
 }
-static void break_radiance_infinite(lmb_grid *grid)
+static void break_levels(lmb_probes *grid)
 {
-    grid->radiance[grid->probe_count - 1].channel[2].c[8] = -INFINITY;
+    grid->level_count = 0;
 }
-static void break_validity_high(lmb_grid *grid)
+static void break_lattice(lmb_probes *grid)
+{
+    ++grid->point[3][1];
+}
+static void break_radiance_nan(lmb_probes *grid)
+{
+    grid->radiance[0][4].channel[1].c[7] = NAN;
+}
+static void break_radiance_infinite(lmb_probes *grid)
+{
+    grid->radiance[0][grid->count - 1].channel[2].c[8] = -INFINITY;
+}
+static void break_validity_high(lmb_probes *grid)
 {
     grid->validity[2] = 1.0001f;
 }
-static void break_validity_low(lmb_grid *grid)
+static void break_validity_low(lmb_probes *grid)
 {
     grid->validity[2] = -0.0001f;
 }
-static void break_validity_nan(lmb_grid *grid)
+static void break_validity_nan(lmb_probes *grid)
 {
     grid->validity[0] = NAN;
 }
@@ -155,7 +178,7 @@ static void test_validate(void)
 {
     static const struct {
         const char *name;
-        void (*break_it)(lmb_grid *grid);
+        void (*break_it)(lmb_probes *grid);
         const char *expected; /* in the message */
     } cases[] = {
         {"spacing", break_spacing, "spacing"},
@@ -168,6 +191,8 @@ static void test_validate(void)
         {"number too high", break_number_high, "names probe"},
         {"number too low", break_number_low, "names probe"},
         {"two points, one probe", break_number_twice, "names probe"},
+        {"first probe of a level", break_level, "level 0 has probes"},
+        {"no level", break_levels, "of levels"},
         {"lattice", break_lattice, "names probe 3"},
         {"NaN", break_radiance_nan, "probe 4: coefficient 7 of channel 1"},
         {"infinity", break_radiance_infinite, "coefficient 8 of channel 2"},
@@ -177,13 +202,13 @@ static void test_validate(void)
     };
     const int32_t min[3] = {-2, 0, 3}, size[3] = {3, 4, 5};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        lmb_grid *const grid = fixture_grid(0.25f, min, size, 1.0, 0.5, 3.0, i);
+        lmb_probes *const grid = fixture_grid(0.25f, min, size, 1.0, 0.5, 3.0, i);
         lmb_error error = {""};
-        CHECK(lmb_grid_validate(grid, &error) == LMB_OK, "%s: before: %s", cases[i].name, error.message);
+        CHECK(lmb_probes_validate(grid, &error) == LMB_OK, "%s: before: %s", cases[i].name, error.message);
         cases[i].break_it(grid);
-        CHECK(lmb_grid_validate(grid, &error) == LMB_ERROR_FORMAT, "%s is not found", cases[i].name);
+        CHECK(lmb_probes_validate(grid, &error) == LMB_ERROR_FORMAT, "%s is not found", cases[i].name);
         CHECK(strstr(error.message, cases[i].expected), "%s: '%s'", cases[i].name, error.message);
-        lmb_grid_destroy(grid);
+        lmb_probes_destroy(grid);
     }
 }
 
@@ -257,27 +282,27 @@ static void oracle_dilate(oracle *o)
 static void check_dilation(const int32_t size[3], double density, double valid_share, uint64_t seed)
 {
     const int32_t min[3] = {-7, 100, 3};
-    lmb_grid *const grid = fixture_grid(1.0f, min, size, density, valid_share, 10.0, seed);
+    lmb_probes *const grid = fixture_grid(1.0f, min, size, density, valid_share, 10.0, seed);
     const size_t points = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     oracle o = {{size[0], size[1], size[2]}, calloc(points, 1), calloc(points, 1), calloc(points, sizeof(double[27]))};
-    for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
-        const int32_t *const at = grid->lattice[probe];
+    for (int32_t probe = 0; probe < grid->count; ++probe) {
+        const int32_t *const at = grid->point[probe];
         const size_t point = oracle_point(&o, at[0] - min[0], at[1] - min[1], at[2] - min[2]);
         o.exists[point] = true;
         o.has_light[point] = grid->validity[probe] >= 0.5f;
         for (int i = 0; i < 27; ++i) {
-            o.value[point][i] = o.has_light[point] ? (double)grid->radiance[probe].channel[i / 9].c[i % 9] : 0.0;
+            o.value[point][i] = o.has_light[point] ? (double)grid->radiance[0][probe].channel[i / 9].c[i % 9] : 0.0;
         }
     }
     oracle_dilate(&o);
-    CHECK(lmb_grid_dilate(grid) == LMB_OK, "dilate");
-    CHECK(lmb_grid_validate(grid, NULL) == LMB_OK, "valid afterwards");
-    for (int32_t probe = 0; probe < grid->probe_count; ++probe) {
-        const int32_t *const at = grid->lattice[probe];
+    CHECK(lmb_probes_dilate(grid) == LMB_OK, "dilate");
+    CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "valid afterwards");
+    for (int32_t probe = 0; probe < grid->count; ++probe) {
+        const int32_t *const at = grid->point[probe];
         const size_t point = oracle_point(&o, at[0] - min[0], at[1] - min[1], at[2] - min[2]);
         for (int i = 0; i < 27; ++i) {
             /* Probes round to float in every pass, the oracle never does. */
-            CHECK_NEAR(grid->radiance[probe].channel[i / 9].c[i % 9], o.value[point][i], 2e-5,
+            CHECK_NEAR(grid->radiance[0][probe].channel[i / 9].c[i % 9], o.value[point][i], 2e-5,
                        "density %g, valid %g, seed %llu, probe %d, coefficient %d", density, valid_share,
                        (unsigned long long)seed, probe, i);
         }
@@ -285,7 +310,7 @@ static void check_dilation(const int32_t size[3], double density, double valid_s
     free(o.exists);
     free(o.has_light);
     free(o.value);
-    lmb_grid_destroy(grid);
+    lmb_probes_destroy(grid);
 }
 
 static void test_dilation(void)
@@ -308,30 +333,66 @@ static void test_dilation(void)
 static void test_dilation_order(void)
 {
     const int32_t min[3] = {0, 0, 0}, size[3] = {9, 8, 7};
-    lmb_grid *const forward = fixture_grid(1.0f, min, size, 0.7, 0.1, 5.0, 42);
-    lmb_grid *const backward = fixture_grid(1.0f, min, size, 0.7, 0.1, 5.0, 42);
-    const int32_t count = forward->probe_count;
+    lmb_probes *const forward = fixture_grid(1.0f, min, size, 0.7, 0.1, 5.0, 42);
+    lmb_probes *const backward = fixture_grid(1.0f, min, size, 0.7, 0.1, 5.0, 42);
+    const int32_t count = forward->count;
     for (int32_t probe = 0; probe < count; ++probe) {
         const int32_t other = count - 1 - probe;
-        memcpy(backward->lattice[other], forward->lattice[probe], sizeof forward->lattice[probe]);
-        backward->radiance[other] = forward->radiance[probe];
+        memcpy(backward->point[other], forward->point[probe], sizeof forward->point[probe]);
+        backward->radiance[0][other] = forward->radiance[0][probe];
         backward->validity[other] = forward->validity[probe];
     }
-    for (size_t point = 0; point < 9 * 8 * 7; ++point) {
-        const int32_t probe = forward->probe_at[point];
-        backward->probe_at[point] = probe < 0 ? -1 : count - 1 - probe;
+    for (int32_t n = 0; n < count; ++n) {
+        int32_t *const at = entry(backward, n);
+        *at = count - 1 - *at;
     }
-    CHECK(lmb_grid_validate(backward, NULL) == LMB_OK, "the renumbered grid is valid");
-    CHECK(lmb_grid_dilate(forward) == LMB_OK && lmb_grid_dilate(backward) == LMB_OK, "dilate");
+    CHECK(lmb_probes_validate(backward, NULL) == LMB_OK, "the renumbered grid is valid");
+    CHECK(lmb_probes_dilate(forward) == LMB_OK && lmb_probes_dilate(backward) == LMB_OK, "dilate");
     for (int32_t probe = 0; probe < count; ++probe) {
-        CHECK(memcmp(&forward->radiance[probe], &backward->radiance[count - 1 - probe], sizeof(lmb_sh3_rgb)) == 0,
+        CHECK(memcmp(&forward->radiance[0][probe], &backward->radiance[0][count - 1 - probe], sizeof(lmb_sh3_rgb)) == 0,
               "probe %d", probe);
     }
-    lmb_grid_destroy(forward);
-    lmb_grid_destroy(backward);
+    lmb_probes_destroy(forward);
+    lmb_probes_destroy(backward);
+}
+
+/* A lattice of 10^12 points holds what its few probes take, and finds them; a second level lies over it. */
+static void test_sparse(void)
+{
+    enum { COUNT = 3000 };
+    static int32_t points[COUNT][3];
+    uint64_t state = 11;
+    for (int i = 0; i < COUNT; ++i) {
+        points[i][0] = 3 * i - 5000;
+        points[i][1] = (int32_t)(fixture_random(&state) * 9999.0) - 5000;
+        points[i][2] = (int32_t)(fixture_random(&state) * 9999.0) - 5000;
+    }
+    const lmb_lattice fine = {0.5f, {-5000, -5000, -5000}, {10000, 10000, 10000}};
+    const lmb_lattice coarse = {1.0f, {-5000, -5000, -5000}, {10000, 10000, 10000}};
+    lmb_probes *probes = NULL;
+    CHECK(lmb_probes_create(&probes) == LMB_OK && lmb_probes_add_level(probes, &fine, points, COUNT) == LMB_OK &&
+              lmb_probes_add_level(probes, &coarse, points + 1000, 500) == LMB_OK,
+          "two levels");
+    CHECK(probes->count == COUNT + 500 && lmb_probes_validate(probes, NULL) == LMB_OK, "%d", probes->count);
+    const size_t blocks = probes->level[0].index.block_count;
+    CHECK(blocks <= COUNT, "%zu blocks", blocks);
+    int lost = 0, found = 0;
+    for (int i = 0; i < COUNT; ++i) {
+        lost += lmb_probes_find(probes, 0, points[i][0], points[i][1], points[i][2]) != i;
+        found += lmb_probes_find(probes, 0, points[i][0] + 1, points[i][1], points[i][2]) >= 0;
+    }
+    CHECK(lost == 0 && found == 0, "%d lost, %d found where none is", lost, found);
+    CHECK(lmb_probes_find(probes, 1, points[1000][0], points[1000][1], points[1000][2]) == COUNT, "the second level");
+    CHECK(lmb_probes_footprint(probes, COUNT - 1) == 0.5f && lmb_probes_footprint(probes, COUNT) == 1.0f, "footprints");
+    const lmb_vec3 at = lmb_probes_position(probes, COUNT);
+    CHECK(at.x == (float)points[1000][0], "%g", (double)at.x);
+    probes->validity[0] = 1.0f;
+    CHECK(lmb_probes_dilate(probes) == LMB_OK, "dilate");
+    lmb_probes_destroy(probes);
 }
 
 static const test_case cases[] = {
+    {"a sparse lattice", test_sparse},
     {"limits of a box", test_create_limits},
     {"probes and their places", test_probes},
     {"every broken invariant is found", test_validate},

@@ -1,0 +1,40 @@
+/* Baking probes. */
+#ifndef LAMBENT_PROBES_BAKE_H
+#define LAMBENT_PROBES_BAKE_H
+
+#include <lambent/gather_elements.h>
+#include <lambent/probes.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The probes that light is gathered at: those of which `validity` says that they are worth it, relocated out
+ * of geometry nearby. Probes and tracer must outlive them. */
+typedef struct lmb_probe_list {
+    const lmb_probes *probes;
+    const lmb_tracer *tracer;
+    size_t count;
+    int32_t *probe; /* these, in their order, in which neighbours follow each other */
+} lmb_probe_list;
+
+/* @return LMB_ERROR_MEMORY */
+lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_tracer *tracer, lmb_probe_list *list);
+void lmb_probe_list_free(lmb_probe_list *list);
+
+/* To be gathered at. */
+lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list);
+
+/* Puts into the list's probes what was gathered, [count], and dilates the rest. @return LMB_ERROR_MEMORY */
+lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes);
+
+/* All of that: gathers at the probes with that effort, and finishes.
+ * @return LMB_ERROR_MEMORY, _INTERRUPTED */
+lmb_result lmb_probes_bake(lmb_probes *probes, const lmb_transport *transport, const lmb_gather_effort *effort,
+                           lmb_pool *pool, const lmb_progress *progress, lmb_gather_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

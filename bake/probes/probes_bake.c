@@ -1,0 +1,77 @@
+#include <lambent/probes_bake.h>
+
+#include <stdlib.h>
+
+#include <lambent/placement.h>
+
+/* A probe speaks for the space within half its footprint. */
+#define LIGHT_DISTANCE_FOOTPRINTS 0.5f
+
+lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_tracer *tracer, lmb_probe_list *list)
+{
+    *list = (lmb_probe_list){probes, tracer, 0, malloc(((size_t)probes->count + 1) * sizeof *list->probe)};
+    if (!list->probe) {
+        return LMB_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; i < probes->count; ++i) {
+        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
+            list->probe[list->count++] = i;
+        }
+    }
+    return LMB_OK;
+}
+
+void lmb_probe_list_free(lmb_probe_list *list)
+{
+    free(list->probe);
+    list->probe = NULL;
+}
+
+static void probe_site(const void *context, size_t element, lmb_gather_site *site)
+{
+    const lmb_probe_list *list = context;
+    const int32_t probe = list->probe[element];
+    const lmb_vec3 position = lmb_probes_position(list->probes, probe);
+    const float footprint = lmb_probes_footprint(list->probes, probe);
+    site->point[0] =
+        (lmb_gather_point){.position = lmb_placement_relocate(list->tracer, position, footprint, &site->rays),
+                           .min_light_distance = LIGHT_DISTANCE_FOOTPRINTS * footprint};
+    site->count = 1;
+}
+
+lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list)
+{
+    return (lmb_gather_list){
+        .name = "probes", .count = list->count, .most_points = 1, .find_site = probe_site, .context = list};
+}
+
+lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes)
+{
+    for (size_t i = 0; i < list->count; ++i) {
+        probes->radiance[0][list->probe[i]] = gathered[i].moments;
+    }
+    return lmb_probes_dilate(probes);
+}
+
+lmb_result lmb_probes_bake(lmb_probes *probes, const lmb_transport *transport, const lmb_gather_effort *effort,
+                           lmb_pool *pool, const lmb_progress *progress, lmb_gather_stats *stats)
+{
+    lmb_probe_list list;
+    lmb_result result = lmb_probe_list_create(probes, transport->tracer, &list);
+    if (result != LMB_OK) {
+        return result;
+    }
+    lmb_gathered *gathered = malloc((list.count + 1) * sizeof *gathered);
+    result = LMB_ERROR_MEMORY;
+    if (gathered) {
+        const lmb_gather_list elements = lmb_probe_list_elements(&list);
+        const lmb_gather_job job = lmb_gather_job_all(transport, &elements, effort);
+        result = lmb_gather_elements(&job, pool, progress, gathered, stats);
+    }
+    if (result == LMB_OK) {
+        result = lmb_probe_list_finish(&list, gathered, probes);
+    }
+    free(gathered);
+    lmb_probe_list_free(&list);
+    return result;
+}
