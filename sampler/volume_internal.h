@@ -18,7 +18,8 @@ struct lmb_volume {
     double slack; /* lattice units that a float position near a lattice point may be off it */
     float scale;
     lmb_volume_header header;
-    void *mapping; /* NULL when the caller owns the bytes */
+    void *mapping;     /* NULL when the caller owns the bytes */
+    bool is_allocated; /* false when the caller gave the handle's memory */
 };
 
 static inline bool lmb_brick_holds(const lmb_volume_brick *brick, uint32_t point)

@@ -3,6 +3,10 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+_Static_assert(sizeof(lmb_volume) <= sizeof(lmb_volume_storage), "a handle fits what callers give for it");
+_Static_assert(_Alignof(lmb_volume) <= _Alignof(lmb_volume_storage), "and is aligned there");
 
 /* What sampling needs, from a sane header. */
 static void derive_constants(lmb_volume *volume)
@@ -20,9 +24,9 @@ static void derive_constants(lmb_volume *volume)
     volume->slack = fmin(farthest * 0x1p-22, 0x1p-6);
 }
 
-lmb_result lmb_volume_open_memory(const void *data, size_t size, lmb_volume **volume)
+lmb_result lmb_volume_open_memory_in(lmb_volume_storage *storage, const void *data, size_t size, lmb_volume **volume)
 {
-    const bool arguments_are_valid = data && volume && (uintptr_t)data % 16 == 0;
+    const bool arguments_are_valid = storage && data && volume && (uintptr_t)data % 16 == 0;
     assert(arguments_are_valid);
     if (!arguments_are_valid) {
         return LMB_ERROR_ARGUMENT;
@@ -33,12 +37,24 @@ lmb_result lmb_volume_open_memory(const void *data, size_t size, lmb_volume **vo
         return result;
     }
     derive_constants(&opened);
-    lmb_volume *const handle = malloc(sizeof *handle);
-    if (!handle) {
+    /* Copied as bytes: the caller declared the memory with another type. */
+    memcpy(storage, &opened, sizeof opened);
+    *volume = (lmb_volume *)storage;
+    return LMB_OK;
+}
+
+lmb_result lmb_volume_open_memory(const void *data, size_t size, lmb_volume **volume)
+{
+    lmb_volume_storage *const storage = malloc(sizeof *storage);
+    if (!storage) {
         return LMB_ERROR_MEMORY;
     }
-    *handle = opened;
-    *volume = handle;
+    const lmb_result result = lmb_volume_open_memory_in(storage, data, size, volume);
+    if (result != LMB_OK) {
+        free(storage);
+        return result;
+    }
+    (*volume)->is_allocated = true;
     return LMB_OK;
 }
 
@@ -69,7 +85,9 @@ void lmb_volume_close(lmb_volume *volume)
         if (volume->mapping) {
             lmb_volume_unmap(volume->mapping, (size_t)volume->header.file_bytes);
         }
-        free(volume);
+        if (volume->is_allocated) {
+            free(volume);
+        }
     }
 }
 

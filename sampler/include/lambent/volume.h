@@ -19,6 +19,8 @@ extern "C" {
 
 typedef struct lmb_volume lmb_volume;
 
+enum { LMB_VOLUME_STORAGE_WORDS = 48 };
+
 typedef struct lmb_volume_info {
     uint32_t version;     /* of the file format */
     float spacing;        /* metres between probes */
@@ -32,12 +34,27 @@ typedef struct lmb_volume_info {
     uint64_t file_bytes;
 } lmb_volume_info;
 
+/* Memory for a handle, from the caller: a member of a game's own struct, an entry of a pool, a static. Its contents
+ * are private. */
+typedef struct lmb_volume_storage {
+    uint64_t private_words[LMB_VOLUME_STORAGE_WORDS];
+} lmb_volume_storage;
+
 /* Opens a volume that lies in memory. `data` is not copied: it must outlive the volume and be 16-byte aligned
- * (malloc and mmap are). `*volume` is set only on LMB_OK. Safe for untrusted data of any size.
+ * (malloc and mmap are). `*volume` is set only on LMB_OK. Safe for untrusted data of any size. The handle, a
+ * lmb_volume_storage, is the only memory that opening needs, and comes from malloc.
  * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM, _MEMORY, _ARGUMENT (NULL or misaligned) */
 LMB_API lmb_result lmb_volume_open_memory(const void *data, size_t size, lmb_volume **volume);
 
-/* Maps the file and opens it. @return as above, and LMB_ERROR_IO */
+/* The same with the handle in `storage`, which must outlive the volume and must not be moved: nothing is allocated.
+ * `storage` is written only on LMB_OK; it may be used again after lmb_volume_close, which frees nothing here, and may
+ * as well be left out.
+ * @return as above, never _MEMORY */
+LMB_API lmb_result lmb_volume_open_memory_in(lmb_volume_storage *storage, const void *data, size_t size,
+                                             lmb_volume **volume);
+
+/* Maps the file and opens it, the handle from malloc. `path` is UTF-8 (on POSIX: bytes). @return as
+ * lmb_volume_open_memory, and LMB_ERROR_IO */
 LMB_API lmb_result lmb_volume_open_file(const char *path, lmb_volume **volume);
 
 /* Frees the handle and unmaps the file, not the caller's memory. NULL is allowed. */
