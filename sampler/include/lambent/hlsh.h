@@ -5,7 +5,10 @@
  * with I(n_v) = I_z exactly (Roughton, Sloan, Silvennoinen and Shirley, SIGGRAPH 2024). n_v is the surface (vertex)
  * normal that owns the hemisphere, n the shading normal. Irradiance is normalised (lambent/sh.h).
  *
- * All functions are pure, allocate nothing, and may be called from any thread. Normals are unit vectors. */
+ * All functions are pure, allocate nothing, and may be called from any thread. Normals are unit vectors.
+ *
+ * Evaluating is a few instructions, and stands here to be inlined: the library has no symbol for it. Compiled with
+ * the library's own -ffp-contract=off it gives the same bits everywhere; other flags may differ in the last one. */
 #ifndef LAMBENT_HLSH_H
 #define LAMBENT_HLSH_H
 
@@ -38,8 +41,22 @@ LMB_API void lmb_hlsh_add_light(lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3
 
 /* Normalised irradiance at `normal`, clamped at 0: from a raw probe the linear model goes negative somewhere in most
  * hemispheres of a sunny environment. NaN gives 0. */
-LMB_API float lmb_hlsh_evaluate(const lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 normal);
-LMB_API lmb_rgb lmb_hlsh_rgb_evaluate(const lmb_hlsh_rgb *hlsh, lmb_vec3 vertex_normal, lmb_vec3 normal);
+static inline float lmb_hlsh_evaluate(const lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 normal)
+{
+    const float t = lmb_vec3_dot(normal, vertex_normal);
+    /* `tangential` is perpendicular to n_v: its dot product with n is the one with n_perp. */
+    return lmb_light_clamped(hlsh->irradiance_z * t + hlsh->ambient * (1.0f - t) +
+                             lmb_vec3_dot(hlsh->tangential, normal));
+}
+
+static inline lmb_rgb lmb_hlsh_rgb_evaluate(const lmb_hlsh_rgb *hlsh, lmb_vec3 vertex_normal, lmb_vec3 normal)
+{
+    lmb_rgb irradiance;
+    for (int i = 0; i < 3; ++i) {
+        irradiance.c[i] = lmb_hlsh_evaluate(&hlsh->channel[i], vertex_normal, normal);
+    }
+    return irradiance;
+}
 
 #ifdef __cplusplus
 }
