@@ -92,7 +92,7 @@ static bool sample_at(const lmb_volume *volume, double px, double py, double pz,
         (size_t)(cell[0] >> 2) +
         volume->bricks_along[0] * ((size_t)(cell[1] >> 2) + volume->bricks_along[1] * (size_t)(cell[2] >> 2));
     const uint32_t brick_number = volume->directory[entry];
-    const bool is_nan = isnan(px) || isnan(py) || isnan(pz);
+    const bool is_nan = px != px || py != py || pz != pz; /* mingw-w64's isnan() narrows, and warns */
     if (brick_number == LMB_VOLUME_NO_BRICK || is_nan) {
         *radiance = (lmb_sh3_rgb){{{{0.0f}}}};
         return false;
