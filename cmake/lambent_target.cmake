@@ -28,8 +28,9 @@ function(lmb_target_defaults target)
     endif()
 endfunction()
 
-# A static library of the house, `lambent_<name>` with alias `lambent::<name>`; with SHARED a shared one. Its public headers are in
-# include/lambent; only targets that link it see them, so an include against the one-way order does not compile.
+# A static library of the house, `lambent_<name>` with alias `lambent::<name>`; with SHARED a shared one. Its public
+# headers are in include/lambent; only targets that link it see them, so an include against the one-way order does not
+# compile.
 function(lmb_library name)
     cmake_parse_arguments(arg "SHARED" "" "SOURCES;PUBLIC_LINKS;PRIVATE_LINKS" ${ARGN})
     set(target lambent_${name})
