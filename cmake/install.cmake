@@ -8,7 +8,9 @@ set(LMB_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/lambent)
 # beside it, and its public headers.
 function(lmb_install_library name component)
     install(TARGETS lambent_${name} ${ARGN} EXPORT lambent-${name}
-        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component}
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component}
+        RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${component})
     install(DIRECTORY ${PROJECT_SOURCE_DIR}/${name}/include/lambent DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         COMPONENT ${component} FILES_MATCHING PATTERN "*.h")
     install(EXPORT lambent-${name} FILE lambent-${name}-targets.cmake NAMESPACE lambent::
@@ -40,6 +42,14 @@ set(pc_dir ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH LMB_PC_PREFIX ${pc_dir} ${CMAKE_INSTALL_PREFIX})
 file(RELATIVE_PATH LMB_PC_LIBDIR ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_LIBDIR})
 file(RELATIVE_PATH LMB_PC_INCLUDEDIR ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+set(LMB_PC_CFLAGS "")
+if(BUILD_SHARED_LIBS)
+    set(LMB_PC_CFLAGS " -DLMB_SHARED")
+endif()
+set(LMB_PC_LIBS "")
+if(NOT WIN32)
+    set(LMB_PC_LIBS " -lm")
+endif()
 configure_file(${CMAKE_CURRENT_LIST_DIR}/lambent_sampler.pc.in ${PROJECT_BINARY_DIR}/lambent_sampler.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/lambent_sampler.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
     COMPONENT sampler)

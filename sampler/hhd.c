@@ -74,23 +74,6 @@ lmb_hhd lmb_hhd_solve(lmb_moments moments, lmb_vec3 vertex_normal)
     return hhd;
 }
 
-float lmb_hhd_evaluate(const lmb_hhd *hhd, lmb_vec3 vertex_normal, lmb_vec3 normal)
-{
-    const float hemisphere = 0.5f + 0.5f * lmb_vec3_dot(vertex_normal, normal);
-    const float highlight = lmb_larger(lmb_vec3_dot(normal, hhd->direction), 0.0f);
-    return lmb_light_clamped(hhd->ambient * hemisphere + hhd->directional * highlight);
-}
-
-lmb_rgb lmb_hhd_rgb_evaluate(const lmb_hhd_rgb *hhd, lmb_vec3 vertex_normal, lmb_vec3 normal)
-{
-    lmb_rgb irradiance;
-    for (int i = 0; i < 3; ++i) {
-        const lmb_hhd channel = {hhd->ambient.c[i], hhd->directional.c[i], hhd->direction};
-        irradiance.c[i] = lmb_hhd_evaluate(&channel, vertex_normal, normal);
-    }
-    return irradiance;
-}
-
 /* Unit d, tilted up in its own plane with the unit normal n until n.d >= LMB_IRRADZ_MIN_COS. */
 static lmb_vec3 tilted_above_horizon(lmb_vec3 d, lmb_vec3 n)
 {
@@ -157,14 +140,4 @@ lmb_hhd_rgb lmb_irradz_decode(const lmb_irradz *irradz, lmb_vec3 vertex_normal)
         hhd.directional.c[i] = lmb_light_clamped(directional * i_z / height);
     }
     return hhd;
-}
-
-lmb_rgb lmb_self_bounce(lmb_rgb albedo, lmb_rgb irradiance_z, lmb_vec3 vertex_normal, lmb_vec3 normal)
-{
-    const float backward = 0.5f - 0.5f * lmb_vec3_dot(vertex_normal, normal);
-    lmb_rgb bounce;
-    for (int i = 0; i < 3; ++i) {
-        bounce.c[i] = lmb_light_clamped(albedo.c[i] * irradiance_z.c[i] * backward);
-    }
-    return bounce;
 }

@@ -74,20 +74,3 @@ void lmb_hlsh_add_light(lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 directi
     hlsh->ambient += weight * ((3.0f + cosine) / (4.0f * pi) - (sine + rest * cosine) / (pi * pi));
     hlsh->tangential = lmb_vec3_add_scaled(hlsh->tangential, tangential, weight * rest / (pi * pi));
 }
-
-float lmb_hlsh_evaluate(const lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 normal)
-{
-    const float t = lmb_vec3_dot(normal, vertex_normal);
-    /* `tangential` is perpendicular to n_v: its dot product with n is the one with n_perp. */
-    return lmb_light_clamped(hlsh->irradiance_z * t + hlsh->ambient * (1.0f - t) +
-                             lmb_vec3_dot(hlsh->tangential, normal));
-}
-
-lmb_rgb lmb_hlsh_rgb_evaluate(const lmb_hlsh_rgb *hlsh, lmb_vec3 vertex_normal, lmb_vec3 normal)
-{
-    lmb_rgb irradiance;
-    for (int i = 0; i < 3; ++i) {
-        irradiance.c[i] = lmb_hlsh_evaluate(&hlsh->channel[i], vertex_normal, normal);
-    }
-    return irradiance;
-}

@@ -112,6 +112,36 @@ lmb_sh3_rgb lmb_sh3_rgb_lerp(const lmb_sh3_rgb *a, const lmb_sh3_rgb *b, float t
     return mix;
 }
 
+/* v'_i = a_i.v and M'_ij = a_i.M a_j, with v and M as in sh_internal.h. */
+lmb_sh3 lmb_sh3_in_axes(const lmb_sh3 *sh, const lmb_vec3 axes[3])
+{
+    const lmb_vec3 v = lmb_sh_linear(sh->c);
+    const lmb_vec3 mx = lmb_sh3_quadratic_times(sh, axes[0]);
+    const lmb_vec3 my = lmb_sh3_quadratic_times(sh, axes[1]);
+    const lmb_vec3 mz = lmb_sh3_quadratic_times(sh, axes[2]);
+    const float xx_minus_yy = lmb_vec3_dot(axes[0], mx) - lmb_vec3_dot(axes[1], my);
+    return (lmb_sh3){{
+        sh->c[0],
+        -lmb_vec3_dot(axes[1], v),
+        lmb_vec3_dot(axes[2], v),
+        -lmb_vec3_dot(axes[0], v),
+        lmb_vec3_dot(axes[0], my) * (float)(2.0 / LMB_SH_N2),
+        lmb_vec3_dot(axes[1], mz) * (float)(-2.0 / LMB_SH_N2),
+        lmb_vec3_dot(axes[2], mz) * (float)(0.5 / LMB_SH_N20),
+        lmb_vec3_dot(axes[0], mz) * (float)(-2.0 / LMB_SH_N2),
+        xx_minus_yy * (float)(0.5 / LMB_SH_N22),
+    }};
+}
+
+lmb_sh3_rgb lmb_sh3_rgb_in_axes(const lmb_sh3_rgb *sh, const lmb_vec3 axes[3])
+{
+    lmb_sh3_rgb turned;
+    for (int i = 0; i < 3; ++i) {
+        turned.channel[i] = lmb_sh3_in_axes(&sh->channel[i], axes);
+    }
+    return turned;
+}
+
 lmb_sh3 lmb_sh3_rgb_luminance(const lmb_sh3_rgb *radiance)
 {
     lmb_sh3 luminance;

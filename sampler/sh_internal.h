@@ -25,11 +25,6 @@
 #define LMB_SQRT_5 2.2360679774997897
 #define LMB_SQRT_15 3.8729833462074169
 
-static inline float lmb_vec3_dot(lmb_vec3 a, lmb_vec3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 /* a + s b */
 static inline lmb_vec3 lmb_vec3_add_scaled(lmb_vec3 a, lmb_vec3 b, float s)
 {
@@ -71,12 +66,6 @@ static inline lmb_vec3 lmb_normal_mended(lmb_vec3 normal)
 static inline float lmb_larger(float a, float b)
 {
     return a > b ? a : b;
-}
-
-/* Light fit to leave the library: in [0, FLT_MAX], NaN gives 0. */
-static inline float lmb_light_clamped(float light)
-{
-    return light > 0.0f ? (light < FLT_MAX ? light : FLT_MAX) : 0.0f;
 }
 
 /* `x` in [0, 1]; NaN gives 0. */

@@ -1,6 +1,7 @@
 # Installs a part of Lambent into an empty folder and builds a program against what is there. Run by CTest as
 #     cmake -D COMPONENT=sampler|volume|bake -D BUILD_DIR=... -D WORK_DIR=... -D C_COMPILER=... -D CXX_COMPILER=...
-#           -D CONFIG=... -D SANITIZE=... -P consumer.cmake
+#           -D CONFIG=... -D SANITIZE=... [-D SHARED_FROM=source folder -D NM=...] -P consumer.cmake
+# SHARED_FROM: not what BUILD_DIR has, but the sampler built as a shared library from there.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -30,6 +31,12 @@ else()
     list(APPEND languages -D CMAKE_CXX_COMPILER=${CXX_COMPILER})
 endif()
 
+if(SHARED_FROM)
+    set(BUILD_DIR ${WORK_DIR}/library)
+    run(${CMAKE_COMMAND} -S ${SHARED_FROM} -B ${BUILD_DIR} ${languages} ${without} -D CMAKE_BUILD_TYPE=${CONFIG}
+        -D BUILD_SHARED_LIBS=ON -D LMB_SAMPLER_ONLY=ON -D LMB_TESTS=OFF -D LMB_SANITIZE=${SANITIZE})
+    run(${CMAKE_COMMAND} --build ${BUILD_DIR} --config "${CONFIG}")
+endif()
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --config "${CONFIG}" ${what} --prefix ${prefix})
 if(COMPONENT STREQUAL "sampler")
     file(GLOB_RECURSE installed RELATIVE ${prefix} "${prefix}/*")
@@ -38,6 +45,15 @@ if(COMPONENT STREQUAL "sampler")
             message(FATAL_ERROR "component sampler installs ${file}")
         endif()
     endforeach()
+endif()
+if(SHARED_FROM)
+    file(GLOB_RECURSE shared "${prefix}/*.so")
+    if(NOT shared)
+        message(FATAL_ERROR "no shared library is installed: ${installed}")
+    endif()
+    if(NOT SANITIZE)
+        run(${CMAKE_COMMAND} -D NM=${NM} -D LIBRARY=${shared} -P ${CMAKE_CURRENT_LIST_DIR}/symbols.cmake)
+    endif()
 endif()
 
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/consumer -B ${WORK_DIR}/build ${languages} ${without}
@@ -59,5 +75,7 @@ if(COMPONENT STREQUAL "sampler" AND PKG_CONFIG)
         list(APPEND flags -fsanitize=${SANITIZE})
     endif()
     run(${C_COMPILER} -std=c11 ${CMAKE_CURRENT_LIST_DIR}/consumer/sampler.c ${flags} -o ${WORK_DIR}/pc_consumer)
+    get_filename_component(library_dir ${pc_dir} DIRECTORY)
+    set(ENV{LD_LIBRARY_PATH} ${library_dir}) # where a shared library lies
     run(${WORK_DIR}/pc_consumer)
 endif()

@@ -91,8 +91,8 @@ static inline void hard_check_grid(const lmb_probes *grid)
 static inline void hard_check_volume(const lmb_volume *volume)
 {
     const lmb_volume_info info = lmb_volume_get_info(volume);
-    const float low[3] = {info.bounds_min.x, info.bounds_min.y, info.bounds_min.z};
-    const float high[3] = {info.bounds_max.x, info.bounds_max.y, info.bounds_max.z};
+    const float low[3] = {(float)info.bounds_min.x, (float)info.bounds_min.y, (float)info.bounds_min.z};
+    const float high[3] = {(float)info.bounds_max.x, (float)info.bounds_max.y, (float)info.bounds_max.z};
     uint64_t state = 1;
     int broken = 0;
     for (int i = 0; i < 500; ++i) {

@@ -28,7 +28,9 @@ function(lmb_check_headers layer)
     set_target_properties(${target} PROPERTIES
         C_STANDARD 11 C_STANDARD_REQUIRED ON C_EXTENSIONS OFF
         CXX_STANDARD 17 CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF)
-    target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Werror)
+    if(NOT MSVC)
+        target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Werror)
+    endif()
     # The folders only, not the libraries: a layer sees itself and the layers below it.
     foreach(below IN LISTS ARGN ITEMS ${layer})
         target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/${below}/include)

@@ -99,6 +99,21 @@ static lmb_result open_volume(void)
     return result;
 }
 
+/* With the caller's memory for the handle no allocation is left that could fail. */
+static void test_open_without_allocation(const unsigned char *image, size_t bytes)
+{
+    lmb_volume_storage storage;
+    lmb_volume *volume = NULL;
+    lmb_sh3_rgb light;
+    allocations_left = 0;
+    const lmb_result result = lmb_volume_open_memory_in(&storage, image, bytes, &volume);
+    const bool inside = result == LMB_OK && lmb_volume_sample(volume, (lmb_vec3){1.0f, 1.0f, 1.0f}, &light);
+    CHECK(allocations_left == 0, "something was allocated");
+    allocations_left = -1;
+    CHECK(result == LMB_OK && inside, "result %d", result);
+    lmb_volume_close(volume);
+}
+
 static lmb_result open_file(void)
 {
     lmb_volume *volume = NULL;
@@ -166,6 +181,7 @@ static void test_each(void)
         CHECK(result == LMB_OK, "%s: ends with %d", runs[i].name, result);
         CHECK(failed - 1 >= runs[i].least, "%s: only %d allocations failed", runs[i].name, failed - 1);
     }
+    test_open_without_allocation(shared_image, shared_bytes);
     remove(LMB_TEST_OUTPUT_DIR "/allocation.lmb");
     free(shared_image);
     lmb_probes_destroy(shared_grid);

@@ -71,7 +71,6 @@ typedef struct check_work {
     check_settings settings;
     lmb_transport transport; /* the subject's, with a seed of the check's own */
     lmb_opaque_surface surface;
-    float spacing;       /* metres, the volume's */
     float default_texel; /* metres, where there are no lightmaps */
     point_error *errors[CHECK_PAIR_COUNT];
     point_light *lights;
@@ -180,8 +179,11 @@ static void record_coincident(check_work *work, const surface_sample *sample)
 static void record_cone(check_work *work, const surface_sample *sample, const lmb_sh3_rgb *radiance)
 {
     const uint64_t stream = lmb_mix(lmb_mix(work->settings.seed, STREAM_AMBIENT), sample->number);
+    const lmb_scene *scene = lmb_tracer_scene(work->subject->transport->tracer);
+    const float spacing =
+        lmb_volume_spacing_at(work->subject->volume, lmb_scene_to_world(scene, sample->point.position));
     const float visibility = ambient_visibility(work->transport.tracer, sample->point.position, sample->point.normal,
-                                                work->spacing, stream, AMBIENT_RAYS);
+                                                spacing, stream, AMBIENT_RAYS);
     irradiance_set x;
     evaluate_probe(LMB_MODEL_FOR_SURFACE, radiance, sample->point.normal, lmb_cone_cos_from_visibility(visibility),
                    sample->normals, &x);
@@ -244,7 +246,6 @@ static lmb_result work_prepare(const check_subject *subject, const check_setting
     const lmb_scene *scene = lmb_tracer_scene(subject->transport->tracer);
     *work = (check_work){.subject = subject, .settings = *settings, .transport = *subject->transport};
     work->transport.seed = lmb_mix(lmb_mix(subject->transport->seed, settings->seed), STREAM_REFERENCE);
-    work->spacing = lmb_volume_get_info(subject->volume).spacing;
     work->default_texel = 1.0f / lmb_lightmap_settings_default(scene).texels_per_m;
     const size_t points = settings->points;
     work->lights = calloc(points, sizeof *work->lights);

@@ -52,12 +52,8 @@ bool free_point(const lmb_tracer *tracer, const lmb_volume *volume, bool avoid_s
     enum { TRIES = 4096 };
     const lmb_scene *scene = lmb_tracer_scene(tracer);
     const lmb_volume_info info = lmb_volume_get_info(volume);
-    const double spacing = (double)info.spacing;
-    const lmb_vec3 low =
-        lmb_scene_from_world(scene, (lmb_vec3d){info.min[0] * spacing, info.min[1] * spacing, info.min[2] * spacing});
-    const lmb_vec3 high = lmb_scene_from_world(scene, (lmb_vec3d){(info.min[0] + (info.size[0] - 1)) * spacing,
-                                                                  (info.min[1] + (info.size[1] - 1)) * spacing,
-                                                                  (info.min[2] + (info.size[2] - 1)) * spacing});
+    const lmb_vec3 low = lmb_scene_from_world(scene, info.bounds_min);
+    const lmb_vec3 high = lmb_scene_from_world(scene, info.bounds_max);
     const lmb_vec3 size = vector_sub(high, low);
     for (uint32_t attempt = 0; attempt < TRIES; ++attempt) {
         float across[2], height[2];

@@ -3,6 +3,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <lambent/version.h>
+
 #include "bake_arguments.h"
 #include "bench_rays.h"
 #include "query.h"
@@ -65,7 +67,7 @@ static void machine_text(char text[512])
     char name[256];
     processor_name(name, sizeof name);
     snprintf(text, 512, "%s, %ld processors, compiler %s, lambent %s", name, sysconf(_SC_NPROCESSORS_ONLN), __VERSION__,
-             LMB_VERSION);
+             lmb_version_text());
 }
 
 static const char *const call_names[LMB_REPLAY_CALLS] = {"single", "packet of 8", "coherent stream",

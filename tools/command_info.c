@@ -23,16 +23,6 @@ static void json_add_range(cJSON *json, const char *key, const int32_t value[3])
     cJSON_AddItemToObject(json, key, cJSON_CreateIntArray((const int[3]){value[0], value[1], value[2]}, 3));
 }
 
-/* The first (0) or last (1) lattice point of the bounds: exact, where the floats of `info` are not. */
-static lmb_vec3d lattice_place(const lmb_volume_info *info, int last)
-{
-    double place[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        place[axis] = ((double)info->min[axis] + last * (info->size[axis] - 1)) * (double)info->spacing;
-    }
-    return (lmb_vec3d){place[0], place[1], place[2]};
-}
-
 static cJSON *lmb_describe(const lmb_volume *volume)
 {
     const lmb_volume_info info = lmb_volume_get_info(volume);
@@ -40,11 +30,19 @@ static cJSON *lmb_describe(const lmb_volume *volume)
     cJSON_AddStringToObject(json, "kind", "lambent run-time volume");
     cJSON_AddNumberToObject(json, "version", info.version);
     cJSON_AddNumberToObject(json, "probes", (double)info.probe_count);
-    cJSON_AddNumberToObject(json, "spacing", (double)info.spacing);
-    json_add_range(json, "lattice_min", info.min);
-    json_add_range(json, "lattice_size", info.size);
-    cJSON_AddItemToObject(json, "bounds_min", json_place(lattice_place(&info, 0)));
-    cJSON_AddItemToObject(json, "bounds_max", json_place(lattice_place(&info, 1)));
+    const double spacing = (double)lmb_volume_spacing_at(volume, info.bounds_min);
+    const double low[3] = {info.bounds_min.x, info.bounds_min.y, info.bounds_min.z};
+    const double high[3] = {info.bounds_max.x, info.bounds_max.y, info.bounds_max.z};
+    int32_t first[3], size[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        first[axis] = (int32_t)lround(low[axis] / spacing);
+        size[axis] = (int32_t)(lround(high[axis] / spacing) - first[axis] + 1);
+    }
+    cJSON_AddNumberToObject(json, "spacing", spacing);
+    json_add_range(json, "lattice_min", first);
+    json_add_range(json, "lattice_size", size);
+    cJSON_AddItemToObject(json, "bounds_min", json_place(info.bounds_min));
+    cJSON_AddItemToObject(json, "bounds_max", json_place(info.bounds_max));
     cJSON_AddNumberToObject(json, "bricks", info.brick_count);
     cJSON_AddNumberToObject(json, "scale", (double)info.scale);
     cJSON_AddNumberToObject(json, "bytes", (double)info.file_bytes);

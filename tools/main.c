@@ -6,6 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <lambent/version.h>
+
 #include "command.h"
 #include "interrupt.h"
 
@@ -74,7 +76,7 @@ static int run(int count, char **values)
         return help_run(count - 1, values + 1);
     }
     if (strcmp(name, "--version") == 0) {
-        puts("lambent " LMB_VERSION);
+        printf("lambent %s\n", lmb_version_text());
         return EXIT_DONE;
     }
     if (count == 0 || !command_run(name, count - 1, values + 1, &status)) {

@@ -115,7 +115,7 @@ static void mark_complete_cells(lmb_volume_brick *brick)
             lmb_brick_point(cell % LMB_BRICK_CELLS, cell / LMB_BRICK_CELLS % LMB_BRICK_CELLS, cell / 16);
         bool complete = true;
         for (unsigned corner = 0; corner < 8; ++corner) {
-            complete = complete && lmb_brick_holds(brick, lmb_brick_corner(first, corner));
+            complete = complete && lmb_brick_holds(brick, first + lmb_brick_corner(corner));
         }
         brick->complete_cells |= (uint64_t)complete << cell;
     }

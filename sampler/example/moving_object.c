@@ -15,16 +15,16 @@ int main(int count, char **values)
         return 1;
     }
     const lmb_volume_info info = lmb_volume_get_info(volume);
-    const lmb_vec3 low = info.bounds_min, high = info.bounds_max;
+    const lmb_vec3d low = info.bounds_min, high = info.bounds_max;
     const lmb_vec3 up = {0.0f, 1.0f, 0.0f};                /* the surface's own normal, n_v */
     const lmb_vec3 bump = {0.6f, 0.8f, 0.0f};              /* the normal from the normal map, n */
     const float cone = lmb_cone_cos_from_visibility(0.7f); /* ambient occlusion: 70 % is open */
     for (int step = 0; step <= 10; ++step) {
-        const float t = (float)step / 10.0f;
-        const lmb_vec3 position = {low.x + t * (high.x - low.x), 0.5f * (low.y + high.y), 0.5f * (low.z + high.z)};
+        const double t = step / 10.0;
+        const lmb_vec3d position = {low.x + t * (high.x - low.x), 0.5 * (low.y + high.y), 0.5 * (low.z + high.z)};
 
         lmb_sh3_rgb radiance; /* once a frame for each object */
-        const bool inside = lmb_volume_sample(volume, position, &radiance);
+        const bool inside = lmb_volume_sample_at(volume, position, &radiance);
 
         /* Full quality: occlusion by the surface's hemisphere and an AO cone, for each pixel. */
         const lmb_hlsh_rgb occluded = lmb_hlsh_rgb_from_sh3(&radiance, up, cone);
@@ -35,9 +35,9 @@ int main(int count, char **values)
         const lmb_hhd_rgb light = lmb_irradz_decode(&vertex, up);
         const lmb_rgb cheap = lmb_hhd_rgb_evaluate(&light, up, bump);
 
-        printf("x %7.2f %s  HLSH %.4f %.4f %.4f  HHD %.4f %.4f %.4f\n", (double)position.x,
-               inside ? "inside " : "outside", (double)pixel.c[0], (double)pixel.c[1], (double)pixel.c[2],
-               (double)cheap.c[0], (double)cheap.c[1], (double)cheap.c[2]);
+        printf("x %7.2f %s  HLSH %.4f %.4f %.4f  HHD %.4f %.4f %.4f\n", position.x, inside ? "inside " : "outside",
+               (double)pixel.c[0], (double)pixel.c[1], (double)pixel.c[2], (double)cheap.c[0], (double)cheap.c[1],
+               (double)cheap.c[2]);
     }
     lmb_volume_close(volume);
     return 0;

@@ -11,10 +11,14 @@
  *
  * All functions are pure, allocate nothing, and may be called from any thread. Normals are unit vectors; n_v is the
  * surface (vertex) normal, n the shading normal. Irradiance is normalised (lambent/sh.h). No input, however broken,
- * gives NaN, infinity or negative light. */
+ * gives NaN, infinity or negative light.
+ *
+ * Evaluating is a few instructions, and stands here to be inlined: the library has no symbol for it. Compiled with
+ * the library's own -ffp-contract=off it gives the same bits everywhere; other flags may differ in the last one. */
 #ifndef LAMBENT_HHD_H
 #define LAMBENT_HHD_H
 
+#include <lambent/api.h>
 #include <lambent/sh.h>
 
 #ifdef __cplusplus
@@ -54,28 +58,51 @@ typedef struct lmb_irradz {
 #define LMB_IRRADZ_MIN_COS 0.05f
 
 /* Moments of clipped linear SH (lmb_sh3_multiply_cone): b_c = (2/sqrt(pi)) y0, b = 2/sqrt(3 pi) y1. */
-lmb_moments lmb_moments_from_sh2(const lmb_sh2 *clipped_radiance);
+LMB_API lmb_moments lmb_moments_from_sh2(const lmb_sh2 *clipped_radiance);
 
 /* The HHD light that has these moments, by the closed form, robust for every input: no light for b_c <= 0 or NaN;
  * C_a, C_d >= 0; d unit, never below the horizon. Keeps I(n_v) = b.n_v wherever b.n_v is physical
  * (0 <= b.n_v, |b| <= b_c). */
-lmb_hhd lmb_hhd_solve(lmb_moments moments, lmb_vec3 vertex_normal);
+LMB_API lmb_hhd lmb_hhd_solve(lmb_moments moments, lmb_vec3 vertex_normal);
 
 /* Normalised irradiance at `normal`, >= 0. */
-float lmb_hhd_evaluate(const lmb_hhd *hhd, lmb_vec3 vertex_normal, lmb_vec3 normal);
-lmb_rgb lmb_hhd_rgb_evaluate(const lmb_hhd_rgb *hhd, lmb_vec3 vertex_normal, lmb_vec3 normal);
+static inline float lmb_hhd_evaluate(const lmb_hhd *hhd, lmb_vec3 vertex_normal, lmb_vec3 normal)
+{
+    const float hemisphere = 0.5f + 0.5f * lmb_vec3_dot(vertex_normal, normal);
+    const float cosine = lmb_vec3_dot(normal, hhd->direction);
+    const float highlight = cosine > 0.0f ? cosine : 0.0f;
+    return lmb_light_clamped(hhd->ambient * hemisphere + hhd->directional * highlight);
+}
+
+static inline lmb_rgb lmb_hhd_rgb_evaluate(const lmb_hhd_rgb *hhd, lmb_vec3 vertex_normal, lmb_vec3 normal)
+{
+    lmb_rgb irradiance;
+    for (int i = 0; i < 3; ++i) {
+        const lmb_hhd channel = {hhd->ambient.c[i], hhd->directional.c[i], hhd->direction};
+        irradiance.c[i] = lmb_hhd_evaluate(&channel, vertex_normal, normal);
+    }
+    return irradiance;
+}
 
 /* The shared encoder: SH3 radiance (a probe's, or a lightmap texel's hemispherical fit) -> clip by the cone about
  * `vertex_normal` (cone_cos = 0: the hemisphere) -> moments -> HHD of the luminance -> IrradZ. */
-lmb_irradz lmb_irradz_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos);
+LMB_API lmb_irradz lmb_irradz_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos);
 
 /* IrradZ back to HHD. The direction may be filtered and unnormalised, the weight out of range: both are mended. A
  * filtered direction that is lower than LMB_IRRADZ_MIN_COS before it is made unit comes from surfaces that face apart:
  * the directional part fades to nothing until n_v.d = 0, and I(n_v) = I_z stays. */
-lmb_hhd_rgb lmb_irradz_decode(const lmb_irradz *irradz, lmb_vec3 vertex_normal);
+LMB_API lmb_hhd_rgb lmb_irradz_decode(const lmb_irradz *irradz, lmb_vec3 vertex_normal);
 
 /* Light that the surface reflects onto its own bumps: albedo I_z (1 - n.n_v)/2, per channel. */
-lmb_rgb lmb_self_bounce(lmb_rgb albedo, lmb_rgb irradiance_z, lmb_vec3 vertex_normal, lmb_vec3 normal);
+static inline lmb_rgb lmb_self_bounce(lmb_rgb albedo, lmb_rgb irradiance_z, lmb_vec3 vertex_normal, lmb_vec3 normal)
+{
+    const float backward = 0.5f - 0.5f * lmb_vec3_dot(vertex_normal, normal);
+    lmb_rgb bounce;
+    for (int i = 0; i < 3; ++i) {
+        bounce.c[i] = lmb_light_clamped(albedo.c[i] * irradiance_z.c[i] * backward);
+    }
+    return bounce;
+}
 
 #ifdef __cplusplus
 }

@@ -2,13 +2,17 @@
  *
  *     I(n) = I_z t + C_a (1 - t) + c.n_perp,     t = n.n_v,  n_perp = n - n_v t
  *
- * with I(n_v) = I_z exactly (Roughton, Sloan, Silvennoinen and Shirley, SIGGRAPH 2024). n_v is the surface (vertex) normal that owns the
- * hemisphere, n the shading normal. Irradiance is normalised (lambent/sh.h).
+ * with I(n_v) = I_z exactly (Roughton, Sloan, Silvennoinen and Shirley, SIGGRAPH 2024). n_v is the surface (vertex)
+ * normal that owns the hemisphere, n the shading normal. Irradiance is normalised (lambent/sh.h).
  *
- * All functions are pure, allocate nothing, and may be called from any thread. Normals are unit vectors. */
+ * All functions are pure, allocate nothing, and may be called from any thread. Normals are unit vectors.
+ *
+ * Evaluating is a few instructions, and stands here to be inlined: the library has no symbol for it. Compiled with
+ * the library's own -ffp-contract=off it gives the same bits everywhere; other flags may differ in the last one. */
 #ifndef LAMBENT_HLSH_H
 #define LAMBENT_HLSH_H
 
+#include <lambent/api.h>
 #include <lambent/sh.h>
 
 #ifdef __cplusplus
@@ -28,17 +32,31 @@ typedef struct lmb_hlsh_rgb {
 
 /* HLSH of SH3 radiance clipped by a cone about `vertex_normal` (cone_cos = 0: the whole hemisphere; clamped to
  * [0, 1]). The clipped radiance is truncated to SH3, convolved and fitted with I_z held exact. */
-lmb_hlsh lmb_hlsh_from_sh3(const lmb_sh3 *radiance, lmb_vec3 vertex_normal, float cone_cos);
-lmb_hlsh_rgb lmb_hlsh_rgb_from_sh3(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos);
+LMB_API lmb_hlsh lmb_hlsh_from_sh3(const lmb_sh3 *radiance, lmb_vec3 vertex_normal, float cone_cos);
+LMB_API lmb_hlsh_rgb lmb_hlsh_rgb_from_sh3(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos);
 
 /* Adds light of `weight` (radiance times solid angle) from `direction`: the exact least-squares projector of any
  * radiance. Light from below the horizon adds nothing. */
-void lmb_hlsh_add_light(lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 direction, float weight);
+LMB_API void lmb_hlsh_add_light(lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 direction, float weight);
 
 /* Normalised irradiance at `normal`, clamped at 0: from a raw probe the linear model goes negative somewhere in most
  * hemispheres of a sunny environment. NaN gives 0. */
-float lmb_hlsh_evaluate(const lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 normal);
-lmb_rgb lmb_hlsh_rgb_evaluate(const lmb_hlsh_rgb *hlsh, lmb_vec3 vertex_normal, lmb_vec3 normal);
+static inline float lmb_hlsh_evaluate(const lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 normal)
+{
+    const float t = lmb_vec3_dot(normal, vertex_normal);
+    /* `tangential` is perpendicular to n_v: its dot product with n is the one with n_perp. */
+    return lmb_light_clamped(hlsh->irradiance_z * t + hlsh->ambient * (1.0f - t) +
+                             lmb_vec3_dot(hlsh->tangential, normal));
+}
+
+static inline lmb_rgb lmb_hlsh_rgb_evaluate(const lmb_hlsh_rgb *hlsh, lmb_vec3 vertex_normal, lmb_vec3 normal)
+{
+    lmb_rgb irradiance;
+    for (int i = 0; i < 3; ++i) {
+        irradiance.c[i] = lmb_hlsh_evaluate(&hlsh->channel[i], vertex_normal, normal);
+    }
+    return irradiance;
+}
 
 #ifdef __cplusplus
 }

@@ -73,10 +73,10 @@ static inline bool lmb_brick_holds(const lmb_volume_brick *brick, unsigned point
     return (brick->probes[point / 64] >> point % 64 & 1u) != 0;
 }
 
-/* Number of a corner, 0 .. 7, of the cell whose first corner is `point`. */
-static inline unsigned lmb_brick_corner(unsigned point, unsigned corner)
+/* How far corner 0 .. 7 of a cell (bit 0 is x, 1 is y, 2 is z) is from its first among the brick's points. */
+static inline unsigned lmb_brick_corner(unsigned corner)
 {
-    return point + lmb_brick_point(corner & 1u, corner >> 1 & 1u, corner >> 2);
+    return lmb_brick_point(corner & 1u, corner >> 1 & 1u, corner >> 2);
 }
 
 #ifdef __cplusplus

@@ -4,6 +4,8 @@
 #ifndef LAMBENT_RESULT_H
 #define LAMBENT_RESULT_H
 
+#include <lambent/api.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -23,7 +25,7 @@ typedef enum lmb_result {
 } lmb_result;
 
 /* A short English phrase for a result, lower case, without a full stop; never NULL. */
-const char *lmb_result_text(lmb_result result);
+LMB_API const char *lmb_result_text(lmb_result result);
 
 #ifdef __cplusplus
 }

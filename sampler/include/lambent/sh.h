@@ -8,7 +8,7 @@
  *     N0 = 1/(2 sqrt(pi))  N1 = sqrt(3/(4 pi))  N2 = sqrt(15/(4 pi))  N20 = sqrt(5/(16 pi))  N22 = sqrt(15/(16 pi))
  *
  * Shader code often uses the same basis with all signs positive; that one is this one turned 180 degrees about z.
- * SH live in world space; nothing is ever rotated.
+ * SH live in world space; nothing is ever rotated, except for engines with other axes (lmb_sh3_in_axes).
  *
  * Coefficients hold RADIANCE unless a name says irradiance. Irradiance is NORMALISED: E/pi, the number that a
  * Lambertian albedo multiplies, so that a constant environment of radiance 1 gives 1. Going from radiance to
@@ -18,6 +18,7 @@
 #ifndef LAMBENT_SH_H
 #define LAMBENT_SH_H
 
+#include <lambent/api.h>
 #include <lambent/types.h>
 
 #ifdef __cplusplus
@@ -42,26 +43,33 @@ typedef struct lmb_sh3_rgb {
 } lmb_sh3_rgb;
 
 /* The nine basis functions at `direction`. */
-lmb_sh3 lmb_sh3_basis(lmb_vec3 direction);
+LMB_API lmb_sh3 lmb_sh3_basis(lmb_vec3 direction);
 
 /* Radiance that the set reconstructs towards `direction`. May be negative: truncated SH ring. */
-float lmb_sh3_evaluate(const lmb_sh3 *radiance, lmb_vec3 direction);
+LMB_API float lmb_sh3_evaluate(const lmb_sh3 *radiance, lmb_vec3 direction);
 
 /* Normalised irradiance (E/pi) on `normal` from the whole sphere, no occlusion. May be negative. */
-float lmb_sh3_irradiance(const lmb_sh3 *radiance, lmb_vec3 normal);
+LMB_API float lmb_sh3_irradiance(const lmb_sh3 *radiance, lmb_vec3 normal);
 
 /* The same per channel, clamped to [0, FLT_MAX]; NaN and infinite coefficients give 0. */
-lmb_rgb lmb_sh3_rgb_irradiance(const lmb_sh3_rgb *radiance, lmb_vec3 normal);
+LMB_API lmb_rgb lmb_sh3_rgb_irradiance(const lmb_sh3_rgb *radiance, lmb_vec3 normal);
 
 /* Adds light of `weight` (radiance times solid angle) that arrives from `direction`: the Monte Carlo projector. */
-void lmb_sh3_add_light(lmb_sh3 *radiance, lmb_vec3 direction, float weight);
-void lmb_sh3_rgb_add_light(lmb_sh3_rgb *radiance, lmb_vec3 direction, lmb_rgb weight);
+LMB_API void lmb_sh3_add_light(lmb_sh3 *radiance, lmb_vec3 direction, float weight);
+LMB_API void lmb_sh3_rgb_add_light(lmb_sh3_rgb *radiance, lmb_vec3 direction, lmb_rgb weight);
 
 /* a + (b - a) t, coefficient by coefficient. Blend SH and solve afterwards, never the other way round. */
-lmb_sh3_rgb lmb_sh3_rgb_lerp(const lmb_sh3_rgb *a, const lmb_sh3_rgb *b, float t);
+LMB_API lmb_sh3_rgb lmb_sh3_rgb_lerp(const lmb_sh3_rgb *a, const lmb_sh3_rgb *b, float t);
+
+/* The same light in another system of axes: `axes` are the other system's x, y and z in ours, three orthogonal unit
+ * vectors, a rotation or a reflection. A direction d of ours is (axes[0].d, axes[1].d, axes[2].d) there, and evaluates
+ * to the same. Band 1 turns as a vector, band 2 as a symmetric matrix; units and signs stay (docs/sampling.md has the
+ * tables for some engines). */
+LMB_API lmb_sh3 lmb_sh3_in_axes(const lmb_sh3 *sh, const lmb_vec3 axes[3]);
+LMB_API lmb_sh3_rgb lmb_sh3_rgb_in_axes(const lmb_sh3_rgb *sh, const lmb_vec3 axes[3]);
 
 /* Rec. 709 luminance of a coloured set. */
-lmb_sh3 lmb_sh3_rgb_luminance(const lmb_sh3_rgb *radiance);
+LMB_API lmb_sh3 lmb_sh3_rgb_luminance(const lmb_sh3_rgb *radiance);
 
 #ifdef __cplusplus
 }

@@ -4,6 +4,8 @@
 #ifndef LAMBENT_TYPES_H
 #define LAMBENT_TYPES_H
 
+#include <float.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -22,6 +24,17 @@ typedef struct lmb_vec3d {
 typedef struct lmb_rgb {
     float c[3];
 } lmb_rgb;
+
+static inline float lmb_vec3_dot(lmb_vec3 a, lmb_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* Light fit for a shader: in [0, FLT_MAX], NaN gives 0. */
+static inline float lmb_light_clamped(float light)
+{
+    return light > 0.0f ? (light < FLT_MAX ? light : FLT_MAX) : 0.0f;
+}
 
 /* Rec. 709 luminance of a linear colour. */
 static inline float lmb_luminance(lmb_rgb colour)

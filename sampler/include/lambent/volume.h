@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <lambent/api.h>
 #include <lambent/result.h>
 #include <lambent/sh.h>
 
@@ -18,41 +19,58 @@ extern "C" {
 
 typedef struct lmb_volume lmb_volume;
 
+enum { LMB_VOLUME_STORAGE_WORDS = 48 };
+
 typedef struct lmb_volume_info {
-    uint32_t version;      /* of the file format */
-    float spacing;         /* metres between probes */
-    int32_t min[3];        /* lattice coordinates of the first probe; its position is min * spacing */
-    int32_t size[3];       /* lattice points per axis of the bounds */
-    uint64_t probe_count;  /* distinct probes stored */
+    uint32_t version;     /* of the file format */
+    uint64_t probe_count; /* distinct probes stored */
     uint32_t brick_count;
-    lmb_vec3 bounds_min;   /* metres, world space: (double)min * (double)spacing, rounded to floats */
-    lmb_vec3 bounds_max;
-    float scale;           /* the power of two that stored radiance was divided by */
+    lmb_vec3d bounds_min; /* metres, world space: of the lattice points */
+    lmb_vec3d bounds_max;
+    float scale; /* the power of two that stored radiance was divided by */
     uint64_t file_bytes;
 } lmb_volume_info;
 
-/* Opens a volume that lies in memory. `data` is not copied: it must outlive the volume and be 16-byte aligned
- * (malloc and mmap are). `*volume` is set only on LMB_OK. Safe for untrusted data of any size.
- * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM, _MEMORY, _ARGUMENT (NULL or misaligned) */
-lmb_result lmb_volume_open_memory(const void *data, size_t size, lmb_volume **volume);
+/* Memory for a handle, from the caller: a member of a game's own struct, an entry of a pool, a static. Its contents
+ * are private. */
+typedef struct lmb_volume_storage {
+    uint64_t private_words[LMB_VOLUME_STORAGE_WORDS];
+} lmb_volume_storage;
 
-/* Maps the file and opens it. @return as above, and LMB_ERROR_IO */
-lmb_result lmb_volume_open_file(const char *path, lmb_volume **volume);
+/* Opens a volume that lies in memory. `data` is not copied: it must outlive the volume and be 16-byte aligned
+ * (malloc and mmap are). `*volume` is set only on LMB_OK. Safe for untrusted data of any size. The handle, a
+ * lmb_volume_storage, is the only memory that opening needs, and comes from malloc.
+ * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM, _MEMORY, _ARGUMENT (NULL or misaligned) */
+LMB_API lmb_result lmb_volume_open_memory(const void *data, size_t size, lmb_volume **volume);
+
+/* The same with the handle in `storage`, which must outlive the volume and must not be moved: nothing is allocated.
+ * `storage` is written only on LMB_OK; it may be used again after lmb_volume_close, which frees nothing here, and may
+ * as well be left out.
+ * @return as above, never _MEMORY */
+LMB_API lmb_result lmb_volume_open_memory_in(lmb_volume_storage *storage, const void *data, size_t size,
+                                             lmb_volume **volume);
+
+/* Maps the file and opens it, the handle from malloc. `path` is UTF-8 (on POSIX: bytes). @return as
+ * lmb_volume_open_memory, and LMB_ERROR_IO */
+LMB_API lmb_result lmb_volume_open_file(const char *path, lmb_volume **volume);
 
 /* Frees the handle and unmaps the file, not the caller's memory. NULL is allowed. */
-void lmb_volume_close(lmb_volume *volume);
+LMB_API void lmb_volume_close(lmb_volume *volume);
 
-lmb_volume_info lmb_volume_get_info(const lmb_volume *volume);
+LMB_API lmb_volume_info lmb_volume_get_info(const lmb_volume *volume);
+
+/* Metres between probes at a place; outside of the bounds, at the nearest place within. */
+LMB_API float lmb_volume_spacing_at(const lmb_volume *volume, lmb_vec3d position);
 
 /* Trilinear SH3 radiance at `position`.
  * @return true inside the baked volume; false outside (or NaN), where `radiance` gets the nearest baked point's light
  *         in the clamped bounds, or 0 where the cell holds no probes. Never NaN or infinity. `volume` and `radiance`
  *         must not be NULL (asserted only). */
-bool lmb_volume_sample(const lmb_volume *volume, lmb_vec3 position, lmb_sh3_rgb *radiance);
+LMB_API bool lmb_volume_sample(const lmb_volume *volume, lmb_vec3 position, lmb_sh3_rgb *radiance);
 
 /* The same at a position in double. A float at 1000 km from the world's origin is exact to 6 cm, at 10 000 km to 1 m:
  * levels out there are sampled by this. Where the position is a float's value, both give the same bits. */
-bool lmb_volume_sample_at(const lmb_volume *volume, lmb_vec3d position, lmb_sh3_rgb *radiance);
+LMB_API bool lmb_volume_sample_at(const lmb_volume *volume, lmb_vec3d position, lmb_sh3_rgb *radiance);
 
 #ifdef __cplusplus
 }

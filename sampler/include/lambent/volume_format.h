@@ -8,6 +8,7 @@
 #ifndef LAMBENT_VOLUME_FORMAT_H
 #define LAMBENT_VOLUME_FORMAT_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -31,6 +32,17 @@ enum {
     LMB_BRICK_COEFFICIENTS = 27, /* of a probe: red 0..8, green 0..8, blue 0..8 */
     LMB_BRICK_BYTES = 6784
 };
+
+/* 64-bit FNV-1a, the file's checksum: from LMB_VOLUME_HASH_SEED, or on from an earlier result. */
+#define LMB_VOLUME_HASH_SEED UINT64_C(0xcbf29ce484222325)
+static inline uint64_t lmb_volume_hash(uint64_t hash, const void *data, size_t size)
+{
+    const unsigned char *bytes = (const unsigned char *)data;
+    for (size_t i = 0; i < size; ++i) {
+        hash = (hash ^ bytes[i]) * UINT64_C(0x100000001b3);
+    }
+    return hash;
+}
 
 typedef struct lmb_volume_header {
     unsigned char magic[LMB_VOLUME_MAGIC_SIZE];

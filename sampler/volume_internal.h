@@ -1,0 +1,32 @@
+/* The open volume, and the steps of opening one: map the file, verify it, derive what sampling needs. */
+#ifndef LMB_VOLUME_INTERNAL_H
+#define LMB_VOLUME_INTERNAL_H
+
+#include <lambent/lattice.h>
+#include <lambent/volume.h>
+
+struct lmb_volume {
+    const uint32_t *directory;
+    const lmb_volume_brick *bricks;
+    double inverse_spacing;
+    double min[3];        /* lattice coordinates */
+    double last[3];       /* of the box's last point, relative to min */
+    int32_t last_cell[3]; /* >= 0 even where the box is one point thick */
+    size_t bricks_along[3];
+    double slack; /* lattice units that a float position near a lattice point may be off it */
+    float scale;
+    lmb_volume_header header;
+    void *mapping;     /* NULL when the caller owns the bytes */
+    bool is_allocated; /* false when the caller gave the handle's memory */
+};
+
+/* Verifies the file in memory wholly and sets header, directory, bricks, last_cell and bricks_along. Needs no memory.
+ * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM */
+lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume *volume);
+
+/* Maps a regular file for reading. `path` is UTF-8.
+ * @return LMB_ERROR_IO, LMB_ERROR_TRUNCATED (empty) */
+lmb_result lmb_volume_map(const char *path, void **mapping, size_t *size);
+void lmb_volume_unmap(void *mapping, size_t size);
+
+#endif
