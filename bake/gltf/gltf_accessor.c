@@ -1,4 +1,4 @@
-#include "gltf/gltf_internal.h"
+#include "gltf/gltf_accessor.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,12 @@
-#include "gltf/gltf_internal.h"
+#include "gltf/gltf_check.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "gltf/gltf_extensions.h"
 
 /* What is read of glTF 2.0, as a table: for each property of each kind of object its type and range. Properties that
  * the table does not name are not read by anyone. Where a texture leads is checked when it is read: most are not. */

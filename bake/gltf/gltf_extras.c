@@ -1,5 +1,5 @@
+#include "gltf/gltf_extras.h"
 /* What the level wants baked, from its nodes' `extras`, in every form that exporters give them. */
-#include "gltf/gltf_internal.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -1,8 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 
-#include "gltf/gltf_internal.h"
+#include "gltf/gltf_file.h"
 
-#include <assert.h>
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
@@ -313,7 +312,7 @@ cleanup:
     return result;
 }
 
-static lmb_result read_buffers(lmb_gltf_file *file, lmb_error *error)
+lmb_result lmb_gltf_buffers_read(lmb_gltf_file *file, lmb_error *error)
 {
     const cJSON *const list = cJSON_GetObjectItemCaseSensitive(file->root, "buffers");
     const int count = cJSON_GetArraySize(list);
@@ -349,7 +348,7 @@ static lmb_result read_buffers(lmb_gltf_file *file, lmb_error *error)
     return LMB_OK;
 }
 
-static lmb_result read_and_check(lmb_gltf_file *file, lmb_error *error)
+lmb_result lmb_gltf_file_read(lmb_gltf_file *file, lmb_error *error)
 {
     const unsigned char *json;
     size_t json_size;
@@ -358,43 +357,7 @@ static lmb_result read_and_check(lmb_gltf_file *file, lmb_error *error)
         file->hash = lmb_hash(LMB_HASH_SEED, file->data, file->size);
         result = split_container(file, &json, &json_size, error);
     }
-    if (result == LMB_OK) {
-        result = parse_json(file, json, json_size, error);
-    }
-    if (result == LMB_OK) {
-        result = lmb_gltf_check_json(file, error);
-    }
-    if (result == LMB_OK) {
-        result = read_buffers(file, error);
-    }
-    if (result == LMB_OK) {
-        result = lmb_gltf_views_resolve(file, error);
-    }
-    if (result == LMB_OK) {
-        result = lmb_gltf_accessors_resolve(file, error);
-    }
-    return result == LMB_OK ? lmb_gltf_check_references(file, error) : result;
-}
-
-lmb_result lmb_gltf_file_open(const char *path, const lmb_gltf_options *options, lmb_gltf_file **file, lmb_error *error)
-{
-    assert(path && file);
-    lmb_gltf_file *const opened = calloc(1, sizeof *opened);
-    char *const copy = malloc(strlen(path) + 1);
-    if (!opened || !copy) {
-        free(opened);
-        free(copy);
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", path);
-    }
-    opened->path = memcpy(copy, path, strlen(path) + 1);
-    opened->allow_outside_uris = options && options->allow_outside_uris;
-    const lmb_result result = read_and_check(opened, error);
-    if (result != LMB_OK) {
-        lmb_gltf_file_close(opened);
-        return result;
-    }
-    *file = opened;
-    return LMB_OK;
+    return result == LMB_OK ? parse_json(file, json, json_size, error) : result;
 }
 
 void lmb_gltf_file_close(lmb_gltf_file *file)
@@ -412,45 +375,4 @@ void lmb_gltf_file_close(lmb_gltf_file *file)
     free(file->data);
     free(file->path);
     free(file);
-}
-
-lmb_result lmb_gltf_image_read(lmb_gltf_file *file, const cJSON *image, uint32_t number, lmb_gltf_bytes *bytes,
-                               char **name, lmb_error *error)
-{
-    const char *const uri = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(image, "uri"));
-    const bool external = uri && strncmp(uri, "data:", 5) != 0;
-    const uint32_t view = lmb_gltf_uint(image, "bufferView", UINT32_MAX);
-    char place[LMB_GLTF_PLACE_SIZE];
-    lmb_gltf_place(place, "images[%u]", number);
-    if ((uri == NULL) == (view == UINT32_MAX)) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: needs either a uri or a bufferView", file->path, place);
-    }
-    if (uri) {
-        const lmb_result result = lmb_gltf_uri_read(file, uri, place, bytes, error);
-        if (result != LMB_OK) {
-            return result;
-        }
-    } else if (view >= file->view_count) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.bufferView: %u, but there are %u bufferViews", file->path,
-                             place, view, file->view_count);
-    } else {
-        *bytes = lmb_gltf_view_bytes(file, view);
-    }
-    if (!bytes->data) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: no bytes", file->path, place);
-    }
-    if (name) {
-        const size_t size = (external ? strlen(uri) : 0) + sizeof "image 4294967295";
-        *name = malloc(size);
-        if (!*name) {
-            free(bytes->owned);
-            return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: %s: out of memory", file->path, place);
-        }
-        if (external) {
-            memcpy(*name, uri, strlen(uri) + 1);
-        } else {
-            snprintf(*name, size, "image %u", number);
-        }
-    }
-    return LMB_OK;
 }

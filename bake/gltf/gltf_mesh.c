@@ -1,4 +1,4 @@
-#include "gltf/gltf_internal.h"
+#include "gltf/gltf_mesh.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,6 +8,8 @@
 #include "base/affine.h"
 #include "base/scalar.h"
 #include "base/vec3.h"
+
+#include "gltf/gltf_accessor.h"
 
 enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 

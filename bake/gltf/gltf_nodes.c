@@ -1,5 +1,7 @@
+#include "gltf/gltf_nodes.h"
+
+#include "gltf/gltf_extensions.h"
 /* What the file says of its nodes, apart from where they are. */
-#include "gltf/gltf_internal.h"
 
 float lmb_gltf_view_angle(const lmb_gltf_file *file, int32_t camera)
 {

@@ -1,8 +1,10 @@
-#include "gltf/gltf_internal.h"
+#include "gltf/gltf_references.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "gltf/gltf_mesh.h"
 
 /* What a vertex attribute may be; quantised forms are KHR_mesh_quantization's. */
 typedef struct attribute_form {

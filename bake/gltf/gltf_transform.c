@@ -1,5 +1,5 @@
+#include "gltf/gltf_transform.h"
 /* How a node's transform places what hangs on it. */
-#include "gltf/gltf_internal.h"
 
 #include <math.h>
 

@@ -1,4 +1,4 @@
-#include "gltf/gltf_internal.h"
+#include <lambent/gltf.h>
 
 #include <assert.h>
 #include <math.h>
@@ -6,6 +6,11 @@
 #include <string.h>
 
 #include <lambent/file.h>
+
+#include "gltf/gltf_accessor.h"
+#include "gltf/gltf_image.h"
+#include "gltf/gltf_mesh.h"
+#include "gltf/gltf_open.h"
 
 /* The level's own JSON is edited, so that whatever nobody here knows stays as it was (tinygltf's writer loses empty
  * objects, nulls and unknown properties). All bytes go to one binary chunk:

@@ -1,0 +1,20 @@
+/* Cameras, and patterns that match nodes. */
+#ifndef LMB_GLTF_NODES_H
+#define LMB_GLTF_NODES_H
+
+#include "gltf/gltf_file.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The vertical angle of view of a camera in radians; 0 of an orthographic one, or none (negative). */
+float lmb_gltf_view_angle(const lmb_gltf_file *file, int32_t camera);
+/* A warning for each pattern of the options that matches no node: it is mistyped, or the level has changed. */
+void lmb_gltf_excludes_warn(const lmb_gltf_file *file, const lmb_gltf_options *options, const lmb_warnings *warnings);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
