@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/volume_format.h>
+
 static bool lattice_is_valid(const lmb_lattice *lattice)
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -249,13 +251,7 @@ float lmb_probes_scale(const lmb_probes *probes)
             }
         }
     }
-    if (largest == 0.0f || (largest >= 0.0625f && largest <= LMB_HALF_MAX)) {
-        return 1.0f;
-    }
-    int exponent;
-    frexpf(largest, &exponent); /* largest = m 2^exponent, m in [1/2, 1) */
-    exponent -= 15;
-    return ldexpf(1.0f, exponent < -96 ? -96 : exponent > 96 ? 96 : exponent);
+    return fminf(lmb_half_scale(largest), ldexpf(1.0f, LMB_VOLUME_MAX_SCALE_LOG2));
 }
 
 /* -------------------------------------------------------------------------------------------- the walker */

@@ -2,17 +2,15 @@
 #ifndef LAMBENT_VOLUME_INTERNAL_H
 #define LAMBENT_VOLUME_INTERNAL_H
 
+#include <lambent/half_scale.h>
 #include <lambent/probes.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* The largest finite half. */
-#define LMB_HALF_MAX 65504.0f
-
-/* The power of two that radiance is divided by before it is stored as halfs, the same in .vdb and .lmb: 1 while the
- * largest coefficient is in 2^-4 .. 65504, else what brings it into 2^14 .. 2^15; within 2^-96 .. 2^96. */
+/* The power of two that radiance is divided by before it is stored as halfs, the same in .vdb and .lmb:
+ * lmb_half_scale of the largest coefficient, at most 2^96. */
 float lmb_probes_scale(const lmb_probes *probes);
 
 /* Which pass of the dilation fills a probe: `pass[probe]` is 0 for a valid probe, -1 for one that is never reached.

@@ -5,7 +5,7 @@
 #include "base/scalar.h"
 #include "base/trig.h"
 #include "base/vec3.h"
-#include "base/lanes.h"
+#include "base/vectorised.h"
 
 /* Height of the point of the unit sphere by the lobe's distribution over heights. */
 static inline float lobe_height(lmb_lobe lobe, float number)
@@ -38,7 +38,7 @@ static inline void lobe_directions(lmb_lobe lobe, lmb_vec3 axis, const float *re
     }
 }
 
-LMB_LANES
+LMB_VECTORISED
 void lmb_directions_make(lmb_lobe lobe, lmb_vec3 axis, const float *x, const float *y, uint32_t count,
                          float *const direction[3])
 {

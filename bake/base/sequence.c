@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "base/lanes.h"
+#include "base/vectorised.h"
 
 uint64_t lmb_mix(uint64_t a, uint64_t b)
 {
@@ -68,7 +68,7 @@ static float unit_float(uint32_t bits)
     return (float)(int32_t)(bits >> 8) * 0x1p-24f; /* from a signed number: vectors can */
 }
 
-LMB_LANES
+LMB_VECTORISED
 void lmb_sequence_2d_batch(uint64_t stream, uint32_t first, uint32_t count, uint32_t pair, float *restrict x,
                            float *restrict y)
 {

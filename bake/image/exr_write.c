@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include <lambent/file.h>
+#include <lambent/half_scale.h>
 
 #include <Imath/half.h>
 #include <OpenEXR/openexr.h>
@@ -70,8 +71,8 @@ static uint16_t *halfs_make(const lmb_exr_picture *picture, size_t *overflows)
     for (size_t k = 0; k < channel_count && halfs; ++k) {
         for (size_t i = 0; i < pixels; ++i) {
             float value = picture->channels[k].values[i];
-            if (fabsf(value) > 65504.0f) {
-                value = copysignf(65504.0f, value);
+            if (fabsf(value) > LMB_HALF_MAX) {
+                value = copysignf(LMB_HALF_MAX, value);
                 ++*overflows;
             }
             halfs[k * pixels + i] = imath_float_to_half(value);

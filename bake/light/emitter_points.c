@@ -6,7 +6,7 @@
 
 #include "base/scalar.h"
 #include "base/vec3.h"
-#include "base/lanes.h"
+#include "base/vectorised.h"
 
 /* Cosine below which a triangle counts as seen edge-on. */
 #define EDGE_ON 1e-6f
@@ -60,7 +60,7 @@ static void shapes_pick(const lmb_emitter_shape *shapes, const lmb_emitter_point
     }
 }
 
-LMB_LANES
+LMB_VECTORISED
 void lmb_emitter_points_even(lmb_emitter_points *restrict points, const float *restrict x, const float *restrict y)
 {
     for (uint32_t i = 0; i < points->count; ++i) {
@@ -70,7 +70,7 @@ void lmb_emitter_points_even(lmb_emitter_points *restrict points, const float *r
     }
 }
 
-LMB_LANES
+LMB_VECTORISED
 static void points_find(const picked_shapes *restrict from, lmb_emitter_points *restrict points)
 {
     for (uint32_t i = 0; i < points->count; ++i) {

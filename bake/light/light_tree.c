@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "base/scalar.h"
-#include "base/lanes.h"
+#include "base/vectorised.h"
 #include "light/light_tree_internal.h"
 
 /* A bound must miss by this much, in cosines and in shares of a range, before it counts: far more than rounding. */
@@ -27,7 +27,7 @@ static inline float float_between(float low, float value, float high)
 /* About the most that the lights of each child can give, 0 only where they can give nothing: power, over the square of
  * the distance, times what directions and the window of the range (KHR_lights_punctual) at the near side leave of it.
  * A sphere of sine r / d in the way of an angle a leaves at most cos(max(0, a - asin(r / d))) <= cos a + r / d. */
-LMB_LANES
+LMB_VECTORISED
 static void children_look(const lmb_light_node *restrict node, const lmb_light_query *restrict query, bool two_sided,
                           float *restrict weight)
 {

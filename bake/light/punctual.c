@@ -7,7 +7,7 @@
 #include "base/rgb.h"
 #include "base/scalar.h"
 #include "base/vec3.h"
-#include "base/lanes.h"
+#include "base/vectorised.h"
 #include "light/light_tree.h"
 #include "light/soft_light.h"
 
@@ -291,7 +291,7 @@ static void light_look(const lmb_punctual *punctual, uint32_t index, const lmb_p
 }
 
 /* light_evaluate and the weight of all lamps of a set; 0 for those that give nothing. */
-LMB_LANES
+LMB_VECTORISED
 static void lamps_weigh(const lamp_lanes *lamps, const lmb_punctual_query *query, float weight[LMB_PUNCTUAL_MAX])
 {
     const lmb_vec3 none = {0.0f, 0.0f, 0.0f};

@@ -7,7 +7,7 @@
 #include "base/scalar.h"
 #include "base/trig.h"
 #include "base/vec3.h"
-#include "base/lanes.h"
+#include "base/vectorised.h"
 
 /* Below this share of the light, what stands out is not worth a ray of its own. */
 #define MIN_EXCESS_SHARE 1e-3
@@ -178,7 +178,7 @@ lmb_environment_seen lmb_sky_look(const lmb_sky *sky, lmb_vec3 direction)
 
 enum { BATCH = 64 };
 
-LMB_LANES
+LMB_VECTORISED
 static void pixels_of_directions(const lmb_sky *sky, const float *restrict x, const float *restrict y,
                                  const float *restrict z, uint32_t count, uint32_t *restrict pixel)
 {
@@ -245,7 +245,7 @@ static void pixel_points_find(const lmb_sky *sky, const uint32_t *picked, const 
     }
 }
 
-LMB_LANES
+LMB_VECTORISED
 static void points_directions(const lmb_sky *sky, const pixel_points *restrict points, uint32_t count,
                               float *restrict to_x, float *restrict to_y, float *restrict to_z)
 {

@@ -10,6 +10,7 @@
 
 #include <lambent/exr.h>
 #include <lambent/file.h>
+#include <lambent/half_scale.h>
 #include <lambent/gltf.h>
 
 enum { FORMAT_VERSION = 1, MAX_FILE_NAME = 32 };
@@ -17,12 +18,6 @@ enum { FORMAT_VERSION = 1, MAX_FILE_NAME = 32 };
 static const char FORMAT_NAME[] = "lambent lightmap";
 static const char JSON_NAME[] = "lightmap.json";
 static const char UV_LEVEL_NAME[] = "level_uv2.glb";
-
-/* Light is stored as it is while its largest value is in this range; fp16 ends at 65504 and loses precision below
- * 6e-5. Else it is brought just below 2^STORED_EXPONENT, by a power of two of at most 2^MAX_SCALE_EXPONENT. */
-#define MAX_STORED 65504.0f
-#define MIN_STORED_MAX 0.0625f
-enum { STORED_EXPONENT = 15, MAX_SCALE_EXPONENT = 96 };
 
 /* `directory`/`name`, or NULL when out of memory. */
 static char *path_join(const char *directory, const char *name)
@@ -72,13 +67,7 @@ static float image_scale(const lmb_lightmap_image *image, const lmb_model *model
     for (size_t i = 0; i < values; ++i) {
         brightest = fmaxf(brightest, fabsf(image->plane[i]));
     }
-    if (brightest > 0.0f && (brightest > MAX_STORED || brightest < MIN_STORED_MAX)) {
-        int exponent;
-        frexpf(brightest, &exponent);
-        const int wanted = exponent - STORED_EXPONENT;
-        return ldexpf(1.0f, wanted > -MAX_SCALE_EXPONENT ? wanted : -MAX_SCALE_EXPONENT);
-    }
-    return 1.0f;
+    return lmb_half_scale(brightest);
 }
 
 static lmb_result image_write(const lmb_lightmap_image *image, const lmb_model *model, const char *path,

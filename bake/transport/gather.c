@@ -117,7 +117,7 @@ static lmb_receiver batch_receiver(const gather_batch *batch, uint32_t sample)
     return receiver;
 }
 
-static void batch_numbers(const gather_batch *batch, uint32_t pair, float *x, float *y)
+static void batch_variates(const gather_batch *batch, uint32_t pair, float *x, float *y)
 {
     lmb_sample_variates(batch->transport, batch->stream, batch->first, batch->count, pair, x, y);
 }
@@ -196,8 +196,8 @@ static void gather_triangles(gather_batch *batch)
 {
     float x[SAMPLES], y[SAMPLES], choice[SAMPLES], unused[SAMPLES];
     lmb_light_sample light[SAMPLES];
-    batch_numbers(batch, PAIR_TRIANGLE, x, y);
-    batch_numbers(batch, PAIR_CHOICE, choice, unused);
+    batch_variates(batch, PAIR_TRIANGLE, x, y);
+    batch_variates(batch, PAIR_CHOICE, choice, unused);
     lmb_emitters_sample_triangles(batch->transport->emitters, &batch->triangles, batch->position, choice, x, y,
                                   batch->count, light);
     lights_trace(batch, light, false);
@@ -207,7 +207,7 @@ static void gather_environment(gather_batch *batch)
 {
     float x[SAMPLES], y[SAMPLES];
     lmb_light_sample light[SAMPLES];
-    batch_numbers(batch, PAIR_ENVIRONMENT, x, y);
+    batch_variates(batch, PAIR_ENVIRONMENT, x, y);
     lmb_emitters_sample_environment(batch->transport->emitters, x, y, batch->count, light);
     lights_trace(batch, light, true);
 }
@@ -286,7 +286,7 @@ static void gather_punctual(gather_batch *batch, lmb_gather_sink sink, void *con
     lmb_sample_variates(batch->transport, batch->stream, batch->first / batch->per_receiver, receivers, PAIR_CHOICE, x,
                         y);
     if (lmb_emitters_punctual_are_soft(batch->transport->emitters)) {
-        batch_numbers(batch, lmb_light_pair(0), points.x, points.y);
+        batch_variates(batch, lmb_light_pair(0), points.x, points.y);
     }
     batch->rays.count = 0;
     for (uint32_t i = 0; i < receivers; ++i) {
@@ -317,7 +317,7 @@ static void rays_make(gather_batch *batch, float density[SAMPLES])
     lmb_ray_batch *rays = &batch->rays;
     float x[SAMPLES], y[SAMPLES];
     float *const direction[3] = {rays->direction[0], rays->direction[1], rays->direction[2]};
-    batch_numbers(batch, PAIR_DIRECTION, x, y);
+    batch_variates(batch, PAIR_DIRECTION, x, y);
     lmb_directions_make(batch->receiver.kind, batch->receiver.normal, x, y, batch->count, direction);
     rays->count = batch->count;
     for (uint32_t i = 0; i < batch->count; ++i) {

@@ -7,7 +7,7 @@
 
 #include "base/scalar.h"
 #include "base/vec3.h"
-#include "base/lanes.h"
+#include "base/vectorised.h"
 
 enum { LANES = LMB_CONTRIBUTION_LANES };
 
@@ -21,7 +21,7 @@ typedef struct basis_batch {
     float polynomial[LMB_SH3_COUNT][LMB_CONTRIBUTION_BATCH];
 } basis_batch;
 
-LMB_LANES
+LMB_VECTORISED
 static void basis_make(const lmb_contributions *found, basis_batch *basis)
 {
     for (uint32_t i = 0; i < found->count; ++i) {
@@ -52,7 +52,7 @@ static inline void lanes_dot_add(const float *restrict a, const float *restrict 
     }
 }
 
-LMB_LANES
+LMB_VECTORISED
 static void moments_add(const lmb_contributions *found, const basis_batch *basis, lmb_moment_sum *sum)
 {
     for (int c = 0; c < 3; ++c) {
