@@ -73,6 +73,17 @@ static size_t folder_length(const char *path)
     return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
+char *lmb_file_in(const char *directory, const char *name)
+{
+    const size_t length = strlen(directory);
+    const size_t size = length + 1 + strlen(name) + 1;
+    char *path = malloc(size);
+    if (path) {
+        snprintf(path, size, "%s%s%s", directory, length > 0 && directory[length - 1] == '/' ? "" : "/", name);
+    }
+    return path;
+}
+
 char *lmb_file_temporary_path(const char *path)
 {
     assert(path);

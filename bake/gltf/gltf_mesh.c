@@ -18,11 +18,12 @@ enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 
 static const uint32_t MAX_ELEMENTS = 0x7fffffffu / 3; /* so that 3 x triangles is an int */
 
-lmb_result lmb_gltf_triangles(const lmb_gltf_file *file, int32_t mode, int32_t indices, uint32_t vertex_count,
-                              const char *place, uint32_t (**corners)[3], uint32_t *count, lmb_error *error)
+lmb_result lmb_gltf_triangles(const lmb_gltf_file *file, const lmb_gltf_run *vertices, const char *place,
+                              uint32_t (**corners)[3], uint32_t *count, lmb_error *error)
 {
-    const lmb_gltf_accessor *const accessor = indices >= 0 ? &file->accessors[indices] : NULL;
-    const uint32_t corner_count = accessor ? accessor->count : vertex_count;
+    const int32_t mode = vertices->mode;
+    const lmb_gltf_accessor *const accessor = vertices->indices >= 0 ? &file->accessors[vertices->indices] : NULL;
+    const uint32_t corner_count = accessor ? accessor->count : vertices->count;
     uint32_t triangle_count = 0;
     if (mode == MODE_TRIANGLES) {
         triangle_count = corner_count / 3;
@@ -48,9 +49,9 @@ lmb_result lmb_gltf_triangles(const lmb_gltf_file *file, int32_t mode, int32_t i
     }
     for (uint32_t i = 0; i < corner_count; ++i) {
         run[i] = accessor ? run[i] : i;
-        if (run[i] >= vertex_count) {
+        if (run[i] >= vertices->count) {
             result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.indices: element %u is vertex %u of %u", file->path,
-                                   place, i, run[i], vertex_count);
+                                   place, i, run[i], vertices->count);
             goto cleanup;
         }
     }
@@ -248,8 +249,8 @@ static lmb_result part_read(const lmb_gltf_file *file, const lmb_gltf_primitive 
                             const char *place, part *p, lmb_error *error)
 {
     p->vertex_count = file->accessors[primitive->position].count;
-    lmb_result result = lmb_gltf_triangles(file, primitive->mode, primitive->indices, p->vertex_count, place,
-                                           &p->corners, &p->triangle_count, error);
+    const lmb_gltf_run vertices = {primitive->mode, primitive->indices, p->vertex_count};
+    lmb_result result = lmb_gltf_triangles(file, &vertices, place, &p->corners, &p->triangle_count, error);
     if (result != LMB_OK) {
         return result;
     }
@@ -384,21 +385,30 @@ static void copy_vertex(const part *p, uint32_t from, lmb_mesh *mesh, uint32_t t
     }
 }
 
+/* A mesh while primitives are added to it, and which of its arrays any of them fills. */
+typedef struct builder {
+    const lmb_gltf_file *file;
+    const lmb_gltf_pose *pose;
+    bool has_uv[LMB_UV_SETS], has_color, has_tangent;
+    lmb_mesh *mesh;
+    uint32_t dropped;
+} builder;
+
 /* Gives `array` room for `count` elements and one more, so that it is never NULL. */
 #define GROW(array, count)                                                                                             \
     (larger = realloc(array, ((count) + 1) * sizeof *(array)), larger != NULL && ((array) = larger, true))
 
-static bool mesh_grow(lmb_mesh *mesh, size_t vertices, size_t triangles, const bool has_uv[LMB_UV_SETS], bool has_color,
-                      bool has_tangent)
+static bool mesh_grow(const builder *b, size_t vertices, size_t triangles)
 {
+    lmb_mesh *const mesh = b->mesh;
     void *larger;
     for (int set = 0; set < LMB_UV_SETS; ++set) {
-        if (has_uv[set] && !GROW(mesh->uv[set], vertices)) {
+        if (b->has_uv[set] && !GROW(mesh->uv[set], vertices)) {
             return false;
         }
     }
     return GROW(mesh->position, vertices) && GROW(mesh->normal, vertices) &&
-           (!has_color || GROW(mesh->color, vertices)) && (!has_tangent || GROW(mesh->tangent, vertices)) &&
+           (!b->has_color || GROW(mesh->color, vertices)) && (!b->has_tangent || GROW(mesh->tangent, vertices)) &&
            GROW(mesh->triangle, triangles) && GROW(mesh->material, triangles) &&
            GROW(mesh->source_primitive, triangles) && GROW(mesh->source_triangle, triangles);
 }
@@ -433,15 +443,15 @@ static void append_part(const part *p, const lmb_gltf_primitive *primitive, cons
     mesh->triangle_count += p->triangle_count;
 }
 
-static lmb_result add_primitive(const lmb_gltf_file *file, const lmb_gltf_primitive *primitive,
-                                const lmb_gltf_pose *pose, const bool has_uv[LMB_UV_SETS], bool has_color,
-                                bool has_tangent, lmb_mesh *mesh, uint32_t *dropped, lmb_error *error)
+static lmb_result add_primitive(builder *b, const lmb_gltf_primitive *primitive, lmb_error *error)
 {
+    const lmb_gltf_file *const file = b->file;
+    lmb_mesh *const mesh = b->mesh;
     part p = {0};
     uint32_t *numbers = NULL;
     char place[LMB_GLTF_PLACE_SIZE];
     lmb_gltf_place(place, "meshes[%d].primitives[%u]", mesh->source_mesh, primitive->number);
-    lmb_result result = part_read(file, primitive, pose, place, &p, error);
+    lmb_result result = part_read(file, primitive, b->pose, place, &p, error);
     if (result != LMB_OK) {
         goto cleanup;
     }
@@ -457,46 +467,46 @@ static lmb_result add_primitive(const lmb_gltf_file *file, const lmb_gltf_primit
         result = lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %s: too many vertices", file->path, place);
         goto cleanup;
     }
-    if ((p.normal && !repair_normals(&p)) ||
-        !mesh_grow(mesh, (size_t)vertices, (size_t)triangles, has_uv, has_color, has_tangent)) {
+    if ((p.normal && !repair_normals(&p)) || !mesh_grow(b, (size_t)vertices, (size_t)triangles)) {
         result = out_of_memory(file, place, error);
         goto cleanup;
     }
     append_part(&p, primitive, numbers, mesh);
     mesh->file_reach = float_larger(mesh->file_reach, p.reach);
-    *dropped += dropped_here;
+    b->dropped += dropped_here;
 cleanup:
     free(numbers);
     part_free(&p);
     return result;
 }
 
-lmb_result lmb_gltf_mesh_build(const lmb_gltf_file *file, uint32_t number, const lmb_gltf_primitive *primitives,
-                               size_t primitive_count, const lmb_gltf_pose *pose, lmb_mesh *mesh, uint32_t *dropped,
-                               lmb_error *error)
+lmb_result lmb_gltf_mesh_build(const lmb_gltf_file *file, const lmb_gltf_mesh_source *source, lmb_mesh *mesh,
+                               uint32_t *dropped, lmb_error *error)
 {
-    bool has_uv[LMB_UV_SETS] = {false}, has_color = false, has_tangent = false;
-    mesh->source_mesh = (int32_t)number;
-    for (size_t i = 0; i < primitive_count; ++i) {
-        const bool surface = primitives[i].position >= 0 && primitives[i].mode >= MODE_TRIANGLES;
+    builder b = {.file = file, .pose = source->pose, .mesh = mesh};
+    mesh->source_mesh = (int32_t)source->number;
+    for (size_t i = 0; i < source->primitive_count; ++i) {
+        const lmb_gltf_primitive *const primitive = &source->primitives[i];
+        const bool surface = primitive->position >= 0 && primitive->mode >= MODE_TRIANGLES;
         for (int set = 0; set < LMB_UV_SETS; ++set) {
-            has_uv[set] |= surface && primitives[i].uv[set] >= 0;
+            b.has_uv[set] |= surface && primitive->uv[set] >= 0;
         }
-        has_color |= surface && primitives[i].color >= 0;
-        has_tangent |= surface && primitives[i].tangent >= 0 && primitives[i].normal >= 0;
+        b.has_color |= surface && primitive->color >= 0;
+        b.has_tangent |= surface && primitive->tangent >= 0 && primitive->normal >= 0;
     }
-    if (!mesh_grow(mesh, 0, 0, has_uv, has_color, has_tangent)) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: meshes[%u]: out of memory", file->path, number);
+    if (!mesh_grow(&b, 0, 0)) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: meshes[%u]: out of memory", file->path, source->number);
     }
-    for (size_t i = 0; i < primitive_count; ++i) {
-        if (primitives[i].position < 0 || primitives[i].mode < MODE_TRIANGLES) {
+    for (size_t i = 0; i < source->primitive_count; ++i) {
+        const lmb_gltf_primitive *const primitive = &source->primitives[i];
+        if (primitive->position < 0 || primitive->mode < MODE_TRIANGLES) {
             continue;
         }
-        const lmb_result result =
-            add_primitive(file, &primitives[i], pose, has_uv, has_color, has_tangent, mesh, dropped, error);
+        const lmb_result result = add_primitive(&b, primitive, error);
         if (result != LMB_OK) {
             return result;
         }
     }
+    *dropped += b.dropped;
     return LMB_OK;
 }

@@ -42,15 +42,30 @@ typedef struct lmb_gltf_pose {
     bool is_moved; /* the scene counts from another origin than the world */
 } lmb_gltf_pose;
 
+/* Which vertices a primitive takes, in what order. */
+typedef struct lmb_gltf_run {
+    int32_t mode;
+    int32_t indices; /* accessor; -1: one after the other */
+    uint32_t count;  /* of its vertices */
+} lmb_gltf_run;
+
 /* The corners (vertex numbers) of all triangles of a primitive, in order; none for points and lines. Every number is
  * checked against the vertex count. `*corners` is malloc'ed. */
-lmb_result lmb_gltf_triangles(const lmb_gltf_file *file, int32_t mode, int32_t indices, uint32_t vertex_count,
-                              const char *place, uint32_t (**corners)[3], uint32_t *count, lmb_error *error);
+lmb_result lmb_gltf_triangles(const lmb_gltf_file *file, const lmb_gltf_run *vertices, const char *place,
+                              uint32_t (**corners)[3], uint32_t *count, lmb_error *error);
 
-/* Joins primitives into one mesh. `mesh` must be zero; on failure it holds what lmb_mesh_free frees. */
-lmb_result lmb_gltf_mesh_build(const lmb_gltf_file *file, uint32_t number, const lmb_gltf_primitive *primitives,
-                               size_t primitive_count, const lmb_gltf_pose *pose, lmb_mesh *mesh, uint32_t *dropped,
-                               lmb_error *error);
+/* A mesh of the file: its number, its primitives and how they stand. */
+typedef struct lmb_gltf_mesh_source {
+    uint32_t number;
+    const lmb_gltf_primitive *primitives;
+    size_t primitive_count;
+    const lmb_gltf_pose *pose;
+} lmb_gltf_mesh_source;
+
+/* Joins primitives into one mesh, and adds to `*dropped` how many triangles were left out. `mesh` must be zero; on
+ * failure it holds what lmb_mesh_free frees. */
+lmb_result lmb_gltf_mesh_build(const lmb_gltf_file *file, const lmb_gltf_mesh_source *source, lmb_mesh *mesh,
+                               uint32_t *dropped, lmb_error *error);
 
 #ifdef __cplusplus
 }

@@ -216,8 +216,8 @@ uint32_t loader::build_mesh(uint32_t number, int32_t node, const lmb_gltf_pose &
     lmb_mesh &mesh = append(scene_->meshes, scene_->mesh_count);
     mesh.source_node = node;
     mesh.name = copy_string(source.name.empty() ? "mesh " + std::to_string(number) : source.name);
-    check(lmb_gltf_mesh_build(file_, number, primitives.data(), primitives.size(), &pose, &mesh,
-                              &scene_->dropped_triangle_count, error_));
+    const lmb_gltf_mesh_source built = {number, primitives.data(), primitives.size(), &pose};
+    check(lmb_gltf_mesh_build(file_, &built, &mesh, &scene_->dropped_triangle_count, error_));
     lmb_mesh_recentre(&mesh);
     return scene_->mesh_count - 1;
 }

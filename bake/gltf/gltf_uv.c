@@ -432,9 +432,9 @@ static lmb_result rewrite_primitive(writer *w, const lmb_gltf_uv *uv, uint32_t n
     char place[LMB_GLTF_PLACE_SIZE];
     lmb_gltf_place(place, "meshes[%d].primitives[%u]", uv->mesh->source_mesh, number);
     split s = {0};
-    lmb_result result = lmb_gltf_triangles(w->file, (int32_t)lmb_gltf_uint(primitive, "mode", MODE_TRIANGLES),
-                                           (int32_t)lmb_gltf_uint(primitive, "indices", UINT32_MAX), vertex_count,
-                                           place, &s.corners, &s.triangle_count, w->error);
+    const lmb_gltf_run vertices = {(int32_t)lmb_gltf_uint(primitive, "mode", MODE_TRIANGLES),
+                                   (int32_t)lmb_gltf_uint(primitive, "indices", UINT32_MAX), vertex_count};
+    lmb_result result = lmb_gltf_triangles(w->file, &vertices, place, &s.corners, &s.triangle_count, w->error);
     if (result != LMB_OK || s.triangle_count == 0) {
         goto cleanup;
     }

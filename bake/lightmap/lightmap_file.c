@@ -19,18 +19,6 @@ static const char FORMAT_NAME[] = "lambent lightmap";
 static const char JSON_NAME[] = "lightmap.json";
 static const char UV_LEVEL_NAME[] = "level_uv2.glb";
 
-/* `directory`/`name`, or NULL when out of memory. */
-static char *path_join(const char *directory, const char *name)
-{
-    const size_t length = strlen(directory);
-    const size_t size = length + 1 + strlen(name) + 1;
-    char *path = malloc(size);
-    if (path) {
-        snprintf(path, size, "%s%s%s", directory, length > 0 && directory[length - 1] == '/' ? "" : "/", name);
-    }
-    return path;
-}
-
 static void image_file_name(int32_t number, char name[MAX_FILE_NAME])
 {
     snprintf(name, MAX_FILE_NAME, "lightmap_%d.exr", (int)number);
@@ -232,7 +220,7 @@ typedef struct file_writer {
 
 static lmb_result file_write(file_writer *writer, file_kind kind, int32_t image, const char *name)
 {
-    char *path = path_join(writer->directory, name);
+    char *path = lmb_file_in(writer->directory, name);
     if (!path) {
         return out_of_memory(writer->error);
     }
@@ -421,7 +409,7 @@ static lmb_result images_read(const lmb_lightmap *lightmap, const char *director
         const lmb_lightmap_image *image = &lightmap->image[i];
         char name[MAX_FILE_NAME];
         image_file_name(i, name);
-        char *path = path_join(directory, name);
+        char *path = lmb_file_in(directory, name);
         plane[i] = calloc((size_t)image->width * (size_t)image->height * (size_t)model->channel_count, sizeof **plane);
         const lmb_result result =
             path && plane[i] ? image_read(image, model, path, plane[i], error) : out_of_memory(error);
@@ -435,7 +423,7 @@ static lmb_result images_read(const lmb_lightmap *lightmap, const char *director
 
 lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_error *error)
 {
-    char *path = path_join(directory, JSON_NAME);
+    char *path = lmb_file_in(directory, JSON_NAME);
     float **plane = calloc((size_t)lightmap->image_count + 1u, sizeof *plane);
     lmb_result result = path && plane ? json_check(lightmap, path, error) : out_of_memory(error);
     if (result == LMB_OK) {

@@ -10,20 +10,9 @@
 
 #include "run/bake_settings_internal.h"
 
-/* DIR/NAME in malloc'ed memory. */
-static char *path_join(const char *directory, const char *name)
-{
-    const size_t size = strlen(directory) + strlen(name) + 2;
-    char *path = malloc(size);
-    if (path) {
-        snprintf(path, size, "%s/%s", directory, name);
-    }
-    return path;
-}
-
 static lmb_result json_open(const char *directory, cJSON **json, lmb_error *error)
 {
-    char *path = path_join(directory, "bake.json");
+    char *path = lmb_file_in(directory, "bake.json");
     unsigned char *text = NULL;
     size_t size;
     lmb_result result =
@@ -41,7 +30,7 @@ static lmb_result json_open(const char *directory, cJSON **json, lmb_error *erro
 
 static lmb_result volume_open(const char *directory, lmb_volume **volume, lmb_error *error)
 {
-    char *path = path_join(directory, "probes.lmb");
+    char *path = lmb_file_in(directory, "probes.lmb");
     if (!path) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
@@ -66,7 +55,7 @@ static lmb_result lightmap_open(const char *directory, lmb_baked *opened, lmb_er
                                             .max_image_size = settings->max_image_size,
                                             .padding = settings->padding};
     lmb_result result = lmb_lightmap_create(opened->level.scene, &lightmap, &opened->lightmap, error);
-    char *path = result == LMB_OK ? path_join(directory, "lightmap") : NULL;
+    char *path = result == LMB_OK ? lmb_file_in(directory, "lightmap") : NULL;
     if (result == LMB_OK) {
         result = path ? lmb_lightmap_read(opened->lightmap, path, error)
                       : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");

@@ -16,6 +16,9 @@ extern "C" {
  * @return LMB_ERROR_IO, _MEMORY */
 lmb_result lmb_file_read(const char *path, unsigned char **data, size_t *size, lmb_error *error);
 
+/* `directory`/`name` in malloc'ed memory; NULL when out of it. */
+char *lmb_file_in(const char *directory, const char *name);
+
 /* The path beside `path` that a new version is written to before it replaces the old one; fits any path that
  * open() takes. The caller frees it. NULL when out of memory. */
 char *lmb_file_temporary_path(const char *path);
