@@ -267,7 +267,6 @@ static void test_far_and_broken_positions(void)
     lmb_probes_destroy(grid);
 }
 
-/* What is beyond even the largest scale keeps its direction: the whole probe is scaled. */
 /* 10 000 km away a position in double finds what one at the origin finds; there a float is exact to 1 m. */
 static void test_positions_in_double(void)
 {
@@ -313,6 +312,32 @@ static void test_positions_in_double(void)
     lmb_probes_destroy(far_grid);
 }
 
+/* Packing looks at probes, not at the bricks of the box: eight million here, of which the ends hold light. */
+static void test_few_in_a_large_box(void)
+{
+    const lmb_lattice lattice = {1.0f, {-400, -400, -400}, {801, 801, 801}};
+    /* The second lies where eight bricks meet, the last in the last brick's last corner. */
+    static const int32_t points[3][3] = {{-400, -400, -400}, {0, 0, 0}, {400, 400, 400}};
+    lmb_probes *probes = NULL;
+    CHECK(lmb_probes_create(&probes) == LMB_OK && lmb_probes_add_level(probes, &lattice, points, 3) == LMB_OK, "made");
+    for (int i = 0; i < 3; ++i) {
+        probes->validity[i] = 1.0f;
+        probes->radiance[0][i].channel[0].c[0] = (float)(i + 1);
+    }
+    packed p = pack_and_open(probes);
+    const lmb_volume_info info = lmb_volume_get_info(p.volume);
+    CHECK(info.probe_count == 3 && info.brick_count == 10, "%u bricks", info.brick_count);
+    for (int i = 0; i < 3; ++i) {
+        lmb_sh3_rgb light;
+        const lmb_vec3 at = {(float)points[i][0], (float)points[i][1], (float)points[i][2]};
+        CHECK(lmb_volume_sample(p.volume, at, &light) && light.channel[0].c[0] == (float)(i + 1), "%d: %g", i,
+              (double)light.channel[0].c[0]);
+    }
+    close_packed(&p);
+    lmb_probes_destroy(probes);
+}
+
+/* What is beyond even the largest scale keeps its direction: the whole probe is scaled. */
 static void test_overflow(void)
 {
     const int32_t min[3] = {0, 0, 0}, size[3] = {2, 2, 2};
@@ -636,6 +661,7 @@ static const test_case cases[] = {
     {"samples are the grid's trilinear light", test_sample},
     {"far and broken positions", test_far_and_broken_positions},
     {"positions in double", test_positions_in_double},
+    {"few probes in a large box", test_few_in_a_large_box},
     {"light beyond fp16", test_overflow},
     {"grids that cannot be packed", test_pack_refuses},
     {"every truncation is refused", test_truncation},

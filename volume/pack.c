@@ -98,16 +98,6 @@ static int32_t stored_probe_at(const lmb_probes *probes, const packed_probe *pac
     return probe >= 0 && packed[probe].has_light ? probe : -1;
 }
 
-static bool brick_has_light(const lmb_probes *probes, const packed_probe *packed, const int32_t first[3])
-{
-    for (int32_t point = 0; point < LMB_BRICK_PROBES; ++point) {
-        if (stored_probe_at(probes, packed, first, point) >= 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static void mark_complete_cells(lmb_volume_brick *brick)
 {
     for (unsigned cell = 0; cell < 64; ++cell) {
@@ -171,12 +161,35 @@ static bool plan_directory(const lmb_lattice *lattice, layout *at)
     return true;
 }
 
-static void plan_bricks(const lmb_probes *probes, const packed_probe *packed, layout *at)
+/* Marks the bricks that hold a point: along each axis one, or two where they share it. */
+static void mark_bricks(const lmb_lattice *lattice, const layout *at, const int32_t point[3], uint8_t *has_light)
 {
+    size_t first[3], last[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const size_t local = (size_t)((int64_t)point[axis] - lattice->min[axis]);
+        const size_t brick = local / LMB_BRICK_CELLS;
+        first[axis] = local > 0 && local % LMB_BRICK_CELLS == 0 ? brick - 1 : brick;
+        last[axis] = brick < at->bricks_along[axis] ? brick : brick - 1;
+    }
+    for (size_t z = first[2]; z <= last[2]; ++z) {
+        for (size_t y = first[1]; y <= last[1]; ++y) {
+            for (size_t x = first[0]; x <= last[0]; ++x) {
+                has_light[lmb_lattice_brick(at->bricks_along, x, y, z)] = 1;
+            }
+        }
+    }
+}
+
+/* Finds by way of the probes, as few of a large box's bricks hold any. */
+static void plan_bricks(const lmb_probes *probes, const packed_probe *packed, uint8_t *has_light, layout *at)
+{
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        if (packed[probe].has_light) {
+            mark_bricks(&probes->level[0].lattice, at, probes->point[probe], has_light);
+        }
+    }
     for (size_t entry = 0; entry < at->entries; ++entry) {
-        int32_t first[3];
-        brick_first_point(&probes->level[0].lattice, at, entry, first);
-        at->brick_count += brick_has_light(probes, packed, first);
+        at->brick_count += has_light[entry];
     }
     const size_t end = LMB_VOLUME_HEADER_BYTES + at->entries * sizeof(uint32_t);
     at->bricks_offset = (end + LMB_VOLUME_ALIGNMENT - 1) / LMB_VOLUME_ALIGNMENT * LMB_VOLUME_ALIGNMENT;
@@ -206,16 +219,17 @@ static void write_header(const lmb_lattice *lattice, const layout *at, float sca
     memcpy(image, &header, sizeof header);
 }
 
-static void write_bricks(const lmb_probes *probes, const packed_probe *packed, const layout *at, unsigned char *image)
+static void write_bricks(const lmb_probes *probes, const packed_probe *packed, const uint8_t *has_light,
+                         const layout *at, unsigned char *image)
 {
     uint32_t *const directory = (uint32_t *)(image + LMB_VOLUME_HEADER_BYTES);
     lmb_volume_brick *const bricks = (lmb_volume_brick *)(image + at->bricks_offset);
     uint32_t brick = 0;
     for (size_t entry = 0; entry < at->entries; ++entry) {
-        int32_t first[3];
-        brick_first_point(&probes->level[0].lattice, at, entry, first);
         directory[entry] = LMB_VOLUME_NO_BRICK;
-        if (brick_has_light(probes, packed, first)) {
+        if (has_light[entry]) {
+            int32_t first[3];
+            brick_first_point(&probes->level[0].lattice, at, entry, first);
             fill_brick(probes, packed, first, &bricks[brick]);
             directory[entry] = brick++;
         }
@@ -232,12 +246,10 @@ lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size
         return LMB_ERROR_ARGUMENT;
     }
     packed_probe *const packed = malloc((size_t)probes->count * sizeof *packed);
-    if (!packed) {
-        return LMB_ERROR_MEMORY;
-    }
+    uint8_t *const has_light = calloc(at.entries, 1);
     lmb_pack_stats counted;
     uint64_t stored_count;
-    lmb_result result = pack_probes(probes, packed, &counted, &stored_count);
+    lmb_result result = packed && has_light ? pack_probes(probes, packed, &counted, &stored_count) : LMB_ERROR_MEMORY;
     if (result != LMB_OK) {
         goto cleanup;
     }
@@ -245,13 +257,13 @@ lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size
         result = LMB_ERROR_ARGUMENT;
         goto cleanup;
     }
-    plan_bricks(probes, packed, &at);
+    plan_bricks(probes, packed, has_light, &at);
     unsigned char *const image = aligned_alloc(LMB_VOLUME_ALIGNMENT, at.bytes);
     if (!image) {
         result = LMB_ERROR_MEMORY;
         goto cleanup;
     }
-    write_bricks(probes, packed, &at, image);
+    write_bricks(probes, packed, has_light, &at, image);
     write_header(&probes->level[0].lattice, &at, counted.scale, stored_count, image);
     counted.bytes = at.bytes;
     if (stats) {
@@ -260,6 +272,7 @@ lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size
     *data = image;
     *size = at.bytes;
 cleanup:
+    free(has_light);
     free(packed);
     return result;
 }
