@@ -205,9 +205,11 @@ static void test_validate(void)
         lmb_probes *const grid = fixture_grid(0.25f, min, size, 1.0, 0.5, 3.0, i);
         lmb_error error = {""};
         CHECK(lmb_probes_validate(grid, &error) == LMB_OK, "%s: before: %s", cases[i].name, error.message);
+        const uint32_t levels = grid->level_count;
         cases[i].break_it(grid);
         CHECK(lmb_probes_validate(grid, &error) == LMB_ERROR_FORMAT, "%s is not found", cases[i].name);
         CHECK(strstr(error.message, cases[i].expected), "%s: '%s'", cases[i].name, error.message);
+        grid->level_count = levels; /* that what they hold is freed */
         lmb_probes_destroy(grid);
     }
 }
