@@ -5,6 +5,7 @@
 #include <lambent/placement.h>
 
 #include "level_fixture.h"
+#include "scenes/level_builder.h"
 #include "scenes/levels.h"
 
 #define PI 3.14159265358979323846
@@ -170,6 +171,60 @@ static void seeds_choose_the_space(void)
     }
 }
 
+/* Two closed rooms of 4 m, and a sheet between them that stretches the level's bounds to 5 km. */
+static lmb_result far_rooms_write(const char *path, lmb_error *error)
+{
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    const lmb_level_material grey = lmb_level_material_default();
+    const int material = lmb_level_builder_add_material(builder, &grey);
+    lmb_level_box box = lmb_level_box_of((lmb_vec3){-2, -2, -2}, (lmb_vec3){2, 2, 2}, material);
+    box.inward = true;
+    const int room = lmb_level_builder_add_mesh(builder, "room");
+    lmb_level_builder_add_box(builder, room, &box);
+    lmb_level_builder_place(builder, "room", room, (lmb_vec3){1000, -1000, -1000});
+    lmb_level_builder_place(builder, "other", room, (lmb_vec3){-1000, 1000, 1000});
+    const int sheet = lmb_level_builder_add_mesh(builder, "sheet");
+    lmb_level_builder_add_quad(builder, sheet, material, (lmb_vec3){-2500, -2500, -2500}, (lmb_vec3){2500, 5000, 0},
+                               (lmb_vec3){2500, 0, 5000});
+    lmb_level_builder_place(builder, "sheet", sheet, (lmb_vec3){0, 0, 0});
+    const lmb_result result = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+/* Seeded rooms cost what they take by themselves, in bounds of 10^12 lattice points too; all of these are too many. */
+static void rooms_in_vast_bounds(void)
+{
+    lmb_error error = {{0}};
+    level_fixture level;
+    if (!level_fixture_open(&level, output_path("vast"), far_rooms_write(output_path("vast"), &error), &error, 2)) {
+        return;
+    }
+    const lmb_vec3d seeds[] = {{1000.2, -1000.0, -1000.0}, {-1000.0, 1000.0, 1000.2}};
+    lmb_placement_settings settings = lmb_placement_settings_default();
+    settings.spacing = 0.5f;
+    settings.seeds = seeds;
+    settings.seed_count = 2;
+    lmb_placement_stats stats;
+    lmb_probes *probes = place(&level, &settings, &stats);
+    if (probes) {
+        /* 9 points a side in a room, its walls' among them, and those behind the walls. A wall on a lattice plane lies
+         * in the cells above it: in those of 9 x 9 x 9 that are at an end of an axis. */
+        CHECK(stats.probes_valid == 2 * 729 && probes->count == 2 * 1331, "%d of %d", stats.probes_valid,
+              probes->count);
+        CHECK(stats.cells == 2 * 1000 && stats.cells_crossed == 2 * (729 - 343), "%lld cells, %lld crossed",
+              (long long)stats.cells, (long long)stats.cells_crossed);
+        CHECK(stats.rays < 1000000, "%llu rays", (unsigned long long)stats.rays);
+    }
+    lmb_probes_destroy(probes);
+    settings.seed_count = 0;
+    probes = NULL;
+    const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, NULL, &probes, &stats, &error);
+    CHECK(result == LMB_ERROR_UNSUPPORTED && !probes && strstr(error.message, "too fine"), "%d: %s", result,
+          error.message);
+    level_fixture_close(&level);
+}
+
 /* A plane of 20 m on y = 0 crosses only the cells that hold it. */
 static void crossed_cells_are_counted(void)
 {
@@ -195,6 +250,7 @@ static const test_case cases[] = {
     {"default_spacing_follows_the_size", default_spacing_follows_the_size},
     {"max_probes_is_kept", max_probes_is_kept},
     {"seeds_choose_the_space", seeds_choose_the_space},
+    {"rooms_in_vast_bounds", rooms_in_vast_bounds},
     {"crossed_cells_are_counted", crossed_cells_are_counted},
 };
 

@@ -94,29 +94,47 @@ static lmb_probe_block *block_make(lmb_probe_index *index, const int32_t at[3])
     return made;
 }
 
-static void index_free(lmb_probe_index *index)
+void lmb_probe_index_free(lmb_probe_index *index)
 {
     free(index->block);
     free(index->slot);
+    *index = (lmb_probe_index){0};
+}
+
+lmb_result lmb_probe_index_add(lmb_probe_index *index, const int32_t point[3], int32_t number)
+{
+    assert(index && number >= 0);
+    int32_t at[3];
+    const unsigned within = block_of(point, at);
+    lmb_probe_block *const block = block_make(index, at);
+    if (!block) {
+        return LMB_ERROR_MEMORY;
+    }
+    if (block->probe[within] >= 0) {
+        return LMB_ERROR_ARGUMENT;
+    }
+    block->probe[within] = number;
+    return LMB_OK;
+}
+
+int32_t lmb_probe_index_find(const lmb_probe_index *index, const int32_t point[3])
+{
+    int32_t at[3];
+    const unsigned within = block_of(point, at);
+    const uint32_t block = index->slot_count > 0 ? index->slot[slot_find(index, at)] : 0;
+    return block > 0 ? index->block[block - 1].probe[within] : -1;
 }
 
 /* @return LMB_ERROR_ARGUMENT: a point twice, or outside of the lattice */
 static lmb_result index_make(const lmb_lattice *lattice, const int32_t (*point)[3], int32_t first, int32_t count,
                              lmb_probe_index *index)
 {
-    for (int32_t i = 0; i < count; ++i) {
-        int32_t at[3];
-        const unsigned within = block_of(point[i], at);
-        lmb_probe_block *const block = lmb_lattice_has(lattice, point[i]) ? block_make(index, at) : NULL;
-        if (!block) {
-            return lmb_lattice_has(lattice, point[i]) ? LMB_ERROR_MEMORY : LMB_ERROR_ARGUMENT;
-        }
-        if (block->probe[within] >= 0) {
-            return LMB_ERROR_ARGUMENT;
-        }
-        block->probe[within] = first + i;
+    lmb_result result = LMB_OK;
+    for (int32_t i = 0; i < count && result == LMB_OK; ++i) {
+        result =
+            lmb_lattice_has(lattice, point[i]) ? lmb_probe_index_add(index, point[i], first + i) : LMB_ERROR_ARGUMENT;
     }
-    return LMB_OK;
+    return result;
 }
 
 /* ------------------------------------------------------------------------------------------- the arrays */
@@ -178,7 +196,7 @@ lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, 
         result = LMB_ERROR_MEMORY;
     }
     if (result != LMB_OK) {
-        index_free(&added.index);
+        lmb_probe_index_free(&added.index);
         return result;
     }
     if (count > 0) {
@@ -195,7 +213,7 @@ void lmb_probes_destroy(lmb_probes *probes)
         return;
     }
     for (uint32_t i = 0; i < probes->level_count; ++i) {
-        index_free(&probes->level[i].index);
+        lmb_probe_index_free(&probes->level[i].index);
     }
     for (uint32_t set = 0; set < probes->set_count; ++set) {
         free(probes->radiance[set]);
@@ -210,12 +228,7 @@ void lmb_probes_destroy(lmb_probes *probes)
 int32_t lmb_probes_find(const lmb_probes *probes, uint32_t level, int32_t x, int32_t y, int32_t z)
 {
     assert(probes && level < probes->level_count);
-    const lmb_probe_index *index = &probes->level[level].index;
-    const int32_t point[3] = {x, y, z};
-    int32_t at[3];
-    const unsigned within = block_of(point, at);
-    const uint32_t block = index->slot_count > 0 ? index->slot[slot_find(index, at)] : 0;
-    return block > 0 ? index->block[block - 1].probe[within] : -1;
+    return lmb_probe_index_find(&probes->level[level].index, (const int32_t[3]){x, y, z});
 }
 
 const lmb_probe_level *lmb_probes_level_of(const lmb_probes *probes, int32_t probe)

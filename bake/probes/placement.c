@@ -7,7 +7,6 @@
 #include <string.h>
 
 #define DEFAULT_POINTS 32768.0
-#define MAX_LATTICE_POINTS ((int64_t)1 << 28)
 /* A probe count over the limit is approached in this many steps at most. */
 #define MAX_SPACING_STEPS 12
 
@@ -53,78 +52,76 @@ float lmb_placement_default_spacing(const lmb_scene *scene)
     return (float)(round_figures[i] * decade);
 }
 
-static bool lattice_fit(lmb_survey *survey, const lmb_scene *scene, float spacing)
+/* The box of cells over the level's bounds. @return false when it is too far from the world's origin */
+static bool box_fit(const lmb_scene *scene, float spacing, lmb_lattice *box)
 {
     const float low[3] = {scene->bounds_min.x, scene->bounds_min.y, scene->bounds_min.z};
     const float high[3] = {scene->bounds_max.x, scene->bounds_max.y, scene->bounds_max.z};
     const double origin[3] = {scene->origin.x, scene->origin.y, scene->origin.z};
-    int64_t count = 1;
     for (int axis = 0; axis < 3; ++axis) {
         const double first = floor(((double)low[axis] + origin[axis]) / (double)spacing);
         const double last = fmax(ceil(((double)high[axis] + origin[axis]) / (double)spacing), first + 1.0);
         if (!(fabs(first) < 1e9) || !(fabs(last) < 1e9)) {
             return false;
         }
-        survey->min[axis] = (int32_t)first;
-        survey->size[axis] = (int32_t)(last - first) + 1;
-        count *= survey->size[axis];
-        if (count > MAX_LATTICE_POINTS) {
-            return false;
-        }
+        box->min[axis] = (int32_t)first;
+        box->size[axis] = (int32_t)(last - first) + 1;
     }
-    survey->spacing = spacing;
-    survey->origin = scene->origin;
-    survey->count = (size_t)count;
+    box->spacing = spacing;
     return true;
 }
 
 static void survey_free(lmb_survey *survey)
 {
+    lmb_point_set_free(&survey->points);
     free(survey->validity);
     free(survey->free);
     *survey = (lmb_survey){0};
 }
 
-/* Marks the corners of every cell that has a free corner. Returns how many there are. */
-static int64_t wanted_mark(const lmb_survey *survey, uint8_t *wanted)
+/* Adds the points next to those of a set along an axis. */
+static lmb_result points_widen(const lmb_lattice *box, int axis, lmb_point_set *set)
 {
-    memset(wanted, 0, survey->count);
-    int64_t count = 0;
-    for (int32_t z = 0; z + 1 < survey->size[2]; ++z) {
-        for (int32_t y = 0; y + 1 < survey->size[1]; ++y) {
-            for (int32_t x = 0; x + 1 < survey->size[0]; ++x) {
-                bool any = false;
-                for (int k = 0; k < 8; ++k) {
-                    any |= survey->free[survey_index(survey, x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))] != 0;
-                }
-                for (int k = 0; k < 8 && any; ++k) {
-                    uint8_t *mark = &wanted[survey_index(survey, x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))];
-                    count += *mark == 0;
-                    *mark = 1;
-                }
+    lmb_result result = LMB_OK;
+    const int32_t count = set->count;
+    for (int32_t i = 0; i < count; ++i) {
+        int32_t at[3];
+        memcpy(at, set->point[i], sizeof at);
+        for (int step = -1; step <= 1 && result == LMB_OK; step += 2) {
+            at[axis] = set->point[i][axis] + step;
+            if (lmb_lattice_has(box, at)) {
+                result = lmb_point_set_add(set, at);
             }
         }
     }
-    return count;
+    return result;
+}
+
+/* The corners of every cell that has a free corner: every point that is, or is next to, a free one, found along one
+ * axis after the other. A box has at least one cell along each. */
+static lmb_result wanted_find(const lmb_survey *survey, lmb_point_set *wanted)
+{
+    lmb_result result = LMB_OK;
+    for (int32_t i = 0; i < survey->points.count && result == LMB_OK; ++i) {
+        if (survey->free[i]) {
+            result = lmb_point_set_add(wanted, survey->points.point[i]);
+        }
+    }
+    for (int axis = 0; axis < 3 && result == LMB_OK; ++axis) {
+        result = points_widen(&survey->box, axis, wanted);
+    }
+    return result;
 }
 
 static bool survey_any_free(const lmb_survey *survey)
 {
-    return memchr(survey->free, 1, survey->count) != NULL;
+    return survey->points.count > 0 && memchr(survey->free, 1, (size_t)survey->points.count) != NULL;
 }
-
-/* All seeds: the caller's, then the scene's own. */
-typedef struct seed_list {
-    uint32_t count;
-    uint32_t callers;
-    lmb_vec3 *at;
-    lmb_seed_state *state;
-} seed_list;
 
 enum { SEED_TEXT = 160 };
 
 /* Which seed, and why it is none. */
-static void seed_describe(const lmb_scene *scene, const seed_list *seeds, uint32_t i, char text[SEED_TEXT])
+static void seed_describe(const lmb_scene *scene, const lmb_seed_list *seeds, uint32_t i, char text[SEED_TEXT])
 {
     const bool has_name = i >= seeds->callers && scene->seed_names;
     const char *name = has_name ? scene->seed_names[i - seeds->callers] : "";
@@ -136,7 +133,7 @@ static void seed_describe(const lmb_scene *scene, const seed_list *seeds, uint32
 }
 
 /* Names the first few. */
-static lmb_result seeds_fail(const lmb_scene *scene, const seed_list *seeds, lmb_error *error)
+static lmb_result seeds_fail(const lmb_scene *scene, const lmb_seed_list *seeds, lmb_error *error)
 {
     enum { NAMED = 2 };
     char text[NAMED][SEED_TEXT] = {""}, more[48] = "";
@@ -151,7 +148,7 @@ static lmb_result seeds_fail(const lmb_scene *scene, const seed_list *seeds, lmb
                          named > 1 ? "; " : "", text[1], more);
 }
 
-static void seeds_warn(const lmb_scene *scene, const seed_list *seeds, const lmb_warnings *warnings)
+static void seeds_warn(const lmb_scene *scene, const lmb_seed_list *seeds, const lmb_warnings *warnings)
 {
     for (uint32_t i = 0; i < seeds->count; ++i) {
         if (seeds->state[i] != LMB_SEED_FREE) {
@@ -162,95 +159,120 @@ static void seeds_warn(const lmb_scene *scene, const seed_list *seeds, const lmb
     }
 }
 
-/* Classifies the survey at one spacing. */
-static lmb_result survey_make(lmb_survey *survey, const lmb_tracer *tracer, float spacing, const seed_list *seeds,
-                              lmb_pool *pool, const lmb_progress *progress, lmb_placement_stats *stats,
+static lmb_result survey_fail(const lmb_survey *survey, float spacing, lmb_result result, lmb_error *error)
+{
+    const char *path = lmb_tracer_scene(survey->tracer)->path;
+    if (result == LMB_ERROR_UNSUPPORTED) {
+        return lmb_error_set(error, result,
+                             "%s: spacing of %g m is too fine for the level's size, or so far from the world's origin",
+                             path, (double)spacing);
+    }
+    if (result == LMB_ERROR_MEMORY) {
+        return lmb_error_set(error, result, "out of memory for %d lattice points", survey->points.count);
+    }
+    return lmb_error_set(error, result, "placement: %s", lmb_result_text(result));
+}
+
+/* Looks at the whole box. Where it is all solid, its points count as free. */
+static lmb_result survey_everything(lmb_survey *survey, bool *everything_solid)
+{
+    const lmb_result result = lmb_survey_fill(survey);
+    *everything_solid = result == LMB_OK && !survey_any_free(survey);
+    for (int32_t i = 0; *everything_solid && i < survey->points.count; ++i) {
+        survey->free[i] = 1;
+        survey->validity[i] = 1.0f;
+    }
+    return result;
+}
+
+/* Looks at what seeds reach. When they all lie in solids, the whole box says whether everything does. */
+static lmb_result survey_from_seeds(lmb_survey *survey, const lmb_seed_list *seeds, bool *any, bool *everything_solid)
+{
+    lmb_result result = lmb_survey_flood(survey, seeds, any);
+    if (result == LMB_OK && !*any && survey_box_points(survey) <= LMB_POINT_SET_MOST) {
+        result = survey_everything(survey, everything_solid);
+        if (result == LMB_OK && *everything_solid) {
+            result = lmb_survey_flood(survey, seeds, any);
+        }
+    }
+    const lmb_progress *progress = survey->progress;
+    const bool reports = result == LMB_OK && progress && progress->report;
+    return reports && !progress->report(progress->context, "place", 1.0) ? LMB_ERROR_INTERRUPTED : result;
+}
+
+/* Looks at the level at one spacing. `survey` has its tracer, pool and progress. */
+static lmb_result survey_make(lmb_survey *survey, float spacing, const lmb_seed_list *seeds, lmb_placement_stats *stats,
                               lmb_error *error)
 {
-    if (!lattice_fit(survey, lmb_tracer_scene(tracer), spacing)) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED,
-                             "%s: spacing of %g m is too fine for the level's size, or so far from the world's origin",
-                             lmb_tracer_scene(tracer)->path, (double)spacing);
+    const lmb_scene *scene = lmb_tracer_scene(survey->tracer);
+    survey->origin = scene->origin;
+    stats->everything_solid = false;
+    bool any = true;
+    lmb_result result = box_fit(scene, spacing, &survey->box) ? LMB_OK : LMB_ERROR_UNSUPPORTED;
+    if (result == LMB_OK) {
+        result = seeds->count > 0 ? survey_from_seeds(survey, seeds, &any, &stats->everything_solid)
+                                  : survey_everything(survey, &stats->everything_solid);
     }
-    survey->validity = calloc(survey->count, sizeof *survey->validity);
-    survey->free = calloc(survey->count, sizeof *survey->free);
-    if (!survey->validity || !survey->free) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory for %zu lattice points", survey->count);
-    }
-    lmb_result result = lmb_survey_classify(survey, tracer, pool, progress, &stats->rays);
+    stats->rays += survey->rays;
     if (result != LMB_OK) {
-        return lmb_error_set(error, result, "placement: %s", lmb_result_text(result));
+        return survey_fail(survey, spacing, result, error);
     }
-    stats->everything_solid = !survey_any_free(survey);
-    if (stats->everything_solid) {
-        for (size_t i = 0; i < survey->count; ++i) {
-            survey->free[i] = 1;
-            survey->validity[i] = 1.0f;
-        }
+    if (!any) {
+        return seeds_fail(scene, seeds, error);
     }
-    if (seeds->count > 0) {
-        result = lmb_survey_flood(survey, tracer, seeds->at, seeds->count, seeds->state, &stats->rays);
-        if (result != LMB_OK) {
-            return lmb_error_set(error, result, "out of memory");
-        }
-        if (!survey_any_free(survey)) {
-            return seeds_fail(lmb_tracer_scene(tracer), seeds, error);
-        }
-        stats->seeds_in_solid = false;
-        for (uint32_t i = 0; i < seeds->count; ++i) {
-            stats->seeds_in_solid |= seeds->state[i] != LMB_SEED_FREE;
-        }
+    stats->seeds_in_solid = false;
+    for (uint32_t i = 0; i < seeds->count; ++i) {
+        stats->seeds_in_solid |= seeds->state[i] != LMB_SEED_FREE;
     }
     return LMB_OK;
 }
 
-/* The box of the wanted points, and their list, x fastest; NULL: no memory. */
-static int32_t (*wanted_list(const lmb_survey *survey, const uint8_t *wanted, int64_t count, lmb_lattice *lattice))[3]
+/* x fastest. */
+static int points_compare(const void *a, const void *b)
 {
-    int32_t(*const point)[3] = malloc(((size_t)count + 1) * sizeof *point);
-    int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
-    size_t found = 0;
-    for (size_t i = 0; point && i < survey->count; ++i) {
-        if (!wanted[i]) {
-            continue;
+    const int32_t *const p = a, *const q = b;
+    for (int axis = 2; axis >= 0; --axis) {
+        if (p[axis] != q[axis]) {
+            return p[axis] < q[axis] ? -1 : 1;
         }
-        const size_t width = (size_t)survey->size[0], height = (size_t)survey->size[1];
-        const int32_t at[3] = {(int32_t)(i % width), (int32_t)(i / width % height), (int32_t)(i / width / height)};
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = at[axis] < low[axis] ? at[axis] : low[axis];
-            high[axis] = at[axis] > high[axis] ? at[axis] : high[axis];
-            point[found][axis] = survey->min[axis] + at[axis];
-        }
-        ++found;
     }
-    lattice->spacing = survey->spacing;
-    for (int axis = 0; axis < 3; ++axis) {
-        lattice->min[axis] = survey->min[axis] + low[axis];
-        lattice->size[axis] = high[axis] - low[axis] + 1;
-    }
-    return point;
+    return 0;
 }
 
-/* Probes at the wanted points. */
-static lmb_result probes_make(const lmb_survey *survey, const uint8_t *wanted, int64_t count, lmb_probes **probes,
+/* The box of some points, at least one. */
+static lmb_lattice points_box(const lmb_point_set *set, float spacing)
+{
+    lmb_lattice box = {.spacing = spacing};
+    for (int axis = 0; axis < 3; ++axis) {
+        int32_t low = set->point[0][axis], high = low;
+        for (int32_t i = 1; i < set->count; ++i) {
+            low = set->point[i][axis] < low ? set->point[i][axis] : low;
+            high = set->point[i][axis] > high ? set->point[i][axis] : high;
+        }
+        box.min[axis] = low;
+        box.size[axis] = high - low + 1;
+    }
+    return box;
+}
+
+/* Probes at the wanted points, in the order that files have them; points lose theirs. */
+static lmb_result probes_make(const lmb_survey *survey, lmb_point_set *wanted, lmb_probes **probes,
                               lmb_placement_stats *stats)
 {
-    lmb_lattice lattice;
+    qsort(wanted->point, (size_t)wanted->count, sizeof *wanted->point, points_compare);
+    const lmb_lattice lattice = points_box(wanted, survey->box.spacing);
     lmb_probes *created = NULL;
-    int32_t(*const point)[3] = wanted_list(survey, wanted, count, &lattice);
-    lmb_result result = point ? lmb_probes_create(&created) : LMB_ERROR_MEMORY;
+    lmb_result result = lmb_probes_create(&created);
     if (result == LMB_OK) {
-        result = lmb_probes_add_level(created, &lattice, (const int32_t(*)[3])point, (int32_t)count);
+        result = lmb_probes_add_level(created, &lattice, (const int32_t(*)[3])wanted->point, wanted->count);
     }
-    free(point);
     if (result != LMB_OK) {
         lmb_probes_destroy(created);
         return result;
     }
     for (int32_t i = 0; i < created->count; ++i) {
-        const int32_t *p = created->point[i];
-        const size_t from = survey_index(survey, p[0] - survey->min[0], p[1] - survey->min[1], p[2] - survey->min[2]);
-        const bool baked = survey->free[from] && survey->validity[from] >= LMB_PROBES_MIN_VALIDITY;
+        const int32_t from = lmb_probe_index_find(&survey->points.index, created->point[i]);
+        const bool baked = from >= 0 && survey->free[from] && survey->validity[from] >= LMB_PROBES_MIN_VALIDITY;
         created->validity[i] = baked ? survey->validity[from] : 0.0f;
         stats->probes_valid += baked;
         stats->probes_dilated += !baked;
@@ -260,14 +282,14 @@ static lmb_result probes_make(const lmb_survey *survey, const uint8_t *wanted, i
     return LMB_OK;
 }
 
-static void seeds_free(seed_list *seeds)
+static void seeds_free(lmb_seed_list *seeds)
 {
     free(seeds->at);
     free(seeds->state);
 }
 
 /* False when out of memory. */
-static bool seeds_gather(const lmb_scene *scene, const lmb_placement_settings *settings, seed_list *seeds)
+static bool seeds_gather(const lmb_scene *scene, const lmb_placement_settings *settings, lmb_seed_list *seeds)
 {
     seeds->callers = settings->seed_count;
     seeds->count = settings->seed_count + scene->seed_point_count;
@@ -286,6 +308,50 @@ static bool seeds_gather(const lmb_scene *scene, const lmb_placement_settings *s
     return true;
 }
 
+/* Surveys the level, at a spacing that grows until there are few enough wanted points. */
+static lmb_result survey_fit(lmb_survey *survey, lmb_point_set *wanted, const lmb_placement_settings *settings,
+                             const lmb_seed_list *seeds, lmb_placement_stats *stats, lmb_error *error)
+{
+    const lmb_survey empty = *survey;
+    float spacing =
+        settings->spacing > 0.0f ? settings->spacing : lmb_placement_default_spacing(lmb_tracer_scene(survey->tracer));
+    for (int step = 0;; ++step) {
+        lmb_result result = survey_make(survey, spacing, seeds, stats, error);
+        if (result != LMB_OK) {
+            return result;
+        }
+        result = wanted_find(survey, wanted);
+        if (result != LMB_OK) {
+            return survey_fail(survey, spacing, result, error);
+        }
+        if (wanted->count <= settings->max_probes || step == MAX_SPACING_STEPS) {
+            return LMB_OK;
+        }
+        /* Counts fall with the cube of the spacing; a third of the excess is a step that does not overshoot. */
+        const double excess = (double)wanted->count / (double)settings->max_probes;
+        spacing *= (float)fmin(1.0 + (excess - 1.0) / 3.0 + 0.01, 2.0);
+        survey_free(survey);
+        *survey = empty;
+        lmb_point_set_free(wanted);
+    }
+}
+
+static lmb_result probes_place(const lmb_survey *survey, lmb_point_set *wanted, lmb_probes **probes,
+                               lmb_placement_stats *stats)
+{
+    lmb_probes *made = NULL;
+    lmb_result result = probes_make(survey, wanted, &made, stats);
+    if (result == LMB_OK) {
+        result = lmb_placement_count_cells(made, 0, survey->tracer, &stats->cells, &stats->cells_crossed);
+    }
+    if (result != LMB_OK) {
+        lmb_probes_destroy(made);
+        return result;
+    }
+    *probes = made;
+    return LMB_OK;
+}
+
 lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
                               const lmb_progress *progress, lmb_probes **probes, lmb_placement_stats *stats,
                               lmb_error *error)
@@ -295,41 +361,15 @@ lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_sett
         return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: the level has no static triangles", scene->path);
     }
     *stats = (lmb_placement_stats){0};
-    lmb_survey survey = {0};
-    uint8_t *wanted = NULL;
-    seed_list seeds;
+    lmb_survey survey = {.tracer = tracer, .pool = pool, .progress = progress};
+    lmb_point_set wanted = {0};
+    lmb_seed_list seeds;
     if (!seeds_gather(scene, settings, &seeds)) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
-    lmb_result result = LMB_OK;
-    int64_t count = 0;
-    float spacing = settings->spacing > 0.0f ? settings->spacing : lmb_placement_default_spacing(scene);
-    for (int step = 0; result == LMB_OK; ++step) {
-        result = survey_make(&survey, tracer, spacing, &seeds, pool, progress, stats, error);
-        wanted = result == LMB_OK ? malloc(survey.count) : NULL;
-        if (result == LMB_OK && !wanted) {
-            result = lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
-        }
-        count = wanted ? wanted_mark(&survey, wanted) : 0;
-        if (result != LMB_OK || count <= settings->max_probes || step == MAX_SPACING_STEPS) {
-            break;
-        }
-        /* Counts fall with the cube of the spacing; a third of the excess is a step that does not overshoot. */
-        const double excess = (double)count / (double)settings->max_probes;
-        spacing *= (float)fmin(1.0 + (excess - 1.0) / 3.0 + 0.01, 2.0);
-        survey_free(&survey);
-        free(wanted);
-        wanted = NULL;
-    }
+    lmb_result result = survey_fit(&survey, &wanted, settings, &seeds, stats, error);
     if (result == LMB_OK) {
-        result = probes_make(&survey, wanted, count, probes, stats);
-        if (result == LMB_OK) {
-            result = lmb_placement_count_cells(*probes, 0, tracer, &stats->cells, &stats->cells_crossed);
-            if (result != LMB_OK) {
-                lmb_probes_destroy(*probes);
-                *probes = NULL;
-            }
-        }
+        result = probes_place(&survey, &wanted, probes, stats);
         if (result != LMB_OK) {
             lmb_error_set(error, result, "out of memory");
         } else {
@@ -337,7 +377,7 @@ lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_sett
         }
     }
     survey_free(&survey);
-    free(wanted);
+    lmb_point_set_free(&wanted);
     seeds_free(&seeds);
     return result;
 }

@@ -77,33 +77,71 @@ static bool cell_is_complete(const lmb_probes *probes, uint32_t level, const int
     return true;
 }
 
-/* Marks, by their first corners' probes, the cells that a triangle touches. */
-static void triangle_mark(const lmb_probes *probes, uint32_t level, const lmb_vec3 corner[3], uint8_t *crossed)
+/* Marks the cell whose first corner is a probe's point when a triangle touches it. */
+static void cell_mark(const lmb_probes *probes, const lmb_lattice *lattice, int32_t probe, const lmb_vec3 corner[3],
+                      uint8_t *crossed)
 {
-    const lmb_lattice *lattice = &probes->level[level].lattice;
-    cell_range range;
-    if (!cells_find(probes, lattice, corner, &range)) {
+    if (crossed[probe]) {
         return;
     }
-    const double spacing = (double)lattice->spacing;
     const float half = 0.5f * lattice->spacing;
-    for (int32_t z = range.first[2]; z <= range.last[2]; ++z) {
-        for (int32_t y = range.first[1]; y <= range.last[1]; ++y) {
-            for (int32_t x = range.first[0]; x <= range.last[0]; ++x) {
-                const int32_t at[3] = {lattice->min[0] + x, lattice->min[1] + y, lattice->min[2] + z};
-                const int32_t probe = lmb_probes_find(probes, level, at[0], at[1], at[2]);
-                if (probe < 0 || crossed[probe]) {
-                    continue;
+    const lmb_vec3d first = lmb_lattice_position(lattice, probes->point[probe]);
+    const lmb_vec3 centre = vec3((float)(first.x - probes->origin.x) + half, (float)(first.y - probes->origin.y) + half,
+                                 (float)(first.z - probes->origin.z) + half);
+    lmb_vec3 local[3];
+    for (int k = 0; k < 3; ++k) {
+        local[k] = vec3_scale(vec3_sub(corner[k], centre), 1.0f / half);
+    }
+    crossed[probe] = triangle_touches_cube(local);
+}
+
+static double range_cells(const cell_range *range)
+{
+    double cells = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        cells *= (double)range->last[axis] - range->first[axis] + 1.0;
+    }
+    return cells;
+}
+
+static void range_mark(const lmb_probes *probes, uint32_t level, const cell_range *range, const lmb_vec3 corner[3],
+                       uint8_t *crossed)
+{
+    const lmb_lattice *lattice = &probes->level[level].lattice;
+    for (int32_t z = range->first[2]; z <= range->last[2]; ++z) {
+        for (int32_t y = range->first[1]; y <= range->last[1]; ++y) {
+            for (int32_t x = range->first[0]; x <= range->last[0]; ++x) {
+                const int32_t probe =
+                    lmb_probes_find(probes, level, lattice->min[0] + x, lattice->min[1] + y, lattice->min[2] + z);
+                if (probe >= 0) {
+                    cell_mark(probes, lattice, probe, corner, crossed);
                 }
-                const lmb_vec3 centre = vec3((float)(at[0] * spacing - probes->origin.x) + half,
-                                             (float)(at[1] * spacing - probes->origin.y) + half,
-                                             (float)(at[2] * spacing - probes->origin.z) + half);
-                lmb_vec3 local[3];
-                for (int k = 0; k < 3; ++k) {
-                    local[k] = vec3_scale(vec3_sub(corner[k], centre), 1.0f / half);
-                }
-                crossed[probe] = triangle_touches_cube(local);
             }
+        }
+    }
+}
+
+/* Marks, by their first corners' probes, the cells that a triangle touches. Looks at the cells of the triangle's box,
+ * or at all probes where these are fewer. */
+static void triangle_mark(const lmb_probes *probes, uint32_t level, const lmb_vec3 corner[3], uint8_t *crossed)
+{
+    const lmb_probe_level *own = &probes->level[level];
+    cell_range range;
+    if (!cells_find(probes, &own->lattice, corner, &range)) {
+        return;
+    }
+    if (range_cells(&range) <= own->count) {
+        range_mark(probes, level, &range, corner, crossed);
+        return;
+    }
+    for (int32_t probe = own->first; probe < own->first + own->count; ++probe) {
+        bool in_range = true;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int32_t at = probes->point[probe][axis] - own->lattice.min[axis];
+            in_range = in_range && at >= range.first[axis] && at <= range.last[axis];
+        }
+        if (in_range) {
+            cell_mark(probes, &own->lattice, probe, corner, crossed);
         }
     }
 }

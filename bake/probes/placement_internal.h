@@ -1,44 +1,75 @@
-/* The points that placement looks at, all of a box, and the steps that fill it. */
+/* The survey: the points of a box of the lattice that placement looks at, as far as it has to, and the steps that fill
+ * it. */
 #ifndef LMB_PLACEMENT_INTERNAL_H
 #define LMB_PLACEMENT_INTERNAL_H
 
 #include <lambent/placement.h>
 
+/* Points of a lattice, each once, numbered as they came. Zeroed, it is empty. */
+typedef struct lmb_point_set {
+    int32_t count, room;
+    int32_t (*point)[3];
+    lmb_probe_index index;
+} lmb_point_set;
+
+#define LMB_POINT_SET_MOST (1 << 28)
+
+/* Adds a point unless it is there. @return LMB_ERROR_UNSUPPORTED (there would be more than LMB_POINT_SET_MOST),
+ * _MEMORY */
+lmb_result lmb_point_set_add(lmb_point_set *set, const int32_t point[3]);
+void lmb_point_set_free(lmb_point_set *set);
+
 typedef struct lmb_survey {
-    float spacing;
-    lmb_vec3d origin; /* the scene's; its points' numbers count from the world's */
-    int32_t min[3];
-    int32_t size[3];
-    size_t count;
+    const lmb_tracer *tracer;
+    lmb_pool *pool;
+    const lmb_progress *progress;
+    lmb_vec3d origin; /* the scene's; points count from the world's */
+    lmb_lattice box;
+    lmb_point_set points; /* those looked at; the first `classified` have the rest too */
+    int32_t classified;
     float *validity; /* [point] share of rays that see no back face, or 0 for a solid point */
     uint8_t *free;   /* [point] 1: an object can be here */
+    uint64_t rays;
+    double reported; /* when progress was, seconds */
 } lmb_survey;
 
-static inline size_t survey_index(const lmb_survey *survey, int32_t x, int32_t y, int32_t z)
-{
-    return (size_t)x + (size_t)survey->size[0] * ((size_t)y + (size_t)survey->size[1] * (size_t)z);
-}
-
 /* In the scene. */
-static inline lmb_vec3 survey_position(const lmb_survey *survey, int32_t x, int32_t y, int32_t z)
+static inline lmb_vec3 survey_position(const lmb_survey *survey, const int32_t point[3])
 {
-    const double spacing = (double)survey->spacing;
-    const lmb_vec3 position = {(float)((double)(survey->min[0] + x) * spacing - survey->origin.x),
-                               (float)((double)(survey->min[1] + y) * spacing - survey->origin.y),
-                               (float)((double)(survey->min[2] + z) * spacing - survey->origin.z)};
+    const lmb_vec3d world = lmb_lattice_position(&survey->box, point);
+    const lmb_vec3 position = {(float)(world.x - survey->origin.x), (float)(world.y - survey->origin.y),
+                               (float)(world.z - survey->origin.z)};
     return position;
 }
 
-/* Fills validity and `free` from rays. */
-lmb_result lmb_survey_classify(lmb_survey *survey, const lmb_tracer *tracer, lmb_pool *pool,
-                               const lmb_progress *progress, uint64_t *rays);
+/* Points of the box; a double, as there may be more than any integer holds. */
+static inline double survey_box_points(const lmb_survey *survey)
+{
+    return (double)survey->box.size[0] * survey->box.size[1] * survey->box.size[2];
+}
+
+/* Looks at every point of the box. @return LMB_ERROR_UNSUPPORTED (too many), _MEMORY, _INTERRUPTED */
+lmb_result lmb_survey_fill(lmb_survey *survey);
+
+/* Fills validity and `free` of the points that were added since the last time, from rays.
+ * @return LMB_ERROR_MEMORY, _INTERRUPTED */
+lmb_result lmb_survey_classify(lmb_survey *survey);
 
 /* Where a seed point lies. */
 typedef enum lmb_seed_state { LMB_SEED_FREE, LMB_SEED_SOLID, LMB_SEED_OUTSIDE } lmb_seed_state;
 
-/* Clears `free` where no seed point is connected through free space. `states` has room for each seed. */
-lmb_result lmb_survey_flood(lmb_survey *survey, const lmb_tracer *tracer, const lmb_vec3 *seeds, uint32_t seed_count,
-                            lmb_seed_state *states, uint64_t *rays);
+/* All seeds: the caller's, then the scene's own. */
+typedef struct lmb_seed_list {
+    uint32_t count;
+    uint32_t callers;
+    lmb_vec3 *at;
+    lmb_seed_state *state;
+} lmb_seed_list;
+
+/* Looks at what is connected to a seed through free space, and no farther than next to it, and clears `free` of all
+ * else. Sets the seeds' states. `*any` is false when no seed lies in free space: then nothing is cleared.
+ * @return LMB_ERROR_UNSUPPORTED (too many points), _MEMORY, _INTERRUPTED */
+lmb_result lmb_survey_flood(lmb_survey *survey, const lmb_seed_list *seeds, bool *any);
 
 /* Number of a level's cells with all eight probes, and how many of them a static triangle passes through. */
 lmb_result lmb_placement_count_cells(const lmb_probes *probes, uint32_t level, const lmb_tracer *tracer, int64_t *cells,

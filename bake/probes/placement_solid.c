@@ -1,4 +1,4 @@
-/* Which lattice points lie in free space, and which of them can be reached. */
+/* Which lattice points lie in free space. */
 #include "probes/placement_internal.h"
 
 #include <float.h>
@@ -7,10 +7,10 @@
 
 #include <lambent/sequence.h>
 
-#include "base/rgb.h"
+#include "base/clock.h"
+#include "base/directions.h"
 #include "base/scalar.h"
 #include "base/vec3.h"
-#include "base/directions.h"
 #include "trace/trace_internal.h"
 
 enum { RAYS_PER_POINT = LMB_RAY_BATCH, WINDING_RAYS = 32, POINTS_PER_TASK = 64 };
@@ -20,9 +20,11 @@ enum { RAYS_PER_POINT = LMB_RAY_BATCH, WINDING_RAYS = 32, POINTS_PER_TASK = 64 }
 /* A room that faces inwards has a winding number of -1, free space 0, a solid +1, a solid within a room 0. */
 #define ROOM_WINDING (-0.25f)
 
+/* Between two reports, seconds. */
+#define REPORT_SECONDS 0.1
+
 typedef struct lmb_classify_work {
     lmb_survey *survey;
-    const lmb_tracer *tracer;
     uint64_t *rays; /* [task] */
 } lmb_classify_work;
 
@@ -96,117 +98,80 @@ static void classify_task(void *context, size_t task, int worker)
     (void)worker;
     const lmb_classify_work *work = context;
     lmb_survey *survey = work->survey;
-    const size_t first = task * POINTS_PER_TASK;
-    const size_t last = first + POINTS_PER_TASK < survey->count ? first + POINTS_PER_TASK : survey->count;
+    const size_t count = (size_t)survey->points.count;
+    const size_t first = (size_t)survey->classified + task * POINTS_PER_TASK;
+    const size_t last = first + POINTS_PER_TASK < count ? first + POINTS_PER_TASK : count;
     uint64_t rays = 0;
     for (size_t i = first; i < last; ++i) {
-        const int32_t x = (int32_t)(i % (size_t)survey->size[0]);
-        const int32_t y = (int32_t)(i / (size_t)survey->size[0] % (size_t)survey->size[1]);
-        const int32_t z = (int32_t)(i / (size_t)survey->size[0] / (size_t)survey->size[1]);
         bool is_free;
-        const lmb_vec3 position =
-            lmb_placement_relocate(work->tracer, survey_position(survey, x, y, z), survey->spacing, &rays);
-        survey->validity[i] = point_validity(work->tracer, position, &is_free, &rays);
+        const lmb_vec3 lattice_point = survey_position(survey, survey->points.point[i]);
+        const lmb_vec3 position = lmb_placement_relocate(survey->tracer, lattice_point, survey->box.spacing, &rays);
+        survey->validity[i] = point_validity(survey->tracer, position, &is_free, &rays);
         survey->free[i] = is_free;
     }
     work->rays[task] = rays;
 }
 
-lmb_result lmb_survey_classify(lmb_survey *survey, const lmb_tracer *tracer, lmb_pool *pool,
-                               const lmb_progress *progress, uint64_t *rays)
+/* How far the whole box is: a flood comes in many small parts. */
+static bool report_share(void *context, const char *phase, double done)
 {
-    const size_t tasks = (survey->count + POINTS_PER_TASK - 1) / POINTS_PER_TASK;
-    lmb_classify_work work = {survey, tracer, calloc(tasks + 1, sizeof *work.rays)};
-    if (!work.rays) {
+    lmb_survey *survey = context;
+    const double now = lmb_clock_seconds();
+    const double points = survey->classified + done * (survey->points.count - survey->classified);
+    const bool is_end = points >= survey_box_points(survey);
+    if (now - survey->reported < REPORT_SECONDS && !is_end) {
+        return true;
+    }
+    survey->reported = now;
+    return survey->progress->report(survey->progress->context, phase, points / survey_box_points(survey));
+}
+
+static bool arrays_grow(lmb_survey *survey)
+{
+    const size_t room = (size_t)survey->points.room;
+    float *const validity = realloc(survey->validity, room * sizeof *validity);
+    survey->validity = validity ? validity : survey->validity;
+    uint8_t *const is_free = realloc(survey->free, room * sizeof *is_free);
+    survey->free = is_free ? is_free : survey->free;
+    return validity && is_free;
+}
+
+lmb_result lmb_survey_classify(lmb_survey *survey)
+{
+    if (survey->classified == survey->points.count) {
+        return LMB_OK;
+    }
+    const size_t added = (size_t)(survey->points.count - survey->classified);
+    const size_t tasks = (added + POINTS_PER_TASK - 1) / POINTS_PER_TASK;
+    lmb_classify_work work = {survey, calloc(tasks, sizeof *work.rays)};
+    if (!work.rays || !arrays_grow(survey)) {
+        free(work.rays);
         return LMB_ERROR_MEMORY;
     }
-    const lmb_result result = lmb_pool_run(pool, tasks, classify_task, &work, "place", progress);
+    const bool reports = survey->progress && survey->progress->report;
+    const lmb_progress progress = {reports ? report_share : NULL, survey};
+    const lmb_result result = lmb_pool_run(survey->pool, tasks, classify_task, &work, "place", &progress);
     for (size_t i = 0; i < tasks; ++i) {
-        *rays += work.rays[i];
+        survey->rays += work.rays[i];
     }
+    survey->classified = survey->points.count;
     free(work.rays);
     return result;
 }
 
-/* The free lattice point nearest to a seed among the corners of its cell, or SIZE_MAX, and why. */
-static size_t seed_point(const lmb_survey *survey, lmb_vec3 seed, lmb_seed_state *state)
+lmb_result lmb_survey_fill(lmb_survey *survey)
 {
-    const double world[3] = {(double)seed.x + survey->origin.x, (double)seed.y + survey->origin.y,
-                             (double)seed.z + survey->origin.z};
-    *state = LMB_SEED_OUTSIDE;
-    int32_t cell[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        const double at = floor(world[axis] / (double)survey->spacing) - (double)survey->min[axis];
-        if (!(at >= 0.0 && at + 1.0 < (double)survey->size[axis])) {
-            return SIZE_MAX;
-        }
-        cell[axis] = (int32_t)at;
+    if (survey_box_points(survey) > LMB_POINT_SET_MOST) {
+        return LMB_ERROR_UNSUPPORTED;
     }
-    size_t nearest = SIZE_MAX;
-    float nearest_distance = FLT_MAX;
-    for (int k = 0; k < 8; ++k) {
-        const int32_t x = cell[0] + (k & 1), y = cell[1] + (k >> 1 & 1), z = cell[2] + (k >> 2);
-        const size_t index = survey_index(survey, x, y, z);
-        const float distance = vec3_length(vec3_sub(survey_position(survey, x, y, z), seed));
-        if (survey->free[index] && distance < nearest_distance) {
-            nearest = index;
-            nearest_distance = distance;
-        }
-    }
-    *state = nearest == SIZE_MAX ? LMB_SEED_SOLID : LMB_SEED_FREE;
-    return nearest;
-}
-
-static bool points_connected(const lmb_survey *survey, const lmb_tracer *tracer, size_t a, size_t b, uint64_t *rays)
-{
-    const size_t row = (size_t)survey->size[0];
-    const size_t slice = row * (size_t)survey->size[1];
-    const lmb_vec3 from = survey_position(survey, (int32_t)(a % row), (int32_t)(a % slice / row), (int32_t)(a / slice));
-    const lmb_vec3 to = survey_position(survey, (int32_t)(b % row), (int32_t)(b % slice / row), (int32_t)(b / slice));
-    return rgb_max(lmb_trace_transmittance(tracer, from, to, rays)) > 0.0f;
-}
-
-lmb_result lmb_survey_flood(lmb_survey *survey, const lmb_tracer *tracer, const lmb_vec3 *seeds, uint32_t seed_count,
-                            lmb_seed_state *states, uint64_t *rays)
-{
-    uint8_t *reached = calloc(survey->count, 1);
-    size_t *queue = malloc(survey->count * sizeof *queue);
-    if (!reached || !queue) {
-        free(reached);
-        free(queue);
-        return LMB_ERROR_MEMORY;
-    }
-    size_t filled = 0;
-    for (uint32_t i = 0; i < seed_count; ++i) {
-        const size_t point = seed_point(survey, seeds[i], &states[i]);
-        if (point != SIZE_MAX && !reached[point]) {
-            reached[point] = 1;
-            queue[filled++] = point;
-        }
-    }
-    const size_t row = (size_t)survey->size[0];
-    const size_t slice = row * (size_t)survey->size[1];
-    for (size_t done = 0; done < filled; ++done) {
-        const size_t at = queue[done];
-        const size_t coordinate[3] = {at % row, at % slice / row, at / slice};
-        const size_t stride[3] = {1, row, slice};
-        for (int side = 0; side < 6; ++side) {
-            const int axis = side / 2;
-            const bool up = side % 2 == 1;
-            if (up ? coordinate[axis] + 1 >= (size_t)survey->size[axis] : coordinate[axis] == 0) {
-                continue;
-            }
-            const size_t next = up ? at + stride[axis] : at - stride[axis];
-            if (survey->free[next] && !reached[next] && points_connected(survey, tracer, at, next, rays)) {
-                reached[next] = 1;
-                queue[filled++] = next;
+    const int32_t *const min = survey->box.min, *const size = survey->box.size;
+    lmb_result result = LMB_OK;
+    for (int32_t z = 0; z < size[2]; ++z) {
+        for (int32_t y = 0; y < size[1]; ++y) {
+            for (int32_t x = 0; x < size[0] && result == LMB_OK; ++x) {
+                result = lmb_point_set_add(&survey->points, (const int32_t[3]){min[0] + x, min[1] + y, min[2] + z});
             }
         }
     }
-    for (size_t i = 0; i < survey->count; ++i) {
-        survey->free[i] = reached[i];
-    }
-    free(reached);
-    free(queue);
-    return LMB_OK;
+    return result == LMB_OK ? lmb_survey_classify(survey) : result;
 }

@@ -17,11 +17,12 @@
 extern "C" {
 #endif
 
-/* Finds probes by their points: a hash table of blocks of 4 x 4 x 4 points. */
+/* Finds things by their points on a lattice, probes above all: a hash table of blocks of 4 x 4 x 4 points. Zeroed, it
+ * is empty. */
 enum { LMB_PROBE_BLOCK = 4, LMB_PROBE_BLOCK_POINTS = 64 };
 typedef struct lmb_probe_block {
     int32_t at[3];                         /* its points are 4 at .. 4 at + 3 */
-    int32_t probe[LMB_PROBE_BLOCK_POINTS]; /* [x + 4 (y + 4 z)] or -1 */
+    int32_t probe[LMB_PROBE_BLOCK_POINTS]; /* [x + 4 (y + 4 z)] its number, or -1 */
 } lmb_probe_block;
 
 typedef struct lmb_probe_index {
@@ -30,6 +31,15 @@ typedef struct lmb_probe_index {
     uint32_t slot_count; /* a power of two */
     uint32_t *slot;      /* [hash of a block] its number + 1, or 0 */
 } lmb_probe_index;
+
+/* Gives a point a number >= 0. @return LMB_ERROR_ARGUMENT (it has one), _MEMORY; then nothing has changed */
+lmb_result lmb_probe_index_add(lmb_probe_index *index, const int32_t point[3], int32_t number);
+
+/* The number of a point, or -1. */
+int32_t lmb_probe_index_find(const lmb_probe_index *index, const int32_t point[3]);
+
+/* Frees what it holds and empties it. */
+void lmb_probe_index_free(lmb_probe_index *index);
 
 typedef struct lmb_probe_level {
     lmb_lattice lattice;
