@@ -134,7 +134,7 @@ static inline bool hard_bake_volume(hard_level *level, const hard_settings *sett
     lmb_error error = {{0}};
     lmb_placement_settings placement = lmb_placement_settings_default();
     placement.spacing = settings->spacing;
-    lmb_result result = lmb_placement_make(level->traced.tracer, &placement, level->traced.pool, NULL, &level->grid,
+    lmb_result result = lmb_placement_make(level->traced.tracer, &placement, level->traced.pool, &level->grid,
                                            &level->placement, &error);
     if (result == LMB_OK) {
         result =

@@ -78,7 +78,8 @@ static inline lmb_rgb traced_irradiance(const level_fixture *level, lmb_vec3 pos
     const lmb_gather_point point = {.position = scene_position(level, position), .hemisphere = true, .normal = normal};
     lmb_rgb irradiance;
     uint64_t rays = 0;
-    lmb_gather_irradiance(&level->transport, &point, 0, samples, &normal, 1, &irradiance, &rays);
+    const lmb_gather_samples taken = {.points = &point, .point_count = 1, .count = samples};
+    lmb_gather_irradiance(&level->transport, &taken, &normal, 1, &irradiance, &rays);
     return irradiance;
 }
 

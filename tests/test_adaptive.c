@@ -123,7 +123,7 @@ static void rare_light_is_found(void)
     const lmb_surface_light_settings settings = lmb_surface_light_settings_default();
     lmb_surface_light *light;
     lmb_surface_light_stats stats;
-    if (lmb_surface_light_solve(&level.transport, &settings, level.pool, NULL, &light, &stats, &error) == LMB_OK) {
+    if (lmb_surface_light_solve(&level.transport, &settings, level.pool, &light, &stats, &error) == LMB_OK) {
         level.transport.surface = light;
         qualities_check(&level, "cached");
         lmb_surface_light_destroy(light);

@@ -63,8 +63,8 @@ static bool lit_level_open(lit_level *level, const char *path, lmb_result writte
     }
     const lmb_surface_light_settings settings = {.max_cells = 8000, .samples = 16};
     lmb_surface_light_stats stats;
-    const lmb_result result = lmb_surface_light_solve(&level->traced.transport, &settings, level->traced.pool, NULL,
-                                                      &level->light, &stats, error);
+    const lmb_result result =
+        lmb_surface_light_solve(&level->traced.transport, &settings, level->traced.pool, &level->light, &stats, error);
     CHECK(result == LMB_OK, "%s", error->message);
     level->traced.transport.surface = level->light;
     return result == LMB_OK;

@@ -59,7 +59,7 @@ static void probes_bake(const level_fixture *level, uint64_t seed)
     lmb_probes *grid = NULL;
     lmb_placement_stats placed;
     lmb_gather_stats stats;
-    lmb_result result = lmb_placement_make(level->tracer, &settings, level->pool, NULL, &grid, &placed, &fault);
+    lmb_result result = lmb_placement_make(level->tracer, &settings, level->pool, &grid, &placed, &fault);
     if (result == LMB_ERROR_UNSUPPORTED) {
         return; /* nothing that stands still has bounds */
     }
@@ -136,8 +136,7 @@ static void level_bake(baked *bake, uint64_t seed)
         const lmb_surface_light_settings settings = {.max_cells = 8};
         lmb_surface_light_stats stats;
         lmb_error fault = {""};
-        CHECK(lmb_surface_light_solve(&level->transport, &settings, level->pool, NULL, &surface, &stats, &fault) ==
-                  LMB_OK,
+        CHECK(lmb_surface_light_solve(&level->transport, &settings, level->pool, &surface, &stats, &fault) == LMB_OK,
               "seed %llu: %s", (unsigned long long)seed, fault.message);
         level->transport.surface = surface;
     }

@@ -95,7 +95,7 @@ static lmb_surface_light *solve(level_fixture *level, uint64_t seed)
     const lmb_surface_light_settings settings = lmb_surface_light_settings_default();
     level->transport.seed = seed;
     const lmb_result result =
-        lmb_surface_light_solve(&level->transport, &settings, level->pool, NULL, &light, &stats, &error);
+        lmb_surface_light_solve(&level->transport, &settings, level->pool, &light, &stats, &error);
     CHECK(result == LMB_OK, "%s", error.message);
     level->transport.surface = light;
     return light;

@@ -213,7 +213,8 @@ static void aiming_finds_all(void)
             const float choice = (float)number_next(&state);
             const float x = (float)number_next(&state), y = (float)number_next(&state);
             lmb_light_sample sample;
-            lmb_emitters_sample_triangles(made.emitters, &query, &seen_from, &choice, &x, &y, 1, &sample);
+            const lmb_triangle_choices choices = {1, &seen_from, &choice, &x, &y};
+            lmb_emitters_sample_triangles(made.emitters, &query, &choices, &sample);
             if (!(sample.density > 0.0f)) {
                 continue;
             }
@@ -380,7 +381,8 @@ static void a_thousand_repetitions(void)
             const float choice = (float)number_next(&state);
             const float x = (float)number_next(&state), y = (float)number_next(&state);
             lmb_light_sample sample;
-            lmb_emitters_sample_triangles(made.emitters, &query, &seen_from, &choice, &x, &y, 1, &sample);
+            const lmb_triangle_choices choices = {1, &seen_from, &choice, &x, &y};
+            lmb_emitters_sample_triangles(made.emitters, &query, &choices, &sample);
             if (sample.density > 0.0f) {
                 sum +=
                     (double)sample.radiance.c[1] * -(double)sample.direction.z / PI / (double)sample.density / SAMPLES;
@@ -510,8 +512,8 @@ static void windows_light_a_street_and_more(void)
     lmb_error error = {{0}};
     lmb_surface_light *light = NULL;
     const lmb_surface_light_settings settings = {.max_cells = 4096, .samples = 16};
-    CHECK(lmb_surface_light_solve(&level.transport, &settings, level.pool, NULL, &light, &stats, &error) == LMB_OK,
-          "%s", error.message);
+    CHECK(lmb_surface_light_solve(&level.transport, &settings, level.pool, &light, &stats, &error) == LMB_OK, "%s",
+          error.message);
     level.transport.surface = light;
     CHECK_NEAR(street_mean(&level, 64), expected, 0.01 * expected, "both estimators");
     lmb_surface_light_destroy(light);

@@ -268,7 +268,7 @@ static void lattices_line_up(void)
         settings.spacing = spacing;
         lmb_placement_stats stats;
         lmb_probes *grid = NULL, *read = NULL;
-        CHECK(lmb_placement_make(level.tracer, &settings, level.pool, NULL, &grid, &stats, &error) == LMB_OK, "%s",
+        CHECK(lmb_placement_make(level.tracer, &settings, level.pool, &grid, &stats, &error) == LMB_OK, "%s",
               error.message);
         const char *const file = FOLDER "/lattice.vdb";
         if (grid) {
@@ -317,7 +317,7 @@ static void seeds_are_places_in_the_world(void)
         settings.seed_count = 1;
         lmb_placement_stats stats;
         lmb_probes *grid = NULL;
-        const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, NULL, &grid, &stats, &error);
+        const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &grid, &stats, &error);
         CHECK((result == LMB_OK) == seeds[i].reached, "seed at %g: %s", seeds[i].x, error.message);
         lmb_probes_destroy(grid);
     }

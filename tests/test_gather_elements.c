@@ -77,7 +77,7 @@ static void probes_in_parts(void)
         return;
     }
     const lmb_placement_settings settings = {.spacing = 0.1f, .max_probes = 100000};
-    const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, NULL, &grid, &placed, &error);
+    const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &grid, &placed, &error);
     CHECK(result == LMB_OK, "%s", error.message);
     if (result == LMB_OK) {
         lmb_gather_stats stats;

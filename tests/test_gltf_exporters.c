@@ -404,7 +404,8 @@ static double irradiance_of(const char *text)
         const lmb_gather_point point = {.hemisphere = true, .normal = up};
         lmb_rgb light;
         uint64_t rays = 0;
-        lmb_gather_irradiance(&transport, &point, 0, 4096, &up, 1, &light, &rays);
+        const lmb_gather_samples samples = {.points = &point, .point_count = 1, .count = 4096};
+        lmb_gather_irradiance(&transport, &samples, &up, 1, &light, &rays);
         irradiance = (double)light.c[1];
     }
     lmb_emitters_destroy(emitters);

@@ -28,8 +28,8 @@ static void empty_scene(void)
         return;
     }
     const lmb_placement_settings settings = lmb_placement_settings_default();
-    const lmb_result result = lmb_placement_make(level.traced.tracer, &settings, level.traced.pool, NULL, &level.grid,
-                                                 &level.placement, &error);
+    const lmb_result result =
+        lmb_placement_make(level.traced.tracer, &settings, level.traced.pool, &level.grid, &level.placement, &error);
     CHECK(result == LMB_ERROR_UNSUPPORTED && !level.grid, "%s", lmb_result_text(result));
     CHECK(strstr(error.message, "hard_empty.gltf") && strstr(error.message, "no static triangles"), "%s",
           error.message);
@@ -307,7 +307,8 @@ static double mean_surface_light(const hard_level *level, const char *name, cons
         const lmb_gather_point point = lmb_surface_gather_point(level->traced.tracer, &place, 1.0f, &moved);
         lmb_rgb light;
         uint64_t rays = 0;
-        lmb_gather_irradiance(&level->traced.transport, &point, 0, 64, &place.geometric_normal, 1, &light, &rays);
+        const lmb_gather_samples samples = {.points = &point, .point_count = 1, .count = 64};
+        lmb_gather_irradiance(&level->traced.transport, &samples, &place.geometric_normal, 1, &light, &rays);
         sum += (double)light.c[0] / count;
         CHECK(!moved, "point %d", i);
     }

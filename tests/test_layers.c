@@ -339,8 +339,7 @@ static void threads_do_not_matter(void)
         settings.spacing = 0.7f;
         lmb_placement_stats placement;
         lmb_gather_stats baked;
-        lmb_result result =
-            lmb_placement_make(level.tracer, &settings, level.pool, NULL, &grids[i], &placement, &error);
+        lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &grids[i], &placement, &error);
         if (result == LMB_OK) {
             result = lmb_probes_bake(grids[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
                                      &baked);

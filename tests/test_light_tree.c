@@ -411,7 +411,8 @@ static void panels_add_up(void)
         lmb_hit hit;
         const lmb_triangle_query query = {place, &normal, NULL};
         const float choice = 0.999f * (float)number_next(&state);
-        lmb_emitters_sample_triangles(level.emitters, &query, &place, &choice, &point[0], &point[1], 1, &sample);
+        const lmb_triangle_choices choices = {1, &place, &choice, &point[0], &point[1]};
+        lmb_emitters_sample_triangles(level.emitters, &query, &choices, &sample);
         if (sample.density > 0.0f && lmb_trace_nearest(level.tracer, place, sample.direction, 0.0f, 1e30f, &hit)) {
             const float density = lmb_emitters_triangle_density(level.emitters, &query, &hit, sample.direction);
             CHECK_NEAR(density / sample.density, 1.0, 1e-4, "sample %d", i);

@@ -21,7 +21,7 @@ static lmb_probes *place(const level_fixture *level, const lmb_placement_setting
 {
     lmb_error error = {{0}};
     lmb_probes *grid = NULL;
-    const lmb_result result = lmb_placement_make(level->tracer, settings, level->pool, NULL, &grid, stats, &error);
+    const lmb_result result = lmb_placement_make(level->tracer, settings, level->pool, &grid, stats, &error);
     CHECK(result == LMB_OK, "%s", error.message);
     CHECK(result != LMB_OK || lmb_probes_validate(grid, &error) == LMB_OK, "%s", error.message);
     return grid;
@@ -219,7 +219,7 @@ static void rooms_in_vast_bounds(void)
     lmb_probes_destroy(probes);
     settings.seed_count = 0;
     probes = NULL;
-    const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, NULL, &probes, &stats, &error);
+    const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &probes, &stats, &error);
     CHECK(result == LMB_ERROR_UNSUPPORTED && !probes && strstr(error.message, "too fine"), "%d: %s", result,
           error.message);
     level_fixture_close(&level);

@@ -340,8 +340,8 @@ static void both_estimators_reflect_penumbrae(void)
     lmb_surface_light *light = NULL;
     lmb_surface_light_stats stats;
     lmb_error error = {{0}};
-    CHECK(lmb_surface_light_solve(&level.transport, &settings, level.pool, NULL, &light, &stats, &error) == LMB_OK,
-          "%s", error.message);
+    CHECK(lmb_surface_light_solve(&level.transport, &settings, level.pool, &light, &stats, &error) == LMB_OK, "%s",
+          error.message);
     level.transport.surface = light;
     const lmb_rgb cached = traced_irradiance(&level, place, down, 65536);
     CHECK(traced.c[0] > 0.1f, "%g", (double)traced.c[0]);

@@ -35,7 +35,7 @@ static void solved_level_close(solved_level *level)
 static bool level_solve(solved_level *level, const lmb_surface_light_settings *settings)
 {
     lmb_error error = {{0}};
-    const lmb_result result = lmb_surface_light_solve(&level->traced.transport, settings, level->traced.pool, NULL,
+    const lmb_result result = lmb_surface_light_solve(&level->traced.transport, settings, level->traced.pool,
                                                       &level->light, &level->stats, &error);
     CHECK(result == LMB_OK, "%s", error.message);
     level->traced.transport.surface = level->light;

@@ -109,8 +109,11 @@ static void gather_reference(const check_work *work, const lmb_gather_point *poi
 {
     uint64_t unused = 0;
     for (uint32_t i = 0; i < 2; ++i) {
-        lmb_gather_irradiance(&work->transport, point, i == 0 ? REPLICATE_FIRST_HALF : REPLICATE_SECOND_HALF,
-                              work->settings.samples, normals, NORMALS, half[i].at, &unused);
+        const lmb_gather_samples samples = {.points = point,
+                                            .point_count = 1,
+                                            .replicate = i == 0 ? REPLICATE_FIRST_HALF : REPLICATE_SECOND_HALF,
+                                            .count = work->settings.samples};
+        lmb_gather_irradiance(&work->transport, &samples, normals, NORMALS, half[i].at, &unused);
     }
 }
 

@@ -41,8 +41,10 @@ static void truth_task(void *context, size_t task, int worker)
     lmb_truth_work *work = context;
     const lmb_gather_point point = {
         .position = work->position, .hemisphere = true, .normal = work->query->vertex_normal};
-    lmb_gather_irradiance(work->transport, &point, (uint32_t)task, work->samples, &work->query->normal, 1,
-                          &work->irradiance[task], &work->rays[task]);
+    const lmb_gather_samples samples = {
+        .points = &point, .point_count = 1, .replicate = (uint32_t)task, .count = work->samples};
+    lmb_gather_irradiance(work->transport, &samples, &work->query->normal, 1, &work->irradiance[task],
+                          &work->rays[task]);
 }
 
 static lmb_result probe_trace(const lmb_level *level, const lmb_query *query, uint32_t samples,

@@ -76,8 +76,7 @@ static lmb_result probes_take(convergence *work, lmb_error *error)
     lmb_placement_settings settings = lmb_placement_settings_default();
     settings.spacing = work->spacing;
     lmb_placement_stats stats;
-    const lmb_result result =
-        lmb_placement_make(work->level.tracer, &settings, work->level.pool, NULL, &grid, &stats, error);
+    const lmb_result result = lmb_placement_make(work->level.tracer, &settings, work->level.pool, &grid, &stats, error);
     if (result != LMB_OK) {
         return result;
     }
@@ -216,7 +215,7 @@ static lmb_result variant_measure(const convergence *work, const variant *with, 
     if (result == LMB_OK && !with->reference) {
         lmb_surface_light_settings settings = lmb_surface_light_settings_default();
         settings.max_cells = max_cells ? max_cells : settings.max_cells;
-        result = lmb_surface_light_solve(&transport, &settings, level->pool, NULL, &surface, &stats, error);
+        result = lmb_surface_light_solve(&transport, &settings, level->pool, &surface, &stats, error);
         transport.surface = surface;
     }
     if (with->near_hits_looked_up) {

@@ -122,8 +122,9 @@ static arriving_light light_of_reference(const lmb_shader *shader, const seen_su
     const lmb_vec3 normals[2] = {seen->normal, point.normal};
     lmb_rgb irradiance[2];
     uint64_t rays = 0;
-    lmb_gather_irradiance(shader->transport, &point, REFERENCE_REPLICATE, shader->reference_samples, normals, 2,
-                          irradiance, &rays);
+    const lmb_gather_samples samples = {
+        .points = &point, .point_count = 1, .replicate = REFERENCE_REPLICATE, .count = shader->reference_samples};
+    lmb_gather_irradiance(shader->transport, &samples, normals, 2, irradiance, &rays);
     return (arriving_light){irradiance[0], irradiance[1]};
 }
 

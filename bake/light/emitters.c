@@ -167,19 +167,20 @@ lmb_rgb lmb_emitters_emission(const lmb_emitters *emitters, const lmb_hit *hit)
 }
 
 void lmb_emitters_sample_triangles(const lmb_emitters *emitters, const lmb_triangle_query *query,
-                                   const lmb_vec3 *position, const float *choice, const float *x, const float *y,
-                                   uint32_t count, lmb_light_sample *sample)
+                                   const lmb_triangle_choices *choices, lmb_light_sample *sample)
 {
+    const uint32_t count = choices->count;
+    const float *const x = choices->x, *const y = choices->y;
     assert(emitters->count > 0 && count <= LMB_EMITTER_POINTS);
     lmb_emitter_points points;
     points.count = count;
     for (uint32_t i = 0; i < count; ++i) {
         double probability;
-        points.emitter[i] = (int32_t)emitter_choose(emitters, query, choice[i], &probability);
+        points.emitter[i] = (int32_t)emitter_choose(emitters, query, choices->choice[i], &probability);
         points.probability[i] = (float)probability;
-        points.position[0][i] = position[i].x;
-        points.position[1][i] = position[i].y;
-        points.position[2][i] = position[i].z;
+        points.position[0][i] = choices->position[i].x;
+        points.position[1][i] = choices->position[i].y;
+        points.position[2][i] = choices->position[i].z;
     }
     lmb_emitter_points_even(&points, x, y);
     for (uint32_t i = 0; emitters->map_count > 0 && i < count; ++i) {

@@ -321,32 +321,44 @@ static void members_accept(grower *g, uint32_t seed, uint32_t number)
     }
 }
 
-/* Grows one chart and appends its corners; `flat->scale` makes its mean density what was asked for. */
-static void chart_grow(grower *g, uint32_t seed, uint32_t number, double texels_per_m, chart_vec2 *corners,
-                       uint32_t *triangles, chart_flat *flat)
+/* What growing fills: corners of all triangles with an area, chart by chart. */
+typedef struct layout {
+    chart_vec2 *corners; /* [3 * place + corner] */
+    uint32_t *triangles; /* [place] */
+    chart_flat *charts;
+    size_t chart_count;
+    size_t corner_count;
+} layout;
+
+/* Grows one chart and appends it; its scale makes the mean density what was asked for. */
+static void chart_grow(grower *g, uint32_t seed, double texels_per_m, layout *out)
 {
+    chart_flat *const flat = &out->charts[out->chart_count];
     double normal[3];
     members_collect(g, seed, g->faces.normal[seed]);
     members_mean_normal(g, normal);
     members_collect(g, seed, normal);
     members_flatten(g, normal);
     tree_build(g);
-    members_accept(g, seed, number);
+    members_accept(g, seed, (uint32_t)out->chart_count);
     double world_area = 0.0;
     double flat_area = 0.0;
+    flat->first = out->corner_count;
     flat->count = 0;
     for (uint32_t i = 0; i < g->member_count; ++i) {
         if (g->state[i] != MEMBER_ACCEPTED) {
             continue;
         }
         const uint32_t t = g->members[i];
-        memcpy(corners + flat->first + flat->count, g->flat[i].p, sizeof g->flat[i].p);
-        triangles[(flat->first + flat->count) / 3] = t;
+        memcpy(out->corners + flat->first + flat->count, g->flat[i].p, sizeof g->flat[i].p);
+        out->triangles[(flat->first + flat->count) / 3] = t;
         flat->count += 3;
         world_area += g->faces.area[t];
         flat_area += g->faces.area[t] * dot(g->faces.normal[t], normal);
     }
     flat->scale = texels_per_m * sqrt(world_area / flat_area);
+    out->corner_count += flat->count;
+    ++out->chart_count;
 }
 
 static int ranked_compare(const void *a, const void *b)
@@ -358,15 +370,6 @@ static int ranked_compare(const void *a, const void *b)
     }
     return (p->triangle > q->triangle) - (p->triangle < q->triangle);
 }
-
-/* What growing fills: corners of all triangles with an area, chart by chart. */
-typedef struct layout {
-    chart_vec2 *corners; /* [3 * place + corner] */
-    uint32_t *triangles; /* [place] */
-    chart_flat *charts;
-    size_t chart_count;
-    size_t corner_count;
-} layout;
 
 static lmb_result layout_make(grower *g, double texels_per_m, layout *out)
 {
@@ -385,12 +388,7 @@ static lmb_result layout_make(grower *g, double texels_per_m, layout *out)
     qsort(seeds, count, sizeof *seeds, ranked_compare);
     for (size_t i = 0; i < count && seeds[i].size > 0.0; ++i) {
         if (g->chart[seeds[i].triangle] == UINT32_MAX) {
-            chart_flat *const flat = &out->charts[out->chart_count];
-            flat->first = out->corner_count;
-            chart_grow(g, seeds[i].triangle, (uint32_t)out->chart_count, texels_per_m, out->corners, out->triangles,
-                       flat);
-            out->corner_count += flat->count;
-            ++out->chart_count;
+            chart_grow(g, seeds[i].triangle, texels_per_m, out);
         }
     }
     free(seeds);

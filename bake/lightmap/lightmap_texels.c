@@ -186,17 +186,26 @@ static texel_polygon polygon_strip(const texel_polygon *polygon, bool along_y, i
     return between;
 }
 
-/* Offers a triangle, of which `row` is in the texel's row, to the texel at (x, y). Returns whether it reaches into it
- * by more than `slack`. */
-static bool texel_cover(const triangle_edges *edges, const texel_polygon *row, int32_t x, int32_t y, double slack,
-                        uint32_t triangle, lmb_texel_source *texel)
+/* A triangle, its part in one row of texels, and by how much it must reach into one of them to count. */
+typedef struct row_cover {
+    const triangle_edges *edges;
+    texel_polygon row;
+    int32_t y;
+    double slack;
+    uint32_t triangle;
+} row_cover;
+
+/* Offers the triangle to the texel at `x`. Returns whether it reaches into it. */
+static bool texel_cover(const row_cover *cover, int32_t x, lmb_texel_source *texel)
 {
+    const int32_t y = cover->y;
+    const double slack = cover->slack;
     texel_polygon cell = {.count = 0};
     texel_vertex centre = {x + 0.5, y + 0.5, 0.0, 0.0};
-    const double depth = triangle_depth(edges, &centre);
+    const double depth = triangle_depth(cover->edges, &centre);
     if (depth < WHOLE_DEPTH) {
         double low, high;
-        cell = polygon_strip(row, false, x, &low, &high);
+        cell = polygon_strip(&cover->row, false, x, &low, &high);
         if (cell.count == 0 || !range_touches(low, high, x, slack)) {
             return false;
         }
@@ -205,7 +214,7 @@ static bool texel_cover(const triangle_edges *edges, const texel_polygon *row, i
             return false;
         }
     }
-    const lmb_texel_source offer = texel_sample(&cell, centre, depth, triangle);
+    const lmb_texel_source offer = texel_sample(&cell, centre, depth, cover->triangle);
     if (texel->triangle == LMB_TEXEL_UNCOVERED || offer.distance < texel->distance) {
         *texel = offer;
     }
@@ -223,15 +232,15 @@ static bool triangle_cover(const texel_vertex corner[3], uint32_t triangle, cons
     const int32_t last_row = clamp_texel(floor(high - slack), grid->height);
     bool touched = false;
     for (int32_t y = clamp_texel(floor(low + slack), grid->height); y <= last_row; ++y) {
-        const texel_polygon row = polygon_strip(&whole, true, y, &low, &high);
-        if (row.count == 0 || !range_touches(low, high, y, slack)) {
+        const row_cover cover = {&edges, polygon_strip(&whole, true, y, &low, &high), y, slack, triangle};
+        if (cover.row.count == 0 || !range_touches(low, high, y, slack)) {
             continue;
         }
-        polygon_range(&row, false, &low, &high);
+        polygon_range(&cover.row, false, &low, &high);
         const int32_t last = clamp_texel(floor(high - slack), grid->width);
         lmb_texel_source *texel = &source[(size_t)y * (size_t)grid->width];
         for (int32_t x = clamp_texel(floor(low + slack), grid->width); x <= last; ++x) {
-            touched |= texel_cover(&edges, &row, x, y, slack, triangle, &texel[x]);
+            touched |= texel_cover(&cover, x, &texel[x]);
         }
     }
     return touched;

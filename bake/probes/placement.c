@@ -353,15 +353,14 @@ static lmb_result probes_place(const lmb_survey *survey, lmb_point_set *wanted, 
 }
 
 lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
-                              const lmb_progress *progress, lmb_probes **probes, lmb_placement_stats *stats,
-                              lmb_error *error)
+                              lmb_probes **probes, lmb_placement_stats *stats, lmb_error *error)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
     if (!(scene->bounds_min.x <= scene->bounds_max.x)) {
         return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: the level has no static triangles", scene->path);
     }
     *stats = (lmb_placement_stats){0};
-    lmb_survey survey = {.tracer = tracer, .pool = pool, .progress = progress};
+    lmb_survey survey = {.tracer = tracer, .pool = pool, .progress = settings->progress};
     lmb_point_set wanted = {0};
     lmb_seed_list seeds;
     if (!seeds_gather(scene, settings, &seeds)) {

@@ -127,9 +127,10 @@ lmb_result lmb_level_solve(lmb_level *level, lmb_estimator estimator, const lmb_
     lmb_error reason;
     error = error ? error : &reason; /* a warning needs it */
     const double start = lmb_clock_seconds();
-    const lmb_surface_light_settings settings = lmb_surface_light_settings_default();
-    const lmb_result result = lmb_surface_light_solve(&level->transport, &settings, level->pool, progress,
-                                                      &level->surface, &level->surface_stats, error);
+    lmb_surface_light_settings settings = lmb_surface_light_settings_default();
+    settings.progress = progress;
+    const lmb_result result = lmb_surface_light_solve(&level->transport, &settings, level->pool, &level->surface,
+                                                      &level->surface_stats, error);
     level->transport.surface = level->surface;
     level->seconds_surface = lmb_clock_seconds() - start;
     if (result == LMB_OK) {

@@ -78,9 +78,10 @@ lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
                                              .max_probes = record->settings.max_probes,
                                              .seeds = record->settings.seeds,
                                              .seed_count = record->settings.seed_count,
-                                             .warnings = *warnings};
-    const lmb_result result = lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, bake->progress,
-                                                 &bake->grid, &record->placement, error);
+                                             .warnings = *warnings,
+                                             .progress = bake->progress};
+    const lmb_result result =
+        lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, &bake->grid, &record->placement, error);
     record->seconds[LMB_PHASE_PLACE] = lmb_clock_seconds() - start;
     if (result != LMB_OK) {
         return result;

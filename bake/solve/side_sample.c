@@ -44,7 +44,8 @@ static void variates_find(const sample_batch *batch, uint32_t pair, sample_varia
         while (end < batch->count && batch->sample[end].path.stream == path->stream) {
             ++end;
         }
-        lmb_sample_variates(path->transport, path->stream, path->sample, end - i, pair, &pairs->x[i], &pairs->y[i]);
+        const lmb_sample_range samples = {path->stream, path->sample, end - i};
+        lmb_sample_variates(path->transport, samples, pair, &pairs->x[i], &pairs->y[i]);
     }
 }
 
@@ -58,8 +59,8 @@ static void start_variates_find(const sample_batch *batch, sample_variates *pair
                sample[end - i].start_sample == sample->start_sample + (end - i)) {
             ++end;
         }
-        lmb_sample_variates(batch->transport, sample->start_stream, sample->start_sample, end - i, LMB_PAIR_START,
-                            &pairs->x[i], &pairs->y[i]);
+        const lmb_sample_range samples = {sample->start_stream, sample->start_sample, end - i};
+        lmb_sample_variates(batch->transport, samples, LMB_PAIR_START, &pairs->x[i], &pairs->y[i]);
     }
 }
 

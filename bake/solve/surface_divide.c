@@ -172,7 +172,7 @@ static void side_divide(const pieces_work *work, const side_frame *frame, uint32
     float x[LMB_CELL_STARTS], y[LMB_CELL_STARTS];
     lmb_vec3 start[LMB_CELL_STARTS], high[LMB_CELL_STARTS];
     uint32_t sees[LMB_CELL_STARTS];
-    lmb_sample_variates(work->transport, stream, 0, LMB_CELL_STARTS, LMB_PAIR_START, x, y);
+    lmb_sample_variates(work->transport, (lmb_sample_range){stream, 0, LMB_CELL_STARTS}, LMB_PAIR_START, x, y);
     for (int i = 0; i < LMB_CELL_STARTS; ++i) {
         const float u[2] = {x[i], y[i]};
         float along, across;

@@ -106,8 +106,8 @@ lmb_surface_light_settings lmb_surface_light_settings_default(void)
 }
 
 lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_surface_light_settings *settings,
-                                   lmb_pool *pool, const lmb_progress *progress, lmb_surface_light **light,
-                                   lmb_surface_light_stats *stats, lmb_error *error)
+                                   lmb_pool *pool, lmb_surface_light **light, lmb_surface_light_stats *stats,
+                                   lmb_error *error)
 {
     lmb_surface_light *created;
     lmb_result result =
@@ -122,7 +122,7 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
     /* Without reflections nobody looks at what surfaces receive. */
     if (transport->bounces != 0 && created->cell_count > 0) {
         const uint32_t samples = settings->samples > 0 ? settings->samples : ENOUGH_SAMPLES;
-        result = rows_solve(&rows, samples, pool, progress, &passes);
+        result = rows_solve(&rows, samples, pool, settings->progress, &passes);
     } else {
         result = lmb_surface_light_allocate(created);
     }

@@ -9,16 +9,15 @@
 #include "light/emitters_internal.h"
 #include "trace/trace_internal.h"
 
-void lmb_sample_variates(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
-                         float *x, float *y)
+void lmb_sample_variates(const lmb_transport *transport, lmb_sample_range samples, uint32_t pair, float *x, float *y)
 {
     if (!lmb_emitters_go_without(transport->emitters, LMB_WITHOUT_SEQUENCE)) {
-        lmb_sequence_2d_batch(stream, first, count, pair, x, y);
+        lmb_sequence_2d_batch(samples.stream, samples.first, samples.count, pair, x, y);
         return;
     }
-    for (uint32_t i = 0; i < count; ++i) {
-        x[i] = lmb_random(stream, first + i, pair, UINT32_MAX);
-        y[i] = lmb_random(stream, first + i, pair, UINT32_MAX - 1);
+    for (uint32_t i = 0; i < samples.count; ++i) {
+        x[i] = lmb_random(samples.stream, samples.first + i, pair, UINT32_MAX);
+        y[i] = lmb_random(samples.stream, samples.first + i, pair, UINT32_MAX - 1);
     }
 }
 
@@ -29,8 +28,8 @@ uint64_t lmb_layer_chance(uint64_t stream, uint32_t sample, int32_t vertex)
 
 void lmb_path_variates(const lmb_path *path, uint32_t pair, float u[2])
 {
-    lmb_sample_variates(path->transport, path->stream, path->sample, 1, path->vertex * PAIRS_PER_VERTEX + pair, &u[0],
-                        &u[1]);
+    const lmb_sample_range samples = {path->stream, path->sample, 1};
+    lmb_sample_variates(path->transport, samples, path->vertex * PAIRS_PER_VERTEX + pair, &u[0], &u[1]);
 }
 
 lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front)
@@ -70,8 +69,9 @@ static bool triangle_aim(const lmb_transport *transport, const lmb_receiver *rec
 {
     lmb_light_sample light;
     const lmb_triangle_query query = lmb_receiver_triangles(receiver);
-    lmb_emitters_sample_triangles(transport->emitters, &query, &receiver->position, &start->choice[0],
-                                  &start->triangle[0], &start->triangle[1], 1, &light);
+    const lmb_triangle_choices choices = {1, &receiver->position, &start->choice[0], &start->triangle[0],
+                                          &start->triangle[1]};
+    lmb_emitters_sample_triangles(transport->emitters, &query, &choices, &light);
     return light.density > 0.0f && lmb_receiver_aim(receiver, &light, false, aimed);
 }
 
@@ -103,8 +103,8 @@ static lmb_direct_start path_start(const lmb_path *path)
         lmb_path_variates(path, PAIR_TRIANGLE, start.triangle);
     }
     if (lmb_emitters_punctual_are_soft(emitters)) {
-        lmb_sample_variates(path->transport, path->stream, path->sample, 1, lmb_light_pair(path->vertex),
-                            &start.light[0], &start.light[1]);
+        const lmb_sample_range samples = {path->stream, path->sample, 1};
+        lmb_sample_variates(path->transport, samples, lmb_light_pair(path->vertex), &start.light[0], &start.light[1]);
     }
     if (lmb_emitters_environment_sampled(emitters)) {
         float point[2];

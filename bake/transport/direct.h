@@ -39,9 +39,14 @@ static inline uint32_t lmb_light_pair(uint32_t vertex)
     return UINT32_MAX - vertex;
 }
 
-/* Variates in [0, 1) of `count` samples of a stream. */
-void lmb_sample_variates(const lmb_transport *transport, uint64_t stream, uint32_t first, uint32_t count, uint32_t pair,
-                         float *x, float *y);
+/* Samples of a stream, one after the other. */
+typedef struct lmb_sample_range {
+    uint64_t stream;
+    uint32_t first, count;
+} lmb_sample_range;
+
+/* Two variates in [0, 1) of each. */
+void lmb_sample_variates(const lmb_transport *transport, lmb_sample_range samples, uint32_t pair, float *x, float *y);
 
 /* Two variates in [0, 1) of the path's present vertex. */
 void lmb_path_variates(const lmb_path *path, uint32_t pair, float u[2]);

@@ -119,7 +119,7 @@ static lmb_receiver batch_receiver(const gather_batch *batch, uint32_t sample)
 
 static void batch_variates(const gather_batch *batch, uint32_t pair, float *x, float *y)
 {
-    lmb_sample_variates(batch->transport, batch->stream, batch->first, batch->count, pair, x, y);
+    lmb_sample_variates(batch->transport, (lmb_sample_range){batch->stream, batch->first, batch->count}, pair, x, y);
 }
 
 static void contribution_add(lmb_contributions *found, lmb_vec3 direction, lmb_rgb weight)
@@ -198,8 +198,8 @@ static void gather_triangles(gather_batch *batch)
     lmb_light_sample light[SAMPLES];
     batch_variates(batch, PAIR_TRIANGLE, x, y);
     batch_variates(batch, PAIR_CHOICE, choice, unused);
-    lmb_emitters_sample_triangles(batch->transport->emitters, &batch->triangles, batch->position, choice, x, y,
-                                  batch->count, light);
+    const lmb_triangle_choices choices = {batch->count, batch->position, choice, x, y};
+    lmb_emitters_sample_triangles(batch->transport->emitters, &batch->triangles, &choices, light);
     lights_trace(batch, light, false);
 }
 
@@ -283,8 +283,8 @@ static void gather_punctual(gather_batch *batch, lmb_gather_sink sink, void *con
     float x[SAMPLES], y[SAMPLES];
     soft_points points;
     aimed_lights lights;
-    lmb_sample_variates(batch->transport, batch->stream, batch->first / batch->per_receiver, receivers, PAIR_CHOICE, x,
-                        y);
+    const lmb_sample_range range = {batch->stream, batch->first / batch->per_receiver, receivers};
+    lmb_sample_variates(batch->transport, range, PAIR_CHOICE, x, y);
     if (lmb_emitters_punctual_are_soft(batch->transport->emitters)) {
         batch_variates(batch, lmb_light_pair(0), points.x, points.y);
     }
@@ -430,8 +430,9 @@ static void bright_rays_make(gather_batch *batch, bright_ray *made)
     const uint32_t first = batch->first / SAMPLES_PER_AIM;
     const uint32_t aims = batch_aims(batch);
     float x[SAMPLES], y[SAMPLES], choice[SAMPLES], unused[SAMPLES];
-    lmb_sample_variates(transport, batch->stream, first, aims, PAIR_BRIGHT, x, y);
-    lmb_sample_variates(transport, batch->stream, first, aims, PAIR_BRIGHT_CHOICE, choice, unused);
+    const lmb_sample_range range = {batch->stream, first, aims};
+    lmb_sample_variates(transport, range, PAIR_BRIGHT, x, y);
+    lmb_sample_variates(transport, range, PAIR_BRIGHT_CHOICE, choice, unused);
     batch->rays.count = 0;
     for (uint32_t i = 0; i < aims; ++i) {
         const float point[2] = {x[i], y[i]};

@@ -345,16 +345,15 @@ static void irradiance_sink(void *context, const lmb_contributions *found)
     }
 }
 
-void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate,
-                           uint32_t samples, const lmb_vec3 *normals, int count, lmb_rgb *irradiance, uint64_t *rays)
+void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_samples *samples, const lmb_vec3 *normals,
+                           int count, lmb_rgb *irradiance, uint64_t *rays)
 {
     assert(count <= LMB_GATHER_MAX_NORMALS);
     lmb_irradiance_sum sum = {.normals = normals, .count = count};
-    const lmb_gather_samples taken = {.points = point, .point_count = 1, .replicate = replicate, .count = samples};
-    lmb_gather(transport, &taken, irradiance_sink, &sum, rays);
+    lmb_gather(transport, samples, irradiance_sink, &sum, rays);
     for (int k = 0; k < count; ++k) {
         for (int c = 0; c < 3; ++c) {
-            irradiance[k].c[c] = (float)(sum.sum[k][c] / (LMB_PI * (double)samples));
+            irradiance[k].c[c] = (float)(sum.sum[k][c] / (LMB_PI * (double)samples->count));
         }
     }
 }

@@ -34,14 +34,20 @@ typedef struct lmb_triangle_query {
     struct lmb_light_memo *memo; /* what was found out about the triangles for this place; NULL: nothing is kept */
 } lmb_triangle_query;
 
-/* A point on an emissive triangle for each of `count` <= LMB_RAY_BATCH samples, seen from position[i]: the triangle
- * chosen by `choice[i]` in [0, 1) and by what it may give to `query`, which is one of these places or one near them,
- * the point by (x[i], y[i]) in [0, 1)^2: uniform in its area, or where its texture gives light, in proportion to that
+/* Variates that choose points on emissive triangles, one of each array for a sample. */
+typedef struct lmb_triangle_choices {
+    uint32_t count;           /* <= LMB_RAY_BATCH */
+    const lmb_vec3 *position; /* seen from here */
+    const float *choice;      /* of the triangle, in [0, 1) */
+    const float *x, *y;       /* of the point, in [0, 1)^2 */
+} lmb_triangle_choices;
+
+/* A point on an emissive triangle for each: the triangle by what it may give to `query`, which is one of the places or
+ * one near them; the point uniform in its area, or where its texture gives light, in proportion to that
  * (emission_part.h). Time grows with the logarithm of the number of triangles, of which there is one at least, and of
  * texels. Where a choice gives no light the density is 0. */
 void lmb_emitters_sample_triangles(const lmb_emitters *emitters, const lmb_triangle_query *query,
-                                   const lmb_vec3 *position, const float *choice, const float *x, const float *y,
-                                   uint32_t count, lmb_light_sample *sample);
+                                   const lmb_triangle_choices *choices, lmb_light_sample *sample);
 
 /* Density per solid angle with which the function above picks the direction of this hit: `direction`, a unit vector. */
 float lmb_emitters_triangle_density(const lmb_emitters *emitters, const lmb_triangle_query *query, const lmb_hit *hit,

@@ -38,12 +38,12 @@ void lmb_gather_sh3_area(const lmb_transport *transport, const lmb_gather_point 
 lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gather_point *point, uint32_t samples,
                                    lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered);
 
-/* Normalised irradiance on each of `count` normals from what the point receives, by the same samples: the truth that
- * everything stored is compared with. Only light over the point's hemisphere counts. Takes `samples` samples of
- * replicate `replicate` (different ones are independent). Adds to `*rays`. */
+/* Normalised irradiance on each of `count` normals from what the points receive, by the same samples: the truth that
+ * everything stored is compared with. Only light over the points' hemisphere counts. Bakes gather with the first
+ * LMB_GATHER_REPLICATES replicates; different ones are independent. Adds to `*rays`. */
 enum { LMB_GATHER_MAX_NORMALS = 16 };
-void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_point *point, uint32_t replicate,
-                           uint32_t samples, const lmb_vec3 *normals, int count, lmb_rgb *irradiance, uint64_t *rays);
+void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_samples *samples, const lmb_vec3 *normals,
+                           int count, lmb_rgb *irradiance, uint64_t *rays);
 
 #ifdef __cplusplus
 }

@@ -16,8 +16,9 @@ typedef struct lmb_placement_settings {
     int32_t max_probes; /* at least 27; the spacing grows until there are no more than this */
     /* In the world: free space connected to these is baked; beside the scene's own seed points. */
     const lmb_vec3d *seeds;
-    uint32_t seed_count;   /* no seeds at all: every free point within the bounds */
-    lmb_warnings warnings; /* seeds that are ignored, each by name */
+    uint32_t seed_count;          /* no seeds at all: every free point within the bounds */
+    lmb_warnings warnings;        /* seeds that are ignored, each by name */
+    const lmb_progress *progress; /* NULL: none */
 } lmb_placement_settings;
 
 /* spacing 0, max_probes 262 144, no seeds. */
@@ -43,8 +44,7 @@ typedef struct lmb_placement_stats {
  * @return LMB_ERROR_UNSUPPORTED (no triangles, so no bounds; spacing too fine for the level's size; or seeds, of which
  * none lies in free space), _MEMORY, _INTERRUPTED */
 lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
-                              const lmb_progress *progress, lmb_probes **probes, lmb_placement_stats *stats,
-                              lmb_error *error);
+                              lmb_probes **probes, lmb_placement_stats *stats, lmb_error *error);
 
 /* Where the light of a probe at lattice position `position` is gathered: there, or, when that is on a surface or
  * almost, a twentieth of the spacing in front of it. Adds to `*rays`. */

@@ -15,6 +15,7 @@ typedef struct lmb_surface_light_settings {
     uint32_t max_cells; /* the cell size grows until there are no more than this, beside the one that each triangle has
                            anyway; > 0 */
     uint32_t samples;   /* for each side of a cell, in proportion fewer for small cells, but 2; 0: 8 */
+    const lmb_progress *progress; /* NULL: none */
 } lmb_surface_light_settings;
 
 lmb_surface_light_settings lmb_surface_light_settings_default(void);
@@ -31,8 +32,8 @@ typedef struct lmb_surface_light_stats {
  * same solution for any number of threads.
  * @return LMB_ERROR_UNSUPPORTED (more than 16 million static triangles), _MEMORY, _INTERRUPTED */
 lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_surface_light_settings *settings,
-                                   lmb_pool *pool, const lmb_progress *progress, lmb_surface_light **light,
-                                   lmb_surface_light_stats *stats, lmb_error *error);
+                                   lmb_pool *pool, lmb_surface_light **light, lmb_surface_light_stats *stats,
+                                   lmb_error *error);
 
 #ifdef __cplusplus
 }
