@@ -1,5 +1,5 @@
 /* What Blender's exporter does to light, and does not say. */
-#include "gltf/gltf_internal.h"
+#include "gltf/gltf_blender.h"
 
 #include <ctype.h>
 #include <math.h>

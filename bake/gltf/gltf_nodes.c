@@ -1,5 +1,8 @@
 /* What the file says of its nodes, apart from where they are. */
-#include "gltf/gltf_internal.h"
+#include "gltf/gltf_nodes.h"
+
+#include "gltf/gltf_extensions.h"
+#include "gltf/gltf_json.h"
 
 float lmb_gltf_view_angle(const lmb_gltf_file *file, int32_t camera)
 {
@@ -13,12 +16,12 @@ float lmb_gltf_view_angle(const lmb_gltf_file *file, int32_t camera)
 static bool any_node_matches(const lmb_gltf_file *file, const char *pattern)
 {
     const cJSON *node;
-    uint32_t number = 0;
+    uint32_t index = 0;
     cJSON_ArrayForEach(node, cJSON_GetObjectItemCaseSensitive(file->root, "nodes"))
     {
-        char own[LMB_GLTF_PLACE_SIZE];
+        char own[LMB_GLTF_WHERE_SIZE];
         const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(node, "name"));
-        lmb_gltf_place(own, "node %u", number++);
+        lmb_gltf_where(own, "node %u", index++);
         if (lmb_gltf_name_matches(pattern, name && name[0] ? name : own)) {
             return true;
         }
@@ -26,11 +29,11 @@ static bool any_node_matches(const lmb_gltf_file *file, const char *pattern)
     return false;
 }
 
-void lmb_gltf_excludes_warn(const lmb_gltf_file *file, const lmb_gltf_options *options, const lmb_warnings *warnings)
+void lmb_gltf_excludes_warn(const lmb_gltf_file *file, const lmb_gltf_options *options)
 {
-    for (size_t i = 0; options && i < options->exclude_count; ++i) {
+    for (size_t i = 0; i < options->exclude_count; ++i) {
         if (!any_node_matches(file, options->exclude[i])) {
-            lmb_warn(warnings, "%s: no node has a name like '%s': it excludes nothing", file->path,
+            lmb_warn(&options->warnings, "%s: no node has a name like '%s': it excludes nothing", file->path,
                      options->exclude[i]);
         }
     }

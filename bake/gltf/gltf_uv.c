@@ -1,11 +1,15 @@
-#include "gltf/gltf_internal.h"
-
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <lambent/file.h>
+#include <lambent/gltf.h>
+
+#include "gltf/gltf_image.h"
+#include "gltf/gltf_json.h"
+#include "gltf/gltf_open.h"
+#include "gltf/gltf_triangles.h"
 
 /* The level's own JSON is edited, so that whatever nobody here knows stays as it was (tinygltf's writer loses empty
  * objects, nulls and unknown properties). All bytes go to one binary chunk:
@@ -14,7 +18,7 @@
  *
  * Old accessors stay, because animations, skins and extensions refer to them by number. */
 
-enum { TARGET_VERTICES = 34962, TARGET_INDICES = 34963, MODE_TRIANGLES = 4, NO_VERTEX = -1 };
+enum { TARGET_VERTICES = 34962, TARGET_INDICES = 34963, NO_VERTEX = -1 };
 
 static const size_t MAX_SIZE = 0x7fffffff;
 
@@ -236,8 +240,7 @@ static lmb_result embed_images(writer *w)
 
 /* One primitive's new vertices: which old vertex each one is, with which UV. */
 typedef struct split {
-    uint32_t triangle_count;
-    uint32_t (*corners)[3]; /* old vertices, then new ones */
+    lmb_gltf_triangles triangles; /* of old vertices, then of new ones */
     lmb_vec2 *corner_uv;
     uint32_t vertex_count;
     uint32_t *source;
@@ -246,7 +249,7 @@ typedef struct split {
 
 static void split_free(split *s)
 {
-    free(s->corners);
+    free(s->triangles.corners);
     free(s->corner_uv);
     free(s->source);
     free(s->uv);
@@ -255,7 +258,7 @@ static void split_free(split *s)
 /* Corners that share an old vertex and agree in their UV share the new one. */
 static bool split_vertices(split *s, uint32_t old_count)
 {
-    const size_t corner_count = (size_t)s->triangle_count * 3;
+    const size_t corner_count = (size_t)s->triangles.count * 3;
     int64_t *const first = malloc(((size_t)old_count + 1) * sizeof *first);
     int64_t *const next = malloc((corner_count + 1) * sizeof *next);
     s->source = malloc((corner_count + 1) * sizeof *s->source);
@@ -265,7 +268,7 @@ static bool split_vertices(split *s, uint32_t old_count)
         first[v] = NO_VERTEX;
     }
     for (size_t c = 0; allocated && c < corner_count; ++c) {
-        uint32_t *const corner = &s->corners[c / 3][c % 3];
+        uint32_t *const corner = &s->triangles.corners[c / 3][c % 3];
         const lmb_vec2 uv = s->corner_uv[c];
         int64_t v = first[*corner];
         while (v != NO_VERTEX && (s->uv[v].x != uv.x || s->uv[v].y != uv.y)) {
@@ -366,13 +369,13 @@ static lmb_result write_uvs_and_indices(writer *w, const split *s, cJSON *primit
     const int64_t uvs = add_accessor(w, new_accessor(LMB_GLTF_FLOAT, "VEC2"), uv_view, s->vertex_count);
 
     const bool narrow = s->vertex_count <= 65535; /* 65535 itself would mean "restart" */
-    const size_t index_count = (size_t)s->triangle_count * 3, index_size = narrow ? 2 : 4;
+    const size_t index_count = (size_t)s->triangles.count * 3, index_size = narrow ? 2 : 4;
     to = append_bytes(w, index_count * index_size, &offset);
     if (!to) {
         return out_of_memory(w);
     }
     for (size_t i = 0; i < index_count; ++i) {
-        const uint32_t wide = s->corners[i / 3][i % 3];
+        const uint32_t wide = s->triangles.corners[i / 3][i % 3];
         const uint16_t half = (uint16_t)wide;
         memcpy(to + i * index_size, narrow ? (const void *)&half : (const void *)&wide, index_size);
     }
@@ -381,7 +384,7 @@ static lmb_result write_uvs_and_indices(writer *w, const split *s, cJSON *primit
         add_accessor(w, new_accessor(narrow ? LMB_GLTF_UNSIGNED_SHORT : LMB_GLTF_UNSIGNED_INT, "SCALAR"), index_view,
                      (uint32_t)index_count);
     if (uvs < 0 || indices < 0 || !set_number(attributes, "TEXCOORD_1", (double)uvs) ||
-        !set_number(primitive, "indices", (double)indices) || !set_number(primitive, "mode", MODE_TRIANGLES)) {
+        !set_number(primitive, "indices", (double)indices) || !set_number(primitive, "mode", LMB_GLTF_TRIANGLES)) {
         return out_of_memory(w);
     }
     return LMB_OK;
@@ -390,7 +393,7 @@ static lmb_result write_uvs_and_indices(writer *w, const split *s, cJSON *primit
 /* Copies the UVs of the mesh's triangles to where they stand in the file; dropped triangles keep (0, 0). */
 static lmb_result take_corner_uvs(const writer *w, const lmb_gltf_uv *uv, uint32_t primitive, split *s)
 {
-    s->corner_uv = calloc((size_t)s->triangle_count * 3 + 1, sizeof *s->corner_uv);
+    s->corner_uv = calloc((size_t)s->triangles.count * 3 + 1, sizeof *s->corner_uv);
     if (!s->corner_uv) {
         return out_of_memory(w);
     }
@@ -401,7 +404,7 @@ static lmb_result take_corner_uvs(const writer *w, const lmb_gltf_uv *uv, uint32
         }
         for (uint32_t c = 0; c < 3; ++c) {
             const lmb_vec2 corner = uv->corner_uv[3 * (size_t)t + c];
-            if (mesh->source_triangle[t] >= s->triangle_count || !isfinite(corner.x) || !isfinite(corner.y)) {
+            if (mesh->source_triangle[t] >= s->triangles.count || !isfinite(corner.x) || !isfinite(corner.y)) {
                 return lmb_error_set(w->error, LMB_ERROR_ARGUMENT,
                                      "%s: meshes[%d].primitives[%u]: the UVs do not fit the level", w->file->path,
                                      mesh->source_mesh, primitive);
@@ -424,13 +427,13 @@ static lmb_result rewrite_primitive(writer *w, const lmb_gltf_uv *uv, uint32_t n
                              uv->mesh->source_mesh);
     }
     const uint32_t vertex_count = w->file->accessors[position].count;
-    char place[LMB_GLTF_PLACE_SIZE];
-    lmb_gltf_place(place, "meshes[%d].primitives[%u]", uv->mesh->source_mesh, number);
+    char where[LMB_GLTF_WHERE_SIZE];
+    lmb_gltf_where(where, "meshes[%d].primitives[%u]", uv->mesh->source_mesh, number);
     split s = {0};
-    lmb_result result = lmb_gltf_triangles(w->file, (int32_t)lmb_gltf_uint(primitive, "mode", MODE_TRIANGLES),
-                                           (int32_t)lmb_gltf_uint(primitive, "indices", UINT32_MAX), vertex_count,
-                                           place, &s.corners, &s.triangle_count, w->error);
-    if (result != LMB_OK || s.triangle_count == 0) {
+    const lmb_gltf_topology topology = {(int32_t)lmb_gltf_uint(primitive, "mode", LMB_GLTF_TRIANGLES),
+                                        (int32_t)lmb_gltf_uint(primitive, "indices", UINT32_MAX), vertex_count};
+    lmb_result result = lmb_gltf_triangles_read(w->file, &topology, where, &s.triangles, w->error);
+    if (result != LMB_OK || s.triangles.count == 0) {
         goto cleanup;
     }
     result = take_corner_uvs(w, uv, number, &s);
@@ -458,7 +461,7 @@ cleanup:
     return result;
 }
 
-/* Gives a mesh its UVs: in place, or in a copy for the node that poses it alone. */
+/* Gives a mesh its UVs: in where, or in a copy for the node that poses it alone. */
 static lmb_result rewrite_mesh(writer *w, const lmb_gltf_uv *uv)
 {
     cJSON *mesh = item_at(&w->source_meshes, uv->mesh->source_mesh);
@@ -573,7 +576,7 @@ lmb_result lmb_gltf_write_with_uvs(const char *source_path, const lmb_gltf_optio
 {
     assert(source_path && path && (uvs || uv_count == 0));
     writer w = {.warnings = options ? &options->warnings : NULL, .error = error};
-    lmb_result result = lmb_gltf_file_open(source_path, options, &w.file, error);
+    lmb_result result = lmb_gltf_open(source_path, options, &w.file, error);
     if (result != LMB_OK) {
         return result;
     }

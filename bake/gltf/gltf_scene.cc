@@ -1,0 +1,148 @@
+#include "gltf/gltf_scene.hh"
+
+#include <algorithm>
+
+#include "gltf/gltf_append.hh"
+#include "gltf/gltf_extensions.h"
+#include "gltf/gltf_lights.hh"
+#include "gltf/gltf_mesh_nodes.hh"
+#include "gltf/gltf_nodes.h"
+
+namespace lmb_gltf {
+
+namespace {
+
+/* A node to come, with what those above it want. */
+struct visit {
+    uint32_t node;
+    bool dynamic, hidden;
+};
+
+class walk {
+  public:
+    walk(const document &document, const std::vector<world_node> &nodes, materials &materials, lmb_scene &scene,
+         const lmb_warnings &warnings)
+        : document_(document), nodes_(nodes), meshes_(document, nodes, materials, scene), scene_(scene),
+          warnings_(warnings)
+    {
+    }
+
+    void run();
+
+  private:
+    std::vector<visit> roots() const;
+    bool is_excluded(const std::string &name) const;
+    void add(const visit &visit);
+    void add_camera(uint32_t node);
+    void add_path();
+
+    const document &document_;
+    const std::vector<world_node> &nodes_;
+    mesh_nodes meshes_;
+    lmb_scene &scene_;
+    const lmb_warnings &warnings_;
+    std::vector<std::pair<double, lmb_vec3>> path_;
+};
+
+bool walk::is_excluded(const std::string &name) const
+{
+    for (size_t i = 0; i < document_.options.exclude_count; ++i) {
+        if (lmb_gltf_name_matches(document_.options.exclude[i], name.c_str())) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void walk::add_camera(uint32_t index)
+{
+    lmb_scene_camera &added = append(scene_.cameras, scene_.camera_count);
+    added.name = copy_string(document_.node_name(index));
+    added.to_world = nodes_[index].to_world;
+    added.vertical_fov_rad = lmb_gltf_view_angle(document_.file, document_.model.nodes[index].camera);
+}
+
+void walk::add(const visit &visit)
+{
+    const tinygltf::Node &node = document_.model.nodes[visit.node];
+    const lmb_gltf_marks &marks = document_.marks[visit.node];
+    const lmb_affine &to_world = nodes_[visit.node].to_world;
+    const std::string name = document_.node_name(visit.node);
+    if (node.camera >= 0 || (document_.options.view_node && name == document_.options.view_node)) {
+        add_camera(visit.node);
+    }
+    if (marks.seed) {
+        uint32_t count = scene_.seed_point_count;
+        append(scene_.seed_names, count) = copy_string(name);
+        append(scene_.seed_points, scene_.seed_point_count) = origin_of(to_world);
+    }
+    if (marks.has_path) {
+        path_.emplace_back(marks.path, origin_of(to_world));
+    }
+    const int light = index_of(member(find_extension(node.extensions, "KHR_lights_punctual"), "light"));
+    if (light >= 0 && marks.light != LMB_GLTF_OFF && !visit.hidden) {
+        add_light(document_, uint32_t(light), visit.node, to_world, scene_, warnings_);
+    }
+    if (node.mesh >= 0 && !visit.hidden) {
+        meshes_.add(visit.node, visit.dynamic);
+    }
+}
+
+std::vector<visit> walk::roots() const
+{
+    const tinygltf::Model &model = document_.model;
+    std::vector<visit> roots;
+    if (!model.scenes.empty()) {
+        for (const int node : model.scenes[size_t(std::max(model.defaultScene, 0))].nodes) {
+            roots.push_back({uint32_t(node), false, false});
+        }
+        return roots;
+    }
+    for (size_t i = 0; i < nodes_.size(); ++i) {
+        if (nodes_[i].parent == NONE) {
+            roots.push_back({uint32_t(i), false, false});
+        }
+    }
+    return roots;
+}
+
+/* In the order that the level wants them in. */
+void walk::add_path()
+{
+    std::stable_sort(path_.begin(), path_.end(), [](const auto &a, const auto &b) { return a.first < b.first; });
+    for (const auto &point : path_) {
+        append(scene_.path_points, scene_.path_point_count) = point.second;
+    }
+}
+
+void walk::run()
+{
+    std::vector<visit> pending = roots();
+    std::reverse(pending.begin(), pending.end());
+    while (!pending.empty()) {
+        visit next = pending.back();
+        pending.pop_back();
+        if (is_excluded(document_.node_name(next.node))) {
+            continue;
+        }
+        const lmb_gltf_marks &marks = document_.marks[next.node];
+        next.dynamic = marks.moves == LMB_GLTF_MOVES || (marks.moves == LMB_GLTF_AS_ABOVE && next.dynamic);
+        next.hidden |= marks.hidden;
+        add(next);
+        const std::vector<int> &children = document_.model.nodes[next.node].children;
+        for (auto child = children.rbegin(); child != children.rend(); ++child) {
+            pending.push_back({uint32_t(*child), next.dynamic, next.hidden});
+        }
+    }
+    add_path();
+}
+
+} // namespace
+
+void add_nodes(const document &document, const std::vector<world_node> &nodes, materials &materials, lmb_scene &scene,
+               const lmb_warnings &warnings)
+{
+    walk(document, nodes, materials, scene, warnings).run();
+}
+
+} // namespace lmb_gltf
