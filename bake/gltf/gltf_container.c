@@ -1,6 +1,7 @@
 #include "gltf/gltf_container.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 static uint32_t read_u32(const unsigned char *bytes)
@@ -51,4 +52,40 @@ lmb_result lmb_gltf_container_split(const char *path, lmb_gltf_bytes file, lmb_g
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: GLB: %zu bytes after the last chunk", path, length - offset);
     }
     return LMB_OK;
+}
+
+static void put_u32(unsigned char *to, size_t value)
+{
+    for (int i = 0; i < 4; ++i) {
+        to[i] = (unsigned char)(value >> 8 * i);
+    }
+}
+
+/* The header and the contents of a chunk; what pads it is there. */
+static void put_chunk(unsigned char *to, const char type[4], size_t padded_size, lmb_gltf_bytes contents)
+{
+    put_u32(to, padded_size);
+    memcpy(to + 4, type, 4);
+    memcpy(to + 8, contents.data, contents.size);
+}
+
+unsigned char *lmb_gltf_container_join(const char *json, lmb_gltf_bytes bin, size_t *size)
+{
+    const lmb_gltf_bytes text = {(const unsigned char *)json, strlen(json), NULL};
+    const size_t json_padded = (text.size + 3) / 4 * 4, bin_padded = (bin.size + 3) / 4 * 4;
+    const size_t total = 12 + 8 + json_padded + (bin.size ? 8 + bin_padded : 0);
+    unsigned char *const glb = total <= LMB_GLTF_MAX_SIZE ? calloc(total, 1) : NULL;
+    if (!glb) {
+        return NULL;
+    }
+    memcpy(glb, "glTF", 4);
+    put_u32(glb + 4, 2);
+    put_u32(glb + 8, total);
+    memset(glb + 20, ' ', json_padded);
+    put_chunk(glb + 12, "JSON", json_padded, text);
+    if (bin.size > 0) {
+        put_chunk(glb + 20 + json_padded, "BIN\0", bin_padded, bin);
+    }
+    *size = total;
+    return glb;
 }

@@ -10,6 +10,10 @@
 extern "C" {
 #endif
 
+/* Bytes of a file that is read or written. tinygltf counts in unsigned int and GLB in 32 bits; half of that leaves room
+ * for sums. */
+#define LMB_GLTF_MAX_SIZE ((size_t)0x7fffffff)
+
 /* Bytes, most of them somebody else's. */
 typedef struct lmb_gltf_bytes {
     const unsigned char *data;
@@ -22,6 +26,10 @@ typedef struct lmb_gltf_bytes {
  * @return LMB_ERROR_FORMAT, _UNSUPPORTED */
 lmb_result lmb_gltf_container_split(const char *path, lmb_gltf_bytes file, lmb_gltf_bytes *json, lmb_gltf_bytes *bin,
                                     lmb_error *error);
+
+/* A GLB of JSON and, unless it is empty, a binary chunk; malloc'ed, both padded. NULL when out of memory, or larger
+ * than LMB_GLTF_MAX_SIZE. */
+unsigned char *lmb_gltf_container_join(const char *json, lmb_gltf_bytes bin, size_t *size);
 
 #ifdef __cplusplus
 }

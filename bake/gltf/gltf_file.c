@@ -11,8 +11,6 @@
 
 #include <lambent/file.h>
 
-/* tinygltf counts in unsigned int and GLB in 32 bits; half of that leaves room for sums. */
-#define MAX_FILE_SIZE ((size_t)0x7fffffff)
 /* cJSON needs some 40 bytes for each byte of JSON at worst. */
 #define MAX_JSON_SIZE ((size_t)256 << 20)
 #define MAX_PRINTED 1e308
@@ -24,7 +22,7 @@ lmb_result lmb_gltf_plain_file_read(const char *path, const char *shown, lmb_glt
         if (!S_ISREG(status.st_mode)) {
             return lmb_error_set(error, LMB_ERROR_IO, "%s: not a plain file", shown);
         }
-        if ((uintmax_t)status.st_size > MAX_FILE_SIZE) {
+        if ((uintmax_t)status.st_size > LMB_GLTF_MAX_SIZE) {
             return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: larger than 2 GiB", shown);
         }
     }

@@ -205,10 +205,10 @@ static lmb_result check_node(const lmb_gltf_file *file, const cJSON *node, unsig
     return check_instancing(file, node, index, error);
 }
 
-/* Every node has at most one parent, every scene lists roots once, and no node is its own ancestor. */
-static lmb_result check_hierarchy(const lmb_gltf_file *file, uint32_t *parent, uint32_t node_count, lmb_error *error)
+/* Every node has at most one parent, which `parent` gets. */
+static lmb_result find_parents(const lmb_gltf_file *file, uint32_t *parent, uint32_t node_count, lmb_error *error)
 {
-    const cJSON *node, *child, *scene;
+    const cJSON *node, *child;
     uint32_t node_index = 0;
     for (uint32_t i = 0; i < node_count; ++i) {
         parent[i] = UINT32_MAX;
@@ -230,33 +230,66 @@ static lmb_result check_hierarchy(const lmb_gltf_file *file, uint32_t *parent, u
         }
         ++node_index;
     }
-    /* Up from each node, until a node that an earlier walk has seen: linear in all. */
-    uint32_t *const state = parent + node_count; /* number of the walk that has been here, or 0 */
+    return LMB_OK;
+}
+
+/* No node is its own ancestor. Up from each node, until a node that an earlier walk has seen: linear in all. `seen` is
+ * zero. */
+static lmb_result check_ancestors(const lmb_gltf_file *file, const uint32_t *parent, uint32_t *seen,
+                                  uint32_t node_count, lmb_error *error)
+{
     for (uint32_t i = 0; i < node_count; ++i) {
         uint32_t at = i;
-        while (at != UINT32_MAX && state[at] == 0) {
-            state[at] = i + 1;
+        while (at != UINT32_MAX && seen[at] == 0) {
+            seen[at] = i + 1; /* which walk has been here */
             at = parent[at];
         }
-        if (at != UINT32_MAX && state[at] == i + 1) {
+        if (at != UINT32_MAX && seen[at] == i + 1) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: nodes[%u]: is its own ancestor", file->path, at);
         }
     }
+    return LMB_OK;
+}
+
+/* Every scene lists roots, each once. `listed` has room for all nodes. */
+static lmb_result check_scenes(const lmb_gltf_file *file, const uint32_t *parent, uint32_t *listed, uint32_t node_count,
+                               lmb_error *error)
+{
+    const cJSON *scene, *node;
     uint32_t scene_index = 0;
     cJSON_ArrayForEach(scene, cJSON_GetObjectItemCaseSensitive(file->root, "scenes"))
     {
-        memset(state, 0, node_count * sizeof *state);
-        cJSON_ArrayForEach(child, cJSON_GetObjectItemCaseSensitive(scene, "nodes"))
+        memset(listed, 0, node_count * sizeof *listed);
+        cJSON_ArrayForEach(node, cJSON_GetObjectItemCaseSensitive(scene, "nodes"))
         {
-            const uint32_t index = (uint32_t)child->valuedouble;
-            if (parent[index] != UINT32_MAX || state[index]++) {
+            const uint32_t index = (uint32_t)node->valuedouble;
+            if (parent[index] != UINT32_MAX || listed[index]++) {
                 return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: scenes[%u].nodes: node %u is %s", file->path,
-                                     scene_index, index, state[index] ? "listed twice" : "not a root");
+                                     scene_index, index, listed[index] ? "listed twice" : "not a root");
             }
         }
         ++scene_index;
     }
     return LMB_OK;
+}
+
+static lmb_result check_hierarchy(const lmb_gltf_file *file, lmb_error *error)
+{
+    const uint32_t node_count = (uint32_t)cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(file->root, "nodes"));
+    uint32_t *const parent = calloc((size_t)node_count * 2 + 1, sizeof *parent);
+    if (!parent) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", file->path);
+    }
+    uint32_t *const state = parent + node_count;
+    lmb_result result = find_parents(file, parent, node_count, error);
+    if (result == LMB_OK) {
+        result = check_ancestors(file, parent, state, node_count, error);
+    }
+    if (result == LMB_OK) {
+        result = check_scenes(file, parent, state, node_count, error);
+    }
+    free(parent);
+    return result;
 }
 
 lmb_result lmb_gltf_check_references(const lmb_gltf_file *file, lmb_error *error)
@@ -265,15 +298,5 @@ lmb_result lmb_gltf_check_references(const lmb_gltf_file *file, lmb_error *error
     if (result == LMB_OK) {
         result = check_skins(file, error);
     }
-    if (result != LMB_OK) {
-        return result;
-    }
-    const uint32_t node_count = (uint32_t)cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(file->root, "nodes"));
-    uint32_t *const parent = calloc((size_t)node_count * 2 + 1, sizeof *parent);
-    if (!parent) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", file->path);
-    }
-    result = check_hierarchy(file, parent, node_count, error);
-    free(parent);
-    return result;
+    return result == LMB_OK ? check_hierarchy(file, error) : result;
 }

@@ -118,49 +118,56 @@ static bool leaves_folder(const char *path)
     return false;
 }
 
+/* The file's name in a URI that is not a data: one, relative to the level's folder unless it begins with a slash.
+ * `name` has room for the URI. */
+static lmb_result read_name(const lmb_gltf_file *file, const char *uri, const char *where, char *name, lmb_error *error)
+{
+    if (has_scheme(uri)) {
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %s: \"%s\" is not a file's name", file->path, where,
+                             uri);
+    }
+    const size_t length = percent_decode(uri, (unsigned char *)name);
+    name[length] = '\0';
+    if (length == 0 || strlen(name) != length) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: not a file's name", file->path, where);
+    }
+    if (!file->allow_outside_uris && leaves_folder(name)) {
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %s: \"%s\" leaves the level's folder", file->path,
+                             where, name);
+    }
+    return LMB_OK;
+}
+
 lmb_result lmb_gltf_uri_read(lmb_gltf_file *file, const char *uri, const char *where, lmb_gltf_bytes *bytes,
                              lmb_error *error)
 {
     if (strncmp(uri, "data:", 5) == 0) {
         return read_data_uri(file, uri, where, bytes, error);
     }
-    if (has_scheme(uri)) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %s: \"%s\" is not a file's name", file->path, where,
-                             uri);
-    }
-    const char *const slash = strrchr(file->path, '/');
-    const size_t folder = slash ? (size_t)(slash - file->path) + 1 : 0;
-    char *const path = malloc(folder + strlen(uri) + 1);
-    char *const shown = malloc(strlen(file->path) + strlen(where) + strlen(uri) + 16);
-    lmb_result result = LMB_OK;
-    if (!path || !shown) {
+    const size_t shown_size = strlen(file->path) + strlen(where) + strlen(uri) + sizeof ": : \"\"";
+    char *const name = malloc(strlen(uri) + 1), *const shown = malloc(shown_size);
+    char *path = NULL;
+    lmb_result result;
+    if (!name || !shown) {
         result = lmb_error_set(error, LMB_ERROR_MEMORY, "%s: %s: out of memory", file->path, where);
         goto cleanup;
     }
-    char *name = path + folder;
-    const size_t length = percent_decode(uri, (unsigned char *)name);
-    name[length] = '\0';
-    if (length == 0 || strlen(name) != length) {
-        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: not a file's name", file->path, where);
+    result = read_name(file, uri, where, name, error);
+    if (result != LMB_OK) {
         goto cleanup;
     }
-    if (!file->allow_outside_uris && leaves_folder(name)) {
-        result = lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %s: \"%s\" leaves the level's folder", file->path,
-                               where, name);
+    path = lmb_file_path_beside(file->path, name);
+    if (!path) {
+        result = lmb_error_set(error, LMB_ERROR_MEMORY, "%s: %s: out of memory", file->path, where);
         goto cleanup;
     }
-    if (name[0] == '/') {
-        memmove(path, name, length + 1);
-        name = path;
-    } else {
-        memcpy(path, file->path, folder);
-    }
-    sprintf(shown, "%s: %s: \"%s\"", file->path, where, name);
+    snprintf(shown, shown_size, "%s: %s: \"%s\"", file->path, where, name);
     result = lmb_gltf_plain_file_read(path, shown, bytes, error);
     if (result == LMB_OK) {
         file->hash = lmb_hash(file->hash, bytes->data, bytes->size);
     }
 cleanup:
+    free(name);
     free(path);
     free(shown);
     return result;

@@ -16,6 +16,10 @@ extern "C" {
  * @return LMB_ERROR_IO, _MEMORY */
 lmb_result lmb_file_read(const char *path, unsigned char **data, size_t *size, lmb_error *error);
 
+/* The path of a file that `name` stands for beside the file at `path`: in its folder, or `name` itself where it begins
+ * with a slash. The caller frees it. NULL when out of memory. */
+char *lmb_file_path_beside(const char *path, const char *name);
+
 /* The path beside `path` that a new version is written to before it replaces the old one; fits any path that
  * open() takes. The caller frees it. NULL when out of memory. */
 char *lmb_file_temporary_path(const char *path);
