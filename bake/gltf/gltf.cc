@@ -17,7 +17,6 @@
 #include "gltf/gltf_append.hh"
 #include "gltf/gltf_blender.h"
 #include "gltf/gltf_extensions.h"
-#include "gltf/gltf_nodes.h"
 #include "gltf/gltf_open.h"
 #include "gltf/gltf_scene.hh"
 #include "scene/scene_internal.h"
@@ -75,8 +74,8 @@ void load(lmb_gltf_file *file, const lmb_gltf_options &options, lmb_scene &scene
     scene.path = copy_string(file->path);
     read_marks(document);
     lmb_gltf_blender_warn_area_lamps(file, &options.warnings);
-    lmb_gltf_excludes_warn(file, &options);
     read_model(document);
+    warn_excludes(document);
     materials materials(document, scene);
     place_level(document, materials, scene);
     materials.read_images();

@@ -6,6 +6,7 @@
 #include "base/scalar.h"
 #include "base/vec3.h"
 #include "gltf/gltf_json.h"
+#include "gltf/gltf_skin.h"
 
 /* Which of its optional arrays a mesh has: those that any of its primitives has. */
 typedef struct mesh_streams {
@@ -137,6 +138,9 @@ static lmb_result add_primitive(builder *b, const lmb_gltf_primitive *primitive)
     char where[LMB_GLTF_WHERE_SIZE];
     lmb_gltf_where(where, "meshes[%d].primitives[%u]", b->mesh->source_mesh, primitive->index);
     lmb_result result = lmb_gltf_part_read(b->file, primitive, b->pose, where, &p, b->error);
+    if (result == LMB_OK && b->pose->joints) {
+        result = lmb_gltf_skin(b->file, primitive, b->pose, where, &p, b->error);
+    }
     if (result == LMB_OK) {
         uint32_t *const indices = malloc(((size_t)p.triangles.count + 1) * sizeof *indices);
         result = indices ? add_part(b, primitive, where, &p, indices)

@@ -6,7 +6,6 @@
 
 #include "base/scalar.h"
 #include "base/vec3.h"
-#include "gltf/gltf_skin.h"
 
 /* Below this share of its longest side squared, a triangle's doubled area is rounding and not a surface. */
 #define DEGENERATE_AREA 1e-12
@@ -77,7 +76,7 @@ lmb_result lmb_gltf_part_read(const lmb_gltf_file *file, const lmb_gltf_primitiv
     }
     p->reach = corners_reach(p);
     p->color_components = primitive->color >= 0 ? file->accessors[primitive->color].components : 0;
-    return pose->joints ? lmb_gltf_skin(file, primitive, pose, where, p, error) : LMB_OK;
+    return LMB_OK;
 }
 
 /* The doubled area as a vector, and whether the triangle is one. */

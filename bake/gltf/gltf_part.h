@@ -1,4 +1,4 @@
-/* One primitive, decoded and posed, on its way into a mesh. */
+/* One primitive, decoded and morphed, on its way into a mesh. */
 #ifndef LMB_GLTF_PART_H
 #define LMB_GLTF_PART_H
 

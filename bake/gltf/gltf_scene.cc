@@ -6,11 +6,33 @@
 #include "gltf/gltf_extensions.h"
 #include "gltf/gltf_lights.hh"
 #include "gltf/gltf_mesh_nodes.hh"
-#include "gltf/gltf_nodes.h"
 
 namespace lmb_gltf {
 
 namespace {
+
+bool matches(const document &document, uint32_t node, const char *pattern)
+{
+    return lmb_gltf_name_matches(pattern, document.node_name(node).c_str());
+}
+
+bool is_excluded(const document &document, uint32_t node)
+{
+    const char *const *const patterns = document.options.exclude;
+    return std::any_of(patterns, patterns + document.options.exclude_count,
+                       [&](const char *pattern) { return matches(document, node, pattern); });
+}
+
+/* The vertical angle of view of a camera in radians; 0 of an orthographic one, or none (negative). */
+float view_angle(const document &document, int32_t camera)
+{
+    const cJSON *const item =
+        cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(document.file->root, "cameras"), camera);
+    const cJSON *const angle =
+        cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(item, "perspective"), "yfov");
+    const bool is_told = cJSON_IsNumber(angle) && angle->valuedouble > 0.0 && angle->valuedouble < 3.14;
+    return is_told ? float(angle->valuedouble) : 0.0f;
+}
 
 /* A node to come, with what those above it want. */
 struct visit {
@@ -31,7 +53,6 @@ class walk {
 
   private:
     std::vector<visit> roots() const;
-    bool is_excluded(const std::string &name) const;
     void add(const visit &visit);
     void add_camera(uint32_t node);
     void add_path();
@@ -44,22 +65,12 @@ class walk {
     std::vector<std::pair<double, lmb_vec3>> path_;
 };
 
-bool walk::is_excluded(const std::string &name) const
-{
-    for (size_t i = 0; i < document_.options.exclude_count; ++i) {
-        if (lmb_gltf_name_matches(document_.options.exclude[i], name.c_str())) {
-            return true;
-        }
-    }
-    return false;
-}
-
 void walk::add_camera(uint32_t index)
 {
     lmb_scene_camera &added = append(scene_.cameras, scene_.camera_count);
     added.name = copy_string(document_.node_name(index));
     added.to_world = nodes_[index].to_world;
-    added.vertical_fov_rad = lmb_gltf_view_angle(document_.file, document_.model.nodes[index].camera);
+    added.vertical_fov_rad = view_angle(document_, document_.model.nodes[index].camera);
 }
 
 void walk::add(const visit &visit)
@@ -122,7 +133,7 @@ void walk::run()
     while (!pending.empty()) {
         visit next = pending.back();
         pending.pop_back();
-        if (is_excluded(document_.node_name(next.node))) {
+        if (is_excluded(document_, next.node)) {
             continue;
         }
         const lmb_gltf_marks &marks = document_.marks[next.node];
@@ -138,6 +149,22 @@ void walk::run()
 }
 
 } // namespace
+
+void warn_excludes(const document &document)
+{
+    const uint32_t count = uint32_t(document.model.nodes.size());
+    for (size_t i = 0; i < document.options.exclude_count; ++i) {
+        const char *const pattern = document.options.exclude[i];
+        uint32_t node = 0;
+        while (node < count && !matches(document, node, pattern)) {
+            ++node;
+        }
+        if (node == count) {
+            lmb_warn(&document.options.warnings, "%s: no node has a name like '%s': it excludes nothing",
+                     document.file->path, pattern);
+        }
+    }
+}
 
 void add_nodes(const document &document, const std::vector<world_node> &nodes, materials &materials, lmb_scene &scene,
                const lmb_warnings &warnings)

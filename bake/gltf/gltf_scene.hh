@@ -7,6 +7,9 @@
 
 namespace lmb_gltf {
 
+/* A warning for each pattern of the options that matches no node: it is mistyped, or the level has changed. */
+void warn_excludes(const document &document);
+
 /* Adds cameras, seeds, points of paths, lamps and instances to a scene that has none: of the default scene, or of all
  * roots when there is none. `nodes` counts from the scene's origin. */
 void add_nodes(const document &document, const std::vector<world_node> &nodes, materials &materials, lmb_scene &scene,
