@@ -199,6 +199,23 @@ static void test_error_lines(void)
     }
 }
 
+static void test_paths_beside(void)
+{
+    static const struct {
+        const char *path, *name, *beside;
+    } paths[] = {{"level.gltf", "a.bin", "a.bin"},
+                 {"in/level.gltf", "a.bin", "in/a.bin"},
+                 {"/in/level.gltf", "b/a.bin", "/in/b/a.bin"},
+                 {"in/level.gltf", "/a.bin", "/a.bin"},
+                 {"/level.gltf", "", "/"},
+                 {"in/", "a", "in/a"}};
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; ++i) {
+        char *const beside = lmb_file_path_beside(paths[i].path, paths[i].name);
+        CHECK(beside && strcmp(beside, paths[i].beside) == 0, "%s, %s: %s", paths[i].path, paths[i].name, beside);
+        free(beside);
+    }
+}
+
 static const test_case cases[] = {
     {"FNV-1a vectors", test_hash_vectors},
     {"files come back as written", test_round_trip},
@@ -206,6 +223,7 @@ static const test_case cases[] = {
     {"a write that fails half-way", test_full_disk},
     {"places that cannot be written", test_unwritable},
     {"places that cannot be read", test_unreadable},
+    {"paths beside others", test_paths_beside},
     {"error lines", test_error_lines},
 };
 TEST_MAIN(cases)

@@ -187,6 +187,22 @@ static void test_unread_textures(void)
     }
 }
 
+/* A level that lies far out is placed twice, and says everything once. */
+static void test_far_level(void)
+{
+    lmb_scene *const s = load_listening(
+        HEAD "'extensionsUsed':['NEW_thing']," QUAD_DATA QUADS("'material':0")
+            LIGHTS("{'type':'point'}") "'materials':[{'name':'rough','normalTexture':{'index':5}}],"
+                                       "'nodes':[{'mesh':0,'translation':[1e6,0,1e6]},{'scale':[0,0,0]," LIGHT(0) "}]}",
+        NULL);
+    if (s) {
+        CHECK(s->origin.x != 0.0 && s->origin.z != 0.0, "it is moved");
+        CHECK(said_count == 3, "%u warnings", said_count);
+        CHECK(was_said("NEW_thing") && was_said("'rough' goes without") && was_said("is left out"), "%s", said[0]);
+        lmb_scene_destroy(s);
+    }
+}
+
 static void test_lamps_without_direction(void)
 {
     static const struct {
@@ -455,6 +471,7 @@ static const test_case cases[] = {
     {"extensions that are not read", test_extensions},
     {"largest numbers", test_largest_numbers},
     {"unread textures", test_unread_textures},
+    {"a far level", test_far_level},
     {"lamps without direction", test_lamps_without_direction},
     {"forms of extras", test_extras_forms},
     {"light from Blender", test_blender_light},

@@ -84,6 +84,18 @@ char *lmb_file_in(const char *directory, const char *name)
     return path;
 }
 
+char *lmb_file_path_beside(const char *path, const char *name)
+{
+    assert(path && name);
+    const size_t folder = name[0] == '/' ? 0 : folder_length(path), size = strlen(name) + 1;
+    char *const joined = malloc(folder + size);
+    if (joined) {
+        memcpy(joined, path, folder);
+        memcpy(joined + folder, name, size);
+    }
+    return joined;
+}
+
 char *lmb_file_temporary_path(const char *path)
 {
     assert(path);

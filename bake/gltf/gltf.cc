@@ -1,16 +1,24 @@
+/* Loading a level, step by step:
+ *
+ *     file -> gltf_open.c (the JSON, buffers and accessors, checked)
+ *          -> gltf_document.cc (what nodes want; tinygltf's model of all but bytes and pictures)
+ *          -> gltf_materials.cc, gltf_textures.cc
+ *          -> gltf_world.cc (where nodes are) -> gltf_scene.cc (what they hold) -> gltf_mesh.c (triangles) -> scene */
 #include <lambent/gltf.h>
 
 #include <cassert>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
 
 #include <lambent/file.h>
 
-#include "gltf/gltf_accessor.h"
+#include "gltf/gltf_append.hh"
 #include "gltf/gltf_blender.h"
 #include "gltf/gltf_extensions.h"
-#include "gltf/gltf_loader.hh"
-#include "gltf/gltf_nodes.h"
 #include "gltf/gltf_open.h"
-#include "gltf/gltf_shown.h"
+#include "gltf/gltf_scene.hh"
 #include "scene/scene_internal.h"
 
 namespace lmb_gltf {
@@ -30,166 +38,57 @@ struct scene_destroy {
     }
 };
 
-bool keep_no_image(tinygltf::Image *, int, std::string *, std::string *, int, int, const unsigned char *, int, void *)
+/* Adds what the nodes hold. A level far from the world's origin is placed once more, from an origin of its own. Node
+ * transforms are in double, so nothing is lost but what the file itself has not. */
+void place_level(const document &document, materials &materials, lmb_scene &scene)
 {
-    return true;
+    std::vector<world_node> nodes = place_nodes(document);
+    add_nodes(document, nodes, materials, scene, document.options.warnings);
+    scene.origin = lmb_scene_choose_origin(&scene);
+    if (scene.origin.x == 0.0 && scene.origin.y == 0.0 && scene.origin.z == 0.0) {
+        return;
+    }
+    for (world_node &node : nodes) {
+        count_from(scene.origin, node.to_world);
+    }
+    lmb_scene_clear_nodes(&scene);
+    const lmb_warnings silence{}; /* what the nodes have to be warned of was said */
+    add_nodes(document, nodes, materials, scene, silence);
 }
 
-bool no_file_exists(const std::string &, void *)
+/* Of all that was read, and of the options that change what it means. */
+uint64_t content_hash(const document &document)
 {
-    return false;
+    const lmb_gltf_options &options = document.options;
+    uint64_t hash = document.file->hash;
+    for (size_t i = 0; i < options.exclude_count; ++i) {
+        hash = lmb_hash(hash, options.exclude[i], strlen(options.exclude[i]) + 1);
+    }
+    const double scales[2] = {scale_of(options.light_scale), scale_of(options.emission_scale)};
+    return scales[0] != 1.0 || scales[1] != 1.0 ? lmb_hash(hash, scales, sizeof scales) : hash;
 }
 
-std::string same_path(const std::string &path, void *)
+void load(lmb_gltf_file *file, const lmb_gltf_options &options, lmb_scene &scene)
 {
-    return path;
-}
-
-bool read_no_file(std::vector<unsigned char> *, std::string *, const std::string &, void *)
-{
-    return false;
-}
-
-bool write_no_file(std::string *, const std::string &, const std::vector<unsigned char> &, void *)
-{
-    return false;
+    document document{file, options};
+    scene.path = copy_string(file->path);
+    read_marks(document);
+    lmb_gltf_blender_warn_area_lamps(file, &options.warnings);
+    read_model(document);
+    warn_excludes(document);
+    materials materials(document, scene);
+    place_level(document, materials, scene);
+    materials.read_images();
+    const uint32_t lost = lmb_scene_find_bounds(&scene);
+    if (lost != NONE) {
+        document.fail(LMB_ERROR_FORMAT, "nodes[%d]: a vertex is too far away", scene.instances[lost].node);
+    }
+    scene.content_hash = content_hash(document);
+    lmb_gltf_extensions_warn(file, &options.warnings);
+    lmb_gltf_blender_warn_units(file, &scene, &options.warnings);
 }
 
 } // namespace
-
-void loader::parse()
-{
-    const auto count = [&](const char *name) {
-        return size_t(cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(file_->root, name)));
-    };
-    const size_t node_count = count("nodes");
-    const std::unique_ptr<char, void (*)(void *)> text(lmb_gltf_text_for_tinygltf(file_), cJSON_free);
-    if (!text) {
-        throw std::bad_alloc();
-    }
-    /* Nobody reads these again, and a million of them take a gigabyte. */
-    cJSON_DeleteItemFromObjectCaseSensitive(file_->root, "nodes");
-    tinygltf::TinyGLTF reader;
-    reader.SetFsCallbacks({no_file_exists, same_path, read_no_file, write_no_file, nullptr});
-    reader.SetImageLoader(keep_no_image, nullptr);
-    std::string reason, warning;
-    if (!reader.LoadASCIIFromString(&model_, &reason, &warning, text.get(), unsigned(strlen(text.get())), "")) {
-        fail(LMB_ERROR_FORMAT, "%s", reason.substr(0, reason.find('\n')).c_str());
-    }
-    const auto same = [&](const char *name, size_t expected, size_t read) {
-        if (read != expected) {
-            fail(LMB_ERROR_FORMAT, "%s: tinygltf read %zu of them", name, read);
-        }
-    };
-    same("nodes", node_count, model_.nodes.size());
-    same("meshes", count("meshes"), model_.meshes.size());
-    same("materials", count("materials"), model_.materials.size());
-    same("textures", count("textures"), model_.textures.size());
-    same("samplers", count("samplers"), model_.samplers.size());
-    same("skins", count("skins"), model_.skins.size());
-    same("scenes", count("scenes"), model_.scenes.size());
-}
-
-std::vector<float> loader::decode(uint32_t accessor) const
-{
-    const lmb_gltf_accessor &a = file_->accessors[accessor];
-    std::vector<float> values(size_t(a.count) * a.components);
-    lmb_gltf_decode_all(&a, values.data());
-    return values;
-}
-
-std::string loader::node_name(uint32_t index) const
-{
-    const std::string &name = model_.nodes[index].name;
-    return name.empty() ? "node " + std::to_string(index) : name;
-}
-
-/* cJSON's lists have no random access. */
-void loader::list_items()
-{
-    const cJSON *item;
-    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(file_->root, "images"))
-    {
-        image_items_.push_back(item);
-    }
-    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(file_->root, "meshes"))
-    {
-        mesh_items_.push_back(item);
-    }
-    images_.assign(image_items_.size(), NOT_READ);
-}
-
-/* A level far from the world's origin is placed once more, from an origin of its own. Node transforms are in double, so
- * nothing is lost but what the file itself has not. */
-void loader::move_to_origin()
-{
-    scene_->origin = lmb_scene_choose_origin(scene_);
-    if (!is_moved()) {
-        return;
-    }
-    for (world_node &node : nodes_) {
-        move(node.to_world, scene_->origin, -1.0);
-    }
-    lmb_scene_clear_nodes(scene_);
-    shared_meshes_.assign(model_.meshes.size(), NONE);
-    path_.clear();
-    /* What the nodes have to be warned of was said. */
-    if (options_) {
-        quiet_options_ = *options_;
-        quiet_options_.warnings = {};
-        options_ = &quiet_options_;
-        warnings_ = &quiet_options_.warnings;
-    }
-    visit_scene();
-}
-
-void loader::find_bounds()
-{
-    const uint32_t lost = lmb_scene_find_bounds(scene_);
-    if (lost != NONE) {
-        fail(LMB_ERROR_FORMAT, "nodes[%d]: a vertex is too far away", scene_->instances[lost].node);
-    }
-}
-
-/* What waits for the end: the order of the path, and the hash of all that was read. */
-void loader::finish()
-{
-    std::stable_sort(path_.begin(), path_.end(), [](const auto &a, const auto &b) { return a.first < b.first; });
-    for (const auto &point : path_) {
-        append(scene_->path_points, scene_->path_point_count) = point.second;
-    }
-    uint64_t hash = file_->hash;
-    for (size_t i = 0; options_ && i < options_->exclude_count; ++i) {
-        hash = lmb_hash(hash, options_->exclude[i], strlen(options_->exclude[i]) + 1);
-    }
-    const double scales[2] = {light_scale_, emission_scale_};
-    if (scales[0] != 1.0 || scales[1] != 1.0) {
-        hash = lmb_hash(hash, scales, sizeof scales);
-    }
-    scene_->content_hash = hash;
-}
-
-void loader::load()
-{
-    scene_->path = copy_string(file_->path);
-    lmb_gltf_marks *marks = nullptr;
-    check(lmb_gltf_marks_read(file_, warnings_, &marks, error_));
-    marks_.reset(marks);
-    lmb_gltf_blender_warn_area_lamps(file_, warnings_);
-    lmb_gltf_excludes_warn(file_, options_, warnings_);
-    parse();
-    list_items();
-    read_materials();
-    place_nodes();
-    shared_meshes_.assign(model_.meshes.size(), NONE);
-    visit_scene();
-    move_to_origin();
-    read_images();
-    find_bounds();
-    finish();
-    lmb_gltf_extensions_warn(file_, warnings_);
-    lmb_gltf_blender_warn_units(file_, scene_, warnings_);
-}
 
 } // namespace lmb_gltf
 
@@ -197,7 +96,7 @@ lmb_result lmb_gltf_load(const char *path, const lmb_gltf_options *options, lmb_
 {
     assert(path && scene);
     lmb_gltf_file *opened = nullptr;
-    const lmb_result result = lmb_gltf_file_open(path, options, &opened, error);
+    const lmb_result result = lmb_gltf_open(path, options, &opened, error);
     if (result != LMB_OK) {
         return result;
     }
@@ -207,9 +106,9 @@ lmb_result lmb_gltf_load(const char *path, const lmb_gltf_options *options, lmb_
         if (!made) {
             throw std::bad_alloc();
         }
-        lmb_gltf::loader(file.get(), options, made.get(), error).load();
+        lmb_gltf::load(file.get(), options ? *options : lmb_gltf_options{}, *made);
     } catch (const lmb_gltf::failure &f) {
-        return f.result;
+        return lmb_error_set(error, f.result, "%s", f.error.message);
     } catch (const std::bad_alloc &) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", path);
     } catch (const std::exception &e) {

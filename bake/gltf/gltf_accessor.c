@@ -3,40 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "gltf/gltf_buffers.h"
+#include "gltf/gltf_json.h"
+
 /* Elements of an accessor without bytes: nothing in the file vouches for them. */
 enum { MAX_ZERO_ELEMENTS = 1 << 24 };
-
-/* A buffer view's bytes; it was checked to lie in its buffer. */
-lmb_gltf_bytes lmb_gltf_view_bytes(const lmb_gltf_file *file, uint32_t view)
-{
-    const lmb_gltf_bytes *const buffer = &file->buffers[lmb_gltf_uint(file->views[view], "buffer", 0)];
-    const size_t offset = lmb_gltf_uint(file->views[view], "byteOffset", 0);
-    return (lmb_gltf_bytes){buffer->data ? buffer->data + offset : NULL,
-                            lmb_gltf_uint(file->views[view], "byteLength", 0), NULL};
-}
-
-lmb_result lmb_gltf_views_resolve(lmb_gltf_file *file, lmb_error *error)
-{
-    const cJSON *const list = cJSON_GetObjectItemCaseSensitive(file->root, "bufferViews");
-    file->views = calloc((size_t)cJSON_GetArraySize(list) + 1, sizeof *file->views);
-    if (!file->views) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", file->path);
-    }
-    const cJSON *item;
-    cJSON_ArrayForEach(item, list)
-    {
-        const size_t size = file->buffers[lmb_gltf_uint(item, "buffer", 0)].size;
-        const size_t offset = lmb_gltf_uint(item, "byteOffset", 0);
-        const size_t length = lmb_gltf_uint(item, "byteLength", 0);
-        if (offset > size || length > size - offset) {
-            return lmb_error_set(error, LMB_ERROR_FORMAT,
-                                 "%s: bufferViews[%u]: bytes %zu to %zu leave buffers[%u] of %zu bytes", file->path,
-                                 file->view_count, offset, offset + length, lmb_gltf_uint(item, "buffer", 0), size);
-        }
-        file->views[file->view_count++] = item;
-    }
-    return LMB_OK;
-}
 
 static uint32_t component_size(int component_type)
 {
@@ -82,7 +53,7 @@ static bool elements_fit(size_t size, size_t offset, uint32_t count, size_t stri
     return offset <= size && last <= size - offset && used_size <= size - offset - last;
 }
 
-static lmb_result resolve_sparse(const lmb_gltf_file *file, const cJSON *sparse, const char *place,
+static lmb_result resolve_sparse(const lmb_gltf_file *file, const cJSON *sparse, const char *where,
                                  lmb_gltf_accessor *accessor, lmb_error *error)
 {
     const cJSON *const indices = cJSON_GetObjectItemCaseSensitive(sparse, "indices");
@@ -96,15 +67,15 @@ static lmb_result resolve_sparse(const lmb_gltf_file *file, const cJSON *sparse,
     const uint32_t index_size = component_size(index_type);
     if (count > accessor->count) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.sparse: count %u is above the accessor's %u", file->path,
-                             place, count, accessor->count);
+                             where, count, accessor->count);
     }
     if (!elements_fit(index_view.size, index_offset, count, index_size, index_size)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.sparse.indices: leaves its buffer view", file->path,
-                             place);
+                             where);
     }
     if (!elements_fit(value_view.size, value_offset, count, accessor->element_size, accessor->used_size)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.sparse.values: leaves its buffer view", file->path,
-                             place);
+                             where);
     }
     if (count == 0 || !index_view.data || !value_view.data) {
         accessor->missing |= count > 0;
@@ -114,7 +85,7 @@ static lmb_result resolve_sparse(const lmb_gltf_file *file, const cJSON *sparse,
         const uint32_t index = lmb_gltf_read_index(index_view.data + index_offset, index_type, i);
         if (index >= accessor->count) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.sparse.indices: element %u is %u, of %u", file->path,
-                                 place, i, index, accessor->count);
+                                 where, i, index, accessor->count);
         }
     }
     accessor->sparse_count = count;
@@ -124,7 +95,7 @@ static lmb_result resolve_sparse(const lmb_gltf_file *file, const cJSON *sparse,
     return LMB_OK;
 }
 
-static lmb_result resolve_accessor(const lmb_gltf_file *file, const cJSON *item, const char *place,
+static lmb_result resolve_accessor(const lmb_gltf_file *file, const cJSON *item, const char *where,
                                    lmb_gltf_accessor *accessor, lmb_error *error)
 {
     accessor->component_type = (int)lmb_gltf_uint(item, "componentType", 0);
@@ -139,22 +110,22 @@ static lmb_result resolve_accessor(const lmb_gltf_file *file, const cJSON *item,
         const uint32_t stride = lmb_gltf_uint(file->views[view], "byteStride", 0);
         if (stride != 0 && stride < accessor->element_size) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: byteStride %u is below the element's %u bytes",
-                                 file->path, place, stride, accessor->element_size);
+                                 file->path, where, stride, accessor->element_size);
         }
         accessor->stride = stride ? stride : accessor->element_size;
         if (!elements_fit(bytes.size, offset, accessor->count, accessor->stride, accessor->used_size)) {
             return lmb_error_set(error, LMB_ERROR_FORMAT,
                                  "%s: %s: %u elements of %u bytes from byte %zu on leave bufferViews[%u] of %zu bytes",
-                                 file->path, place, accessor->count, accessor->element_size, offset, view, bytes.size);
+                                 file->path, where, accessor->count, accessor->element_size, offset, view, bytes.size);
         }
         accessor->missing = !bytes.data && accessor->count > 0;
         accessor->data = bytes.data && accessor->count > 0 ? bytes.data + offset : NULL;
     } else if (accessor->count > MAX_ZERO_ELEMENTS) {
         return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %s: %u elements without a buffer view", file->path,
-                             place, accessor->count);
+                             where, accessor->count);
     }
     const cJSON *const sparse = cJSON_GetObjectItemCaseSensitive(item, "sparse");
-    return sparse ? resolve_sparse(file, sparse, place, accessor, error) : LMB_OK;
+    return sparse ? resolve_sparse(file, sparse, where, accessor, error) : LMB_OK;
 }
 
 lmb_result lmb_gltf_accessors_resolve(lmb_gltf_file *file, lmb_error *error)
@@ -167,9 +138,9 @@ lmb_result lmb_gltf_accessors_resolve(lmb_gltf_file *file, lmb_error *error)
     const cJSON *item;
     cJSON_ArrayForEach(item, list)
     {
-        char place[LMB_GLTF_PLACE_SIZE];
-        lmb_gltf_place(place, "accessors[%u]", file->accessor_count);
-        const lmb_result result = resolve_accessor(file, item, place, &file->accessors[file->accessor_count], error);
+        char where[LMB_GLTF_WHERE_SIZE];
+        lmb_gltf_where(where, "accessors[%u]", file->accessor_count);
+        const lmb_result result = resolve_accessor(file, item, where, &file->accessors[file->accessor_count], error);
         if (result != LMB_OK) {
             return result;
         }
@@ -244,6 +215,19 @@ void lmb_gltf_decode_all(const lmb_gltf_accessor *accessor, float *values)
         const size_t index = lmb_gltf_read_index(accessor->sparse_indices, accessor->sparse_index_type, i);
         lmb_gltf_decode(accessor, accessor->sparse_values + i * accessor->element_size, values + index * components);
     }
+}
+
+bool lmb_gltf_decode_new(const lmb_gltf_file *file, int32_t accessor, float **values)
+{
+    if (accessor < 0) {
+        return true;
+    }
+    const lmb_gltf_accessor *const a = &file->accessors[accessor];
+    *values = malloc(((size_t)a->count + 1) * a->components * sizeof **values);
+    if (*values) {
+        lmb_gltf_decode_all(a, *values);
+    }
+    return *values != NULL;
 }
 
 void lmb_gltf_copy_all(const lmb_gltf_accessor *accessor, unsigned char *bytes)

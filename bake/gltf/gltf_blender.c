@@ -1,5 +1,5 @@
-#include "gltf/gltf_blender.h"
 /* What Blender's exporter does to light, and does not say. */
+#include "gltf/gltf_blender.h"
 
 #include <ctype.h>
 #include <math.h>

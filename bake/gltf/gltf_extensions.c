@@ -1,5 +1,5 @@
-#include "gltf/gltf_extensions.h"
 /* Which extensions of glTF are read, which cannot matter to a bake, and the warning that names the others. */
+#include "gltf/gltf_extensions.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,10 +1,12 @@
-#include "gltf/gltf_extras.h"
 /* What the level wants baked, from its nodes' `extras`, in every form that exporters give them. */
+#include "gltf/gltf_extras.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "gltf/gltf_json.h"
 
 /* More of them say nothing new. */
 enum { MAX_WARNINGS = 8 };
@@ -16,7 +18,7 @@ typedef struct extras_reader {
     lmb_error *error;
 } extras_reader;
 
-/* `where` is what has the extras: a node's name, or a place in the file. */
+/* `where` is what has the extras: a node's name, or where it stands in the file. */
 static void doubt(extras_reader *reader, const char *where, const char *key, const char *what)
 {
     if (reader->doubts++ < MAX_WARNINGS) {
@@ -35,7 +37,7 @@ static bool read_bool(const cJSON *item, bool *value)
     return false;
 }
 
-static lmb_result read_light(const extras_reader *reader, const cJSON *item, uint32_t number, lmb_gltf_marks *marks)
+static lmb_result read_light(const extras_reader *reader, const cJSON *item, uint32_t index, lmb_gltf_marks *marks)
 {
     static const char *const words[] = {"baked", "indirect", "off"};
     for (unsigned i = 0; i < 3; ++i) {
@@ -46,7 +48,7 @@ static lmb_result read_light(const extras_reader *reader, const cJSON *item, uin
     }
     return lmb_error_set(reader->error, LMB_ERROR_FORMAT,
                          "%s: nodes[%u].extras.lambent.light: neither baked, indirect nor off", reader->file->path,
-                         number);
+                         index);
 }
 
 /* How large the node's light is. */
@@ -60,11 +62,11 @@ static void read_extent(extras_reader *reader, const cJSON *item, const char *na
     }
 }
 
-static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char *name, uint32_t number,
+static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char *name, uint32_t index,
                             lmb_gltf_marks *marks)
 {
-    char key[LMB_GLTF_PLACE_SIZE];
-    lmb_gltf_place(key, "lambent.%s", item->string);
+    char key[LMB_GLTF_WHERE_SIZE];
+    lmb_gltf_where(key, "lambent.%s", item->string);
     const bool is_static = strcmp(item->string, "static") == 0, is_seed = strcmp(item->string, "seed") == 0;
     bool value;
     if (is_static || is_seed) {
@@ -87,7 +89,7 @@ static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char
         read_extent(reader, item, name, key, 1e18, &marks->radius_m);
     } else if (strcmp(item->string, "light") == 0) {
         if (cJSON_IsString(item)) {
-            return read_light(reader, item, number, marks);
+            return read_light(reader, item, index, marks);
         }
         doubt(reader, name, key, "is not a word: ignored");
     } else {
@@ -120,7 +122,7 @@ static void doubt_names(extras_reader *reader, const cJSON *extras, const char *
 }
 
 /* `extras` of one node. Custom properties that hold an object come as its JSON text from some exporters. */
-static lmb_result read_extras(extras_reader *reader, const cJSON *extras, const char *name, uint32_t number,
+static lmb_result read_extras(extras_reader *reader, const cJSON *extras, const char *name, uint32_t index,
                               lmb_gltf_marks *marks)
 {
     const cJSON *const ours = cJSON_GetObjectItemCaseSensitive(extras, "lambent");
@@ -135,7 +137,7 @@ static lmb_result read_extras(extras_reader *reader, const cJSON *extras, const 
         const cJSON *item;
         cJSON_ArrayForEach(item, object)
         {
-            result = result == LMB_OK ? read_mark(reader, item, name, number, marks) : result;
+            result = result == LMB_OK ? read_mark(reader, item, name, index, marks) : result;
         }
     } else {
         doubt(reader, name, "lambent", "is neither an object nor the text of one: ignored");
@@ -146,55 +148,53 @@ static lmb_result read_extras(extras_reader *reader, const cJSON *extras, const 
 
 /* Marks on anything but a node do nothing: exporters put an object's properties on its node, but its mesh's and lamp's
  * own there. */
-static void doubt_places(extras_reader *reader)
+static void doubt_others(extras_reader *reader)
 {
     static const char *const lists[] = {"scenes", "meshes", "materials", "cameras", "skins", "lights"};
-    const cJSON *const lights = cJSON_GetObjectItemCaseSensitive(
-        cJSON_GetObjectItemCaseSensitive(reader->file->root, "extensions"), "KHR_lights_punctual");
+    const cJSON *const lights = lmb_gltf_extension(reader->file->root, "KHR_lights_punctual");
     for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) {
         const cJSON *const owner = strcmp(lists[i], "lights") == 0 ? lights : reader->file->root;
-        unsigned number = 0;
+        unsigned index = 0;
         const cJSON *item;
         cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(owner, lists[i]))
         {
-            char place[LMB_GLTF_PLACE_SIZE];
-            lmb_gltf_place(place, "%s[%u]", lists[i], number++);
+            char where[LMB_GLTF_WHERE_SIZE];
+            lmb_gltf_where(where, "%s[%u]", lists[i], index++);
             const cJSON *const extras = cJSON_GetObjectItemCaseSensitive(item, "extras");
             if (cJSON_GetObjectItemCaseSensitive(extras, "lambent")) {
-                doubt(reader, place, "lambent", "is ignored: only a node's is read");
+                doubt(reader, where, "lambent", "is ignored: only a node's is read");
             }
-            doubt_names(reader, extras, place);
+            doubt_names(reader, extras, where);
         }
     }
 }
 
 static bool is_hidden(const cJSON *node)
 {
-    const cJSON *const visibility =
-        cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(node, "extensions"), "KHR_node_visibility");
+    const cJSON *const visibility = lmb_gltf_extension(node, "KHR_node_visibility");
     return cJSON_IsFalse(cJSON_GetObjectItemCaseSensitive(visibility, "visible"));
 }
 
 static lmb_result read_nodes(extras_reader *reader, lmb_gltf_marks *marks)
 {
-    uint32_t number = 0;
+    uint32_t index = 0;
     const cJSON *node;
     cJSON_ArrayForEach(node, cJSON_GetObjectItemCaseSensitive(reader->file->root, "nodes"))
     {
-        char name[LMB_GLTF_PLACE_SIZE];
+        char name[LMB_GLTF_WHERE_SIZE];
         const char *const own = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(node, "name"));
         if (own && *own) {
-            lmb_gltf_place(name, "node '%s'", own);
+            lmb_gltf_where(name, "node '%s'", own);
         } else {
-            lmb_gltf_place(name, "nodes[%u]", number);
+            lmb_gltf_where(name, "nodes[%u]", index);
         }
-        marks[number].hidden = is_hidden(node);
+        marks[index].hidden = is_hidden(node);
         const lmb_result result =
-            read_extras(reader, cJSON_GetObjectItemCaseSensitive(node, "extras"), name, number, &marks[number]);
+            read_extras(reader, cJSON_GetObjectItemCaseSensitive(node, "extras"), name, index, &marks[index]);
         if (result != LMB_OK) {
             return result;
         }
-        ++number;
+        ++index;
     }
     return LMB_OK;
 }
@@ -213,7 +213,7 @@ lmb_result lmb_gltf_marks_read(const lmb_gltf_file *file, const lmb_warnings *wa
         free(read);
         return result;
     }
-    doubt_places(&reader);
+    doubt_others(&reader);
     if (reader.doubts > MAX_WARNINGS) {
         lmb_warn(warnings, "%s: %u more doubtful extras", file->path, reader.doubts - MAX_WARNINGS);
     }

@@ -1,6 +1,8 @@
-/* What nodes want. */
+/* What a node wants, by its `extras` and KHR_node_visibility. */
 #ifndef LMB_GLTF_EXTRAS_H
 #define LMB_GLTF_EXTRAS_H
+
+#include <lambent/warning.h>
 
 #include "gltf/gltf_file.h"
 
@@ -11,7 +13,6 @@ extern "C" {
 typedef enum lmb_gltf_movement { LMB_GLTF_AS_ABOVE, LMB_GLTF_STANDS, LMB_GLTF_MOVES } lmb_gltf_movement;
 typedef enum lmb_gltf_light_part { LMB_GLTF_BAKED, LMB_GLTF_INDIRECT, LMB_GLTF_OFF } lmb_gltf_light_part;
 
-/* What a node wants, by its `extras` and KHR_node_visibility. */
 typedef struct lmb_gltf_marks {
     lmb_gltf_movement moves;
     lmb_gltf_light_part light;
@@ -21,7 +22,8 @@ typedef struct lmb_gltf_marks {
     double angle_deg, radius_m; /* of the node's light; 0: not told */
 } lmb_gltf_marks;
 
-/* The marks of all nodes, malloc'ed. What is not understood is warned about, but for a wrong `light`. */
+/* The marks of all nodes, malloc'ed. What is not understood is warned about, but for a wrong `light`.
+ * @return LMB_ERROR_FORMAT, _MEMORY */
 lmb_result lmb_gltf_marks_read(const lmb_gltf_file *file, const lmb_warnings *warnings, lmb_gltf_marks **marks,
                                lmb_error *error);
 

@@ -1,92 +1,54 @@
-/* The inside of lambent/gltf.h: a glTF file with its JSON, its buffers and its accessors.
+/* A glTF file as it is on the disk: its container, its JSON, and what the steps that follow find in it.
  *
- *     file -> gltf_file.c (container, URIs, buffers) -> gltf_check.c (types, indices, ranges)
- *          -> gltf_extras.c (what nodes want) -> gltf_loader.hh (tinygltf: nodes, materials, lights)
- *          -> gltf_transform.c, gltf_mesh.c (triangles in their place) -> scene
- *          -> gltf_uv.c (the same JSON with new accessors) -> .glb
- *
- * tinygltf sees nothing but JSON that passed the checks: it takes wrong types for absent ones, and indexes buffers
- * without looking. */
+ *     gltf_open.c  the order of the steps: nothing below it knows of a step that comes later
+ *       gltf_container.c, gltf_file.c   bytes -> JSON
+ *       gltf_schema.c, gltf_check.c     types, ranges, indices, versions, extensions
+ *       gltf_uri.c, gltf_buffers.c      buffers, views of them
+ *       gltf_accessor.c                 every element in its view
+ *       gltf_references.c               what the JSON alone cannot tell: hierarchy, primitives, skins */
 #ifndef LMB_GLTF_FILE_H
 #define LMB_GLTF_FILE_H
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
 #include <cjson/cJSON.h>
 
-#include <lambent/gltf.h>
+#include <lambent/error.h>
+
+#include "gltf/gltf_container.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-enum { LMB_GLTF_PLACE_SIZE = 256 };
-
-enum {
-    LMB_GLTF_BYTE = 5120,
-    LMB_GLTF_UNSIGNED_BYTE = 5121,
-    LMB_GLTF_SHORT = 5122,
-    LMB_GLTF_UNSIGNED_SHORT = 5123,
-    LMB_GLTF_UNSIGNED_INT = 5125,
-    LMB_GLTF_FLOAT = 5126
-};
-
-typedef struct lmb_gltf_bytes {
-    const unsigned char *data;
-    size_t size;
-    unsigned char *owned; /* what to free, or NULL */
-} lmb_gltf_bytes;
-
-/* An accessor whose every element was checked to lie in its buffer. */
-typedef struct lmb_gltf_accessor {
-    const unsigned char *data; /* NULL: zeros */
-    size_t stride;
-    uint32_t count;
-    uint32_t components;
-    uint32_t element_size; /* bytes, with the padding of small matrices */
-    uint32_t used_size;    /* the same without the padding after the last column, which the last element may lack */
-    int component_type;
-    bool normalized;
-    bool missing; /* its buffer has no bytes in the file, which is an error for whoever reads it */
-    uint32_t sparse_count;
-    int sparse_index_type;
-    const unsigned char *sparse_indices;
-    const unsigned char *sparse_values; /* tightly packed */
-} lmb_gltf_accessor;
-
 typedef struct lmb_gltf_file {
     char *path;
     bool allow_outside_uris;
-    unsigned char *data;
-    size_t size;
-    const unsigned char *bin; /* the GLB's binary chunk, or NULL */
-    size_t bin_size;
+    lmb_gltf_bytes bytes;
+    lmb_gltf_bytes bin; /* the GLB's binary chunk; its data may be NULL */
     cJSON *root;
-    lmb_gltf_bytes *buffers;
+    lmb_gltf_bytes *buffers; /* gltf_buffers.h */
     uint32_t buffer_count;
     const cJSON **views; /* [bufferView] */
     uint32_t view_count;
-    lmb_gltf_accessor *accessors;
+    struct lmb_gltf_accessor *accessors; /* gltf_accessor.h */
     uint32_t accessor_count;
     uint64_t hash; /* of all bytes read so far */
 } lmb_gltf_file;
 
-/* Reads the file of file->path, finds the GLB's chunks and parses the JSON. */
-lmb_result lmb_gltf_file_read(lmb_gltf_file *file, lmb_error *error);
-/* Reads all buffers; the JSON was checked. */
-lmb_result lmb_gltf_buffers_read(lmb_gltf_file *file, lmb_error *error);
+/* Refuses what is not a plain file (a pipe would hang) or larger than 2 GiB before reading it. `shown` stands for the
+ * path in messages. `*bytes` owns what was read.
+ * @return LMB_ERROR_IO, _UNSUPPORTED, _MEMORY */
+lmb_result lmb_gltf_plain_file_read(const char *path, const char *shown, lmb_gltf_bytes *bytes, lmb_error *error);
+
+/* Reads the container and parses the JSON, which is an object then, and unchecked. For lmb_gltf_file_close.
+ * @return LMB_ERROR_IO, _FORMAT, _UNSUPPORTED, _MEMORY */
+lmb_result lmb_gltf_file_read(const char *path, bool allow_outside_uris, lmb_gltf_file **file, lmb_error *error);
+
+/* `file` may be NULL. */
 void lmb_gltf_file_close(lmb_gltf_file *file);
-
-/* The bytes that a `uri` stands for; `place` names it in messages. */
-lmb_result lmb_gltf_uri_read(lmb_gltf_file *file, const char *uri, const char *place, lmb_gltf_bytes *bytes,
-                             lmb_error *error);
-
-/* Says where in the file something is; what does not fit is cut. */
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
-#endif
-void lmb_gltf_place(char place[LMB_GLTF_PLACE_SIZE], const char *format, ...);
-
-/* A non-negative integer property that was checked, or `missing`. */
-uint32_t lmb_gltf_uint(const cJSON *object, const char *name, uint32_t missing);
 
 #ifdef __cplusplus
 }

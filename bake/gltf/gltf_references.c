@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "gltf/gltf_mesh.h"
+#include "gltf/gltf_json.h"
 
 /* What a vertex attribute may be; quantised forms are KHR_mesh_quantization's. */
 typedef struct attribute_form {
@@ -41,28 +41,28 @@ bool lmb_gltf_is_uv(const lmb_gltf_accessor *accessor)
     return form_fits(&form, accessor);
 }
 
-static lmb_result require_bytes(const lmb_gltf_file *file, uint32_t accessor, const char *place, lmb_error *error)
+static lmb_result require_bytes(const lmb_gltf_file *file, uint32_t accessor, const char *where, lmb_error *error)
 {
     if (file->accessors[accessor].missing) {
         return lmb_error_set(error, LMB_ERROR_FORMAT,
                              "%s: %s: accessors[%u] is of a buffer with neither a uri nor a binary chunk", file->path,
-                             place, accessor);
+                             where, accessor);
     }
     return LMB_OK;
 }
 
 static lmb_result check_attribute_set(const lmb_gltf_file *file, const cJSON *attributes, bool target,
-                                      uint32_t vertex_count, const char *place, lmb_error *error)
+                                      uint32_t vertex_count, const char *where, lmb_error *error)
 {
     const cJSON *item;
     cJSON_ArrayForEach(item, attributes)
     {
         const lmb_gltf_accessor *const accessor = &file->accessors[(uint32_t)item->valuedouble];
         if (accessor->count != vertex_count) {
-            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.%s: %u elements for %u vertices", file->path, place,
+            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.%s: %u elements for %u vertices", file->path, where,
                                  item->string, accessor->count, vertex_count);
         }
-        const lmb_result result = require_bytes(file, (uint32_t)item->valuedouble, place, error);
+        const lmb_result result = require_bytes(file, (uint32_t)item->valuedouble, where, error);
         if (result != LMB_OK) {
             return result;
         }
@@ -76,14 +76,14 @@ static lmb_result check_attribute_set(const lmb_gltf_file *file, const cJSON *at
             }
             if (!form_fits(&form, accessor)) {
                 return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.%s: accessors[%u] is of a wrong type", file->path,
-                                     place, item->string, (uint32_t)item->valuedouble);
+                                     where, item->string, (uint32_t)item->valuedouble);
             }
         }
     }
     return LMB_OK;
 }
 
-static lmb_result check_primitive(const lmb_gltf_file *file, const cJSON *primitive, const char *place,
+static lmb_result check_primitive(const lmb_gltf_file *file, const cJSON *primitive, const char *where,
                                   lmb_error *error)
 {
     const cJSON *const attributes = cJSON_GetObjectItemCaseSensitive(primitive, "attributes");
@@ -92,14 +92,14 @@ static lmb_result check_primitive(const lmb_gltf_file *file, const cJSON *primit
         return LMB_OK; /* nothing to see, which glTF allows */
     }
     const uint32_t vertex_count = file->accessors[(uint32_t)position->valuedouble].count;
-    char inner[LMB_GLTF_PLACE_SIZE];
-    lmb_gltf_place(inner, "%s.attributes", place);
+    char inner[LMB_GLTF_WHERE_SIZE];
+    lmb_gltf_where(inner, "%s.attributes", where);
     lmb_result result = check_attribute_set(file, attributes, false, vertex_count, inner, error);
     const cJSON *target;
-    unsigned number = 0;
+    unsigned index = 0;
     cJSON_ArrayForEach(target, cJSON_GetObjectItemCaseSensitive(primitive, "targets"))
     {
-        lmb_gltf_place(inner, "%s.targets[%u]", place, number++);
+        lmb_gltf_where(inner, "%s.targets[%u]", where, index++);
         if (result == LMB_OK) {
             result = check_attribute_set(file, target, true, vertex_count, inner, error);
         }
@@ -107,35 +107,35 @@ static lmb_result check_primitive(const lmb_gltf_file *file, const cJSON *primit
     if (result != LMB_OK || !cJSON_GetObjectItemCaseSensitive(primitive, "indices")) {
         return result;
     }
-    const uint32_t number_of_indices = lmb_gltf_uint(primitive, "indices", 0);
-    const lmb_gltf_accessor *const indices = &file->accessors[number_of_indices];
+    const uint32_t indices_accessor = lmb_gltf_uint(primitive, "indices", 0);
+    const lmb_gltf_accessor *const indices = &file->accessors[indices_accessor];
     const bool integers = indices->component_type == LMB_GLTF_UNSIGNED_BYTE ||
                           indices->component_type == LMB_GLTF_UNSIGNED_SHORT ||
                           indices->component_type == LMB_GLTF_UNSIGNED_INT;
     if (!integers || indices->components != 1 || indices->normalized) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s.indices: accessors[%u] is not of unsigned integers",
-                             file->path, place, number_of_indices);
+                             file->path, where, indices_accessor);
     }
-    return require_bytes(file, number_of_indices, place, error);
+    return require_bytes(file, indices_accessor, where, error);
 }
 
 static lmb_result check_meshes(const lmb_gltf_file *file, lmb_error *error)
 {
     const cJSON *mesh, *primitive;
-    unsigned mesh_number = 0;
+    unsigned mesh_index = 0;
     cJSON_ArrayForEach(mesh, cJSON_GetObjectItemCaseSensitive(file->root, "meshes"))
     {
-        unsigned number = 0;
+        unsigned index = 0;
         cJSON_ArrayForEach(primitive, cJSON_GetObjectItemCaseSensitive(mesh, "primitives"))
         {
-            char place[LMB_GLTF_PLACE_SIZE];
-            lmb_gltf_place(place, "meshes[%u].primitives[%u]", mesh_number, number++);
-            const lmb_result result = check_primitive(file, primitive, place, error);
+            char where[LMB_GLTF_WHERE_SIZE];
+            lmb_gltf_where(where, "meshes[%u].primitives[%u]", mesh_index, index++);
+            const lmb_result result = check_primitive(file, primitive, where, error);
             if (result != LMB_OK) {
                 return result;
             }
         }
-        ++mesh_number;
+        ++mesh_index;
     }
     return LMB_OK;
 }
@@ -143,7 +143,7 @@ static lmb_result check_meshes(const lmb_gltf_file *file, lmb_error *error)
 static lmb_result check_skins(const lmb_gltf_file *file, lmb_error *error)
 {
     const cJSON *skin;
-    unsigned number = 0;
+    unsigned index = 0;
     cJSON_ArrayForEach(skin, cJSON_GetObjectItemCaseSensitive(file->root, "skins"))
     {
         const int joint_count = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(skin, "joints"));
@@ -154,25 +154,24 @@ static lmb_result check_skins(const lmb_gltf_file *file, lmb_error *error)
                 accessor->count < (uint32_t)joint_count) {
                 return lmb_error_set(error, LMB_ERROR_FORMAT,
                                      "%s: skins[%u].inverseBindMatrices: accessors[%u] is not %d float matrices",
-                                     file->path, number, matrices, joint_count);
+                                     file->path, index, matrices, joint_count);
             }
-            char place[LMB_GLTF_PLACE_SIZE];
-            lmb_gltf_place(place, "skins[%u].inverseBindMatrices", number);
-            const lmb_result result = require_bytes(file, matrices, place, error);
+            char where[LMB_GLTF_WHERE_SIZE];
+            lmb_gltf_where(where, "skins[%u].inverseBindMatrices", index);
+            const lmb_result result = require_bytes(file, matrices, where, error);
             if (result != LMB_OK) {
                 return result;
             }
         }
-        ++number;
+        ++index;
     }
     return LMB_OK;
 }
 
 /* EXT_mesh_gpu_instancing: equal counts, known types. */
-static lmb_result check_instancing(const lmb_gltf_file *file, const cJSON *node, unsigned number, lmb_error *error)
+static lmb_result check_instancing(const lmb_gltf_file *file, const cJSON *node, unsigned index, lmb_error *error)
 {
-    const cJSON *const extension = cJSON_GetObjectItemCaseSensitive(
-        cJSON_GetObjectItemCaseSensitive(node, "extensions"), "EXT_mesh_gpu_instancing");
+    const cJSON *const extension = lmb_gltf_extension(node, "EXT_mesh_gpu_instancing");
     const cJSON *item;
     uint32_t count = UINT32_MAX;
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(extension, "attributes"))
@@ -186,11 +185,11 @@ static lmb_result check_instancing(const lmb_gltf_file *file, const cJSON *node,
             (rotation && (accessor->components != 4 || !(is_float || accessor->normalized)))) {
             return lmb_error_set(error, LMB_ERROR_FORMAT,
                                  "%s: nodes[%u].extensions.EXT_mesh_gpu_instancing.%s: accessors[%u] does not fit",
-                                 file->path, number, item->string, (uint32_t)item->valuedouble);
+                                 file->path, index, item->string, (uint32_t)item->valuedouble);
         }
-        char place[LMB_GLTF_PLACE_SIZE];
-        lmb_gltf_place(place, "nodes[%u].extensions.EXT_mesh_gpu_instancing", number);
-        const lmb_result result = require_bytes(file, (uint32_t)item->valuedouble, place, error);
+        char where[LMB_GLTF_WHERE_SIZE];
+        lmb_gltf_where(where, "nodes[%u].extensions.EXT_mesh_gpu_instancing", index);
+        const lmb_result result = require_bytes(file, (uint32_t)item->valuedouble, where, error);
         if (result != LMB_OK) {
             return result;
         }
@@ -198,19 +197,19 @@ static lmb_result check_instancing(const lmb_gltf_file *file, const cJSON *node,
     return LMB_OK;
 }
 
-static lmb_result check_node(const lmb_gltf_file *file, const cJSON *node, unsigned number, lmb_error *error)
+static lmb_result check_node(const lmb_gltf_file *file, const cJSON *node, unsigned index, lmb_error *error)
 {
     if (cJSON_GetObjectItemCaseSensitive(node, "skin") && !cJSON_GetObjectItemCaseSensitive(node, "mesh")) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: nodes[%u]: a skin without a mesh", file->path, number);
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: nodes[%u]: a skin without a mesh", file->path, index);
     }
-    return check_instancing(file, node, number, error);
+    return check_instancing(file, node, index, error);
 }
 
-/* Every node has at most one parent, every scene lists roots once, and no node is its own ancestor. */
-static lmb_result check_hierarchy(const lmb_gltf_file *file, uint32_t *parent, uint32_t node_count, lmb_error *error)
+/* Every node has at most one parent, which `parent` gets. */
+static lmb_result find_parents(const lmb_gltf_file *file, uint32_t *parent, uint32_t node_count, lmb_error *error)
 {
-    const cJSON *node, *child, *scene;
-    uint32_t number = 0;
+    const cJSON *node, *child;
+    uint32_t node_index = 0;
     for (uint32_t i = 0; i < node_count; ++i) {
         parent[i] = UINT32_MAX;
     }
@@ -221,43 +220,76 @@ static lmb_result check_hierarchy(const lmb_gltf_file *file, uint32_t *parent, u
             const uint32_t index = (uint32_t)child->valuedouble;
             if (parent[index] != UINT32_MAX) {
                 return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: nodes[%u].children: node %u has two parents",
-                                     file->path, number, index);
+                                     file->path, node_index, index);
             }
-            parent[index] = number;
+            parent[index] = node_index;
         }
-        const lmb_result result = check_node(file, node, number, error);
+        const lmb_result result = check_node(file, node, node_index, error);
         if (result != LMB_OK) {
             return result;
         }
-        ++number;
+        ++node_index;
     }
-    /* Up from each node, until a node that an earlier walk has seen: linear in all. */
-    uint32_t *const state = parent + node_count; /* number of the walk that has been here, or 0 */
+    return LMB_OK;
+}
+
+/* No node is its own ancestor. Up from each node, until a node that an earlier walk has seen: linear in all. `seen` is
+ * zero. */
+static lmb_result check_ancestors(const lmb_gltf_file *file, const uint32_t *parent, uint32_t *seen,
+                                  uint32_t node_count, lmb_error *error)
+{
     for (uint32_t i = 0; i < node_count; ++i) {
         uint32_t at = i;
-        while (at != UINT32_MAX && state[at] == 0) {
-            state[at] = i + 1;
+        while (at != UINT32_MAX && seen[at] == 0) {
+            seen[at] = i + 1; /* which walk has been here */
             at = parent[at];
         }
-        if (at != UINT32_MAX && state[at] == i + 1) {
+        if (at != UINT32_MAX && seen[at] == i + 1) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: nodes[%u]: is its own ancestor", file->path, at);
         }
     }
-    uint32_t scene_number = 0;
+    return LMB_OK;
+}
+
+/* Every scene lists roots, each once. `listed` has room for all nodes. */
+static lmb_result check_scenes(const lmb_gltf_file *file, const uint32_t *parent, uint32_t *listed, uint32_t node_count,
+                               lmb_error *error)
+{
+    const cJSON *scene, *node;
+    uint32_t scene_index = 0;
     cJSON_ArrayForEach(scene, cJSON_GetObjectItemCaseSensitive(file->root, "scenes"))
     {
-        memset(state, 0, node_count * sizeof *state);
-        cJSON_ArrayForEach(child, cJSON_GetObjectItemCaseSensitive(scene, "nodes"))
+        memset(listed, 0, node_count * sizeof *listed);
+        cJSON_ArrayForEach(node, cJSON_GetObjectItemCaseSensitive(scene, "nodes"))
         {
-            const uint32_t index = (uint32_t)child->valuedouble;
-            if (parent[index] != UINT32_MAX || state[index]++) {
+            const uint32_t index = (uint32_t)node->valuedouble;
+            if (parent[index] != UINT32_MAX || listed[index]++) {
                 return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: scenes[%u].nodes: node %u is %s", file->path,
-                                     scene_number, index, state[index] ? "listed twice" : "not a root");
+                                     scene_index, index, listed[index] ? "listed twice" : "not a root");
             }
         }
-        ++scene_number;
+        ++scene_index;
     }
     return LMB_OK;
+}
+
+static lmb_result check_hierarchy(const lmb_gltf_file *file, lmb_error *error)
+{
+    const uint32_t node_count = (uint32_t)cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(file->root, "nodes"));
+    uint32_t *const parent = calloc((size_t)node_count * 2 + 1, sizeof *parent);
+    if (!parent) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", file->path);
+    }
+    uint32_t *const state = parent + node_count;
+    lmb_result result = find_parents(file, parent, node_count, error);
+    if (result == LMB_OK) {
+        result = check_ancestors(file, parent, state, node_count, error);
+    }
+    if (result == LMB_OK) {
+        result = check_scenes(file, parent, state, node_count, error);
+    }
+    free(parent);
+    return result;
 }
 
 lmb_result lmb_gltf_check_references(const lmb_gltf_file *file, lmb_error *error)
@@ -266,15 +298,5 @@ lmb_result lmb_gltf_check_references(const lmb_gltf_file *file, lmb_error *error
     if (result == LMB_OK) {
         result = check_skins(file, error);
     }
-    if (result != LMB_OK) {
-        return result;
-    }
-    const uint32_t node_count = (uint32_t)cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(file->root, "nodes"));
-    uint32_t *const parent = calloc((size_t)node_count * 2 + 1, sizeof *parent);
-    if (!parent) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", file->path);
-    }
-    result = check_hierarchy(file, parent, node_count, error);
-    free(parent);
-    return result;
+    return result == LMB_OK ? check_hierarchy(file, error) : result;
 }

@@ -1,6 +1,6 @@
-#include "gltf/gltf_shown.h"
 /* What tinygltf gets to see of a file: the structure only. Bytes and pictures are read by lmb_gltf_file, and nobody
  * needs the rest. Written anew, so that it reads exactly what was checked. */
+#include "gltf/gltf_shown.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
-#include "gltf/gltf_transform.h"
 /* How a node's transform places what hangs on it. */
+#include "gltf/gltf_transform.h"
 
 #include <math.h>
 
@@ -50,7 +50,7 @@ static bool floats_take(const float *from, int count, double *values)
 {
     for (int i = 0; from && i < count; ++i) {
         values[i] = (double)from[i];
-        if (!(fabs(values[i]) < 1e18)) {
+        if (!(fabs(values[i]) < LMB_GLTF_FARTHEST)) {
             return false;
         }
     }
@@ -81,19 +81,26 @@ lmb_vec3 lmb_gltf_forward(const lmb_affine *to_world)
                         : (lmb_vec3){0.0f, 0.0f, -1.0f};
 }
 
-/* The cofactors: the inverse transpose times the determinant. */
-static double invert(const lmb_affine *t, lmb_affine *cofactor, double *size)
+double lmb_gltf_cofactors(const lmb_affine *t, lmb_affine *cofactor)
 {
     *cofactor = (lmb_affine){{{0}}};
-    *size = 0.0;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
             const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
             cofactor->m[i][j] = t->m[i1][j1] * t->m[i2][j2] - t->m[i1][j2] * t->m[i2][j1];
-            *size = fmax(*size, fabs(t->m[i][j]));
         }
     }
     return t->m[0][0] * cofactor->m[0][0] + t->m[0][1] * cofactor->m[0][1] + t->m[0][2] * cofactor->m[0][2];
+}
+
+/* The largest element of the linear part. */
+static double linear_size(const lmb_affine *t)
+{
+    double size = 0.0;
+    for (int k = 0; k < 9; ++k) {
+        size = fmax(size, fabs(t->m[k / 3][k % 3]));
+    }
+    return size;
 }
 
 static bool is_flat(double determinant, double size)
@@ -131,16 +138,15 @@ static bool thicken(lmb_affine *t, const lmb_affine *cofactor, double size)
 lmb_gltf_rank lmb_gltf_transform_rank(const lmb_affine *t)
 {
     lmb_affine cofactor;
-    double size;
-    const double determinant = invert(t, &cofactor, &size);
+    const double determinant = lmb_gltf_cofactors(t, &cofactor), size = linear_size(t);
     return !(size > SMALLEST_SCALE) ? LMB_GLTF_NOTHING : is_flat(determinant, size) ? LMB_GLTF_FLAT : LMB_GLTF_SOLID;
 }
 
 bool lmb_gltf_instance_place(const lmb_affine *to_world, const lmb_vec3 *shift, lmb_instance *instance)
 {
-    double size;
+    const double size = linear_size(to_world);
     instance->to_world = *to_world;
-    double determinant = invert(&instance->to_world, &instance->normal_to_world, &size);
+    double determinant = lmb_gltf_cofactors(&instance->to_world, &instance->normal_to_world);
     if (!(size > SMALLEST_SCALE)) {
         return false;
     }
@@ -148,7 +154,7 @@ bool lmb_gltf_instance_place(const lmb_affine *to_world, const lmb_vec3 *shift, 
         if (!thicken(&instance->to_world, &instance->normal_to_world, size)) {
             return false;
         }
-        determinant = invert(&instance->to_world, &instance->normal_to_world, &size);
+        determinant = lmb_gltf_cofactors(&instance->to_world, &instance->normal_to_world);
     }
     for (int k = 0; k < 9; ++k) {
         instance->normal_to_world.m[k / 3][k % 3] /= determinant;

@@ -17,11 +17,11 @@ typedef struct lmb_gltf_options {
     double light_scale;      /* multiplies punctual lights; 0: 1 */
     double emission_scale;   /* multiplies what materials emit; 0: 1 */
     bool allow_outside_uris; /* accept URIs that are absolute or leave the level's folder; else refused */
-    lmb_warnings warnings;   /* what of the file is left out or doubtful, each with the name of its place */
+    lmb_warnings warnings;   /* what of the file is left out or doubtful, each says where it is */
 } lmb_gltf_options;
 
 /* Loads a level. `options` may be NULL. Unsupported required extensions, broken references, missing files, and
- * accessors that leave their buffers are errors that name the place ("level.gltf: accessors[3]: ...").
+ * accessors that leave their buffers are errors that say where ("level.gltf: accessors[3]: ...").
  * Points and lines are skipped. Degenerate and non-finite triangles are dropped and counted. Textures that no material
  * in sight needs are not read, and a normal map that cannot be read only brings a warning.
  * @return LMB_ERROR_IO, _FORMAT, _UNSUPPORTED, _MEMORY */

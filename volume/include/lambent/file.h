@@ -19,6 +19,10 @@ lmb_result lmb_file_read(const char *path, unsigned char **data, size_t *size, l
 /* `directory`/`name` in malloc'ed memory; NULL when out of it. */
 char *lmb_file_in(const char *directory, const char *name);
 
+/* The path of a file that `name` stands for beside the file at `path`: in its folder, or `name` itself where it begins
+ * with a slash. The caller frees it. NULL when out of memory. */
+char *lmb_file_path_beside(const char *path, const char *name);
+
 /* The path beside `path` that a new version is written to before it replaces the old one; fits any path that
  * open() takes. The caller frees it. NULL when out of memory. */
 char *lmb_file_temporary_path(const char *path);
