@@ -13,7 +13,7 @@ lmb_moments lmb_moments_from_sh2(const lmb_sh2 *clipped_radiance)
 {
     lmb_moments moments;
     moments.scalar = clipped_radiance->c[0] * (float)(2.0 / LMB_SQRT_PI);
-    moments.vector = lmb_vec3_scaled(lmb_sh_linear(clipped_radiance->c), (float)(2.0 / (LMB_SQRT_3 * LMB_SQRT_PI)));
+    moments.vector = lmb_vec3_scale(lmb_sh_linear(clipped_radiance->c), (float)(2.0 / (LMB_SQRT_3 * LMB_SQRT_PI)));
     return moments;
 }
 
@@ -70,7 +70,7 @@ lmb_hhd lmb_hhd_solve(lmb_moments moments, lmb_vec3 vertex_normal)
     lmb_hhd hhd;
     hhd.ambient = lmb_light_clamped(ambient * scale);
     hhd.directional = lmb_light_clamped(directional * scale);
-    hhd.direction = lmb_vec3_unit_or(lmb_vec3_add_scaled(b_perp, n, height), n);
+    hhd.direction = lmb_vec3_unit_or(lmb_vec3_mad(b_perp, n, height), n);
     return hhd;
 }
 
@@ -83,7 +83,7 @@ static lmb_vec3 tilted_above_horizon(lmb_vec3 d, lmb_vec3 n)
     const lmb_vec3 none = {0.0f, 0.0f, 0.0f};
     const lmb_vec3 flat = lmb_vec3_unit_or(lmb_vec3_perpendicular(d, n), none);
     const float min_sine = sqrtf(1.0f - LMB_IRRADZ_MIN_COS * LMB_IRRADZ_MIN_COS);
-    const lmb_vec3 tilted = lmb_vec3_add_scaled(lmb_vec3_scaled(flat, min_sine), n, LMB_IRRADZ_MIN_COS);
+    const lmb_vec3 tilted = lmb_vec3_mad(lmb_vec3_scale(flat, min_sine), n, LMB_IRRADZ_MIN_COS);
     return lmb_vec3_unit_or(tilted, n);
 }
 

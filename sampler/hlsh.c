@@ -37,7 +37,7 @@ static lmb_hlsh hlsh_weighted(const hlsh_weights *w, const lmb_sh3 *radiance, lm
     lmb_hlsh hlsh;
     hlsh.irradiance_z = w->z_l0 * l.l0 + w->z_l1 * l.l1_zonal + w->z_l2 * l.l2_zonal;
     hlsh.ambient = w->ca_l0 * l.l0 + w->ca_l1 * l.l1_zonal + w->ca_l2 * l.l2_zonal;
-    hlsh.tangential = lmb_vec3_add_scaled(lmb_vec3_scaled(l.l1_tangential, w->c_l1), l.l2_tangential, w->c_l2);
+    hlsh.tangential = lmb_vec3_mad(lmb_vec3_scale(l.l1_tangential, w->c_l1), l.l2_tangential, w->c_l2);
     return hlsh;
 }
 
@@ -67,10 +67,10 @@ void lmb_hlsh_add_light(lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 directi
         return;
     }
     const float pi = (float)LMB_PI;
-    const lmb_vec3 tangential = lmb_vec3_add_scaled(direction, vertex_normal, -cosine);
+    const lmb_vec3 tangential = lmb_vec3_mad(direction, vertex_normal, -cosine);
     const float sine = sqrtf(lmb_vec3_dot(tangential, tangential));
     const float rest = pi - atan2f(sine, cosine);
     hlsh->irradiance_z += weight * cosine / pi;
     hlsh->ambient += weight * ((3.0f + cosine) / (4.0f * pi) - (sine + rest * cosine) / (pi * pi));
-    hlsh->tangential = lmb_vec3_add_scaled(hlsh->tangential, tangential, weight * rest / (pi * pi));
+    hlsh->tangential = lmb_vec3_mad(hlsh->tangential, tangential, weight * rest / (pi * pi));
 }

@@ -45,9 +45,9 @@ lmb_sh2 lmb_sh3_multiply_cone(const lmb_sh3 *radiance, lmb_vec3 axis, float cone
     const lmb_sh3_axial l = lmb_sh3_about_axis(radiance, axis);
     const float zonal0 = g.g00_00 * l.l0 + g.g00_10 * l.l1_zonal + g.g00_20 * l.l2_zonal;
     const float zonal1 = g.g00_10 * l.l0 + g.g10_10 * l.l1_zonal + g.g10_20 * l.l2_zonal;
-    lmb_vec3 v = lmb_vec3_scaled(axis, zonal1);
-    v = lmb_vec3_add_scaled(v, l.l1_tangential, g.gx_x);
-    v = lmb_vec3_add_scaled(v, l.l2_tangential, g.gx_xz);
+    lmb_vec3 v = lmb_vec3_scale(axis, zonal1);
+    v = lmb_vec3_mad(v, l.l1_tangential, g.gx_x);
+    v = lmb_vec3_mad(v, l.l2_tangential, g.gx_xz);
     return (lmb_sh2){{zonal0, -v.y, v.z, -v.x}};
 }
 

@@ -11,6 +11,7 @@
 #include <stdbool.h>
 
 #include <lambent/sh.h>
+#include <lambent/vector.h>
 
 /* Normalisation of the basis (lambent/sh.h). */
 #define LMB_SH_N0 0.28209479177387814  /* 1 / (2 sqrt(pi)) */
@@ -19,53 +20,23 @@
 #define LMB_SH_N20 0.31539156525252005 /* sqrt(5 / (16 pi)) */
 #define LMB_SH_N22 0.54627421529603959 /* sqrt(15 / (16 pi)) */
 
-#define LMB_PI 3.1415926535897932
 #define LMB_SQRT_PI 1.7724538509055161
 #define LMB_SQRT_3 1.7320508075688773
 #define LMB_SQRT_5 2.2360679774997897
 #define LMB_SQRT_15 3.8729833462074169
 
-/* a + s b */
-static inline lmb_vec3 lmb_vec3_add_scaled(lmb_vec3 a, lmb_vec3 b, float s)
-{
-    return (lmb_vec3){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
-}
-
-static inline lmb_vec3 lmb_vec3_scaled(lmb_vec3 a, float s)
-{
-    return (lmb_vec3){s * a.x, s * a.y, s * a.z};
-}
-
 /* The part of `a` perpendicular to the unit `axis`. Projected twice: after one projection a vector nearly along the
  * axis keeps a rounding error that is as long as its perpendicular part. */
 static inline lmb_vec3 lmb_vec3_perpendicular(lmb_vec3 a, lmb_vec3 axis)
 {
-    const lmb_vec3 once = lmb_vec3_add_scaled(a, axis, -lmb_vec3_dot(a, axis));
-    return lmb_vec3_add_scaled(once, axis, -lmb_vec3_dot(once, axis));
-}
-
-/* `a` with unit length; `fallback` when `a` has no direction (zero, NaN, infinite). In double: squares of floats can
- * neither overflow nor vanish there. */
-static inline lmb_vec3 lmb_vec3_unit_or(lmb_vec3 a, lmb_vec3 fallback)
-{
-    const double x = (double)a.x, y = (double)a.y, z = (double)a.z;
-    const double length = sqrt(x * x + y * y + z * z);
-    if (!(length > 0.0 && length < (double)INFINITY)) {
-        return fallback;
-    }
-    return (lmb_vec3){(float)(x / length), (float)(y / length), (float)(z / length)};
+    const lmb_vec3 once = lmb_vec3_mad(a, axis, -lmb_vec3_dot(a, axis));
+    return lmb_vec3_mad(once, axis, -lmb_vec3_dot(once, axis));
 }
 
 /* A unit normal from what may be a broken one; +Y when it has no direction. */
 static inline lmb_vec3 lmb_normal_mended(lmb_vec3 normal)
 {
     return lmb_vec3_unit_or(normal, (lmb_vec3){0.0f, 1.0f, 0.0f});
-}
-
-/* `b` when `a` is NaN. */
-static inline float lmb_larger(float a, float b)
-{
-    return a > b ? a : b;
 }
 
 /* `x` in [0, 1]; NaN gives 0. */
@@ -120,8 +91,8 @@ static inline lmb_sh3_axial lmb_sh3_about_axis(const lmb_sh3 *sh, lmb_vec3 axis)
     axial.l0 = sh->c[0];
     axial.l1_zonal = v_axis;
     axial.l2_zonal = m_axis * (float)(0.5 / LMB_SH_N20);
-    axial.l1_tangential = lmb_vec3_add_scaled(v, axis, -v_axis);
-    axial.l2_tangential = lmb_vec3_scaled(lmb_vec3_add_scaled(m, axis, -m_axis), (float)(2.0 / LMB_SH_N2));
+    axial.l1_tangential = lmb_vec3_mad(v, axis, -v_axis);
+    axial.l2_tangential = lmb_vec3_scale(lmb_vec3_mad(m, axis, -m_axis), (float)(2.0 / LMB_SH_N2));
     return axial;
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include <lambent/sh.h>
+#include <lambent/vector.h>
 
 static const lmb_sh3 light = {{1.0f, 0.25f, -0.5f, 0.75f, -0.3f, 0.6f, 0.45f, -0.85f, 0.2f}};
 

@@ -3,8 +3,7 @@
 #include <lambent/placement.h>
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
-
-#include "vector_math.h"
+#include <lambent/vector.h>
 
 /* Dimension pairs of a point's sequence. */
 enum { PAIR_FREE = 2, PAIR_FREE_HEIGHT };
@@ -13,11 +12,11 @@ enum { PAIR_FREE = 2, PAIR_FREE_HEIGHT };
 static lmb_vec3 direction_around(lmb_vec3 axis, float sine_squared, float turn)
 {
     lmb_vec3 tangent, bitangent;
-    vector_frame(axis, &tangent, &bitangent);
+    lmb_vec3_frame(axis, &tangent, &bitangent);
     const float sine = sqrtf(sine_squared);
-    const float angle = 2.0f * TOOLS_PI_F * turn;
-    const lmb_vec3 up = vector_scale(axis, sqrtf(fmaxf(0.0f, 1.0f - sine_squared)));
-    return vector_mad(vector_mad(up, tangent, sine * cosf(angle)), bitangent, sine * sinf(angle));
+    const float angle = 2.0f * LMB_PI_F * turn;
+    const lmb_vec3 up = lmb_vec3_scale(axis, sqrtf(fmaxf(0.0f, 1.0f - sine_squared)));
+    return lmb_vec3_mad(lmb_vec3_mad(up, tangent, sine * cosf(angle)), bitangent, sine * sinf(angle));
 }
 
 void shading_normals(lmb_vec3 normal, uint64_t stream, int count, lmb_vec3 *normals)
@@ -34,7 +33,7 @@ static lmb_vec3 sphere_direction(const float point[2])
 {
     const float z = 1.0f - 2.0f * point[0];
     const float radius = sqrtf(fmaxf(0.0f, 1.0f - z * z));
-    const float angle = 2.0f * TOOLS_PI_F * point[1];
+    const float angle = 2.0f * LMB_PI_F * point[1];
     return (lmb_vec3){radius * cosf(angle), radius * sinf(angle), z};
 }
 
@@ -54,7 +53,7 @@ bool free_point(const lmb_tracer *tracer, const lmb_volume *volume, bool avoid_s
     const lmb_volume_info info = lmb_volume_get_info(volume);
     const lmb_vec3 low = lmb_scene_from_world(scene, info.bounds_min);
     const lmb_vec3 high = lmb_scene_from_world(scene, info.bounds_max);
-    const lmb_vec3 size = vector_sub(high, low);
+    const lmb_vec3 size = lmb_vec3_sub(high, low);
     for (uint32_t attempt = 0; attempt < TRIES; ++attempt) {
         float across[2], height[2];
         lmb_sequence_2d(stream, attempt, PAIR_FREE, across);
@@ -78,7 +77,7 @@ float ambient_visibility(const lmb_tracer *tracer, lmb_vec3 position, lmb_vec3 n
     for (int k = 0; k < rays; ++k) {
         float point[2];
         lmb_sequence_2d(stream, (uint32_t)k, 0, point);
-        const lmb_vec3 end = vector_mad(position, direction_around(normal, point[0], point[1]), distance);
+        const lmb_vec3 end = lmb_vec3_mad(position, direction_around(normal, point[0], point[1]), distance);
         uint64_t unused = 0;
         open += (double)lmb_luminance(lmb_trace_transmittance(tracer, position, end, &unused));
     }

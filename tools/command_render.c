@@ -6,12 +6,12 @@
 
 #include <lambent/baked.h>
 #include <lambent/exr.h>
+#include <lambent/vector.h>
 
 #include "command.h"
 #include "output_file.h"
 #include "render.h"
 #include "tonemap.h"
-#include "vector_math.h"
 
 static const char usage[] =
     "usage: lambent render LEVEL DIR -o FILE.png|FILE.exr [options]\n"
@@ -227,8 +227,7 @@ static lmb_result camera_of_node(const char *name, const lmb_scene *scene, float
         return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: no node is called '%s'%s", scene->path, name, names);
     }
     if (!(fov_deg > 0.0f)) {
-        fov_deg =
-            found->vertical_fov_rad > 0.0f ? found->vertical_fov_rad * 180.0f / TOOLS_PI_F : CAMERA_DEFAULT_FOV_DEG;
+        fov_deg = found->vertical_fov_rad > 0.0f ? found->vertical_fov_rad * 180.0f / LMB_PI_F : CAMERA_DEFAULT_FOV_DEG;
     }
     return camera_of_scene(found, fov_deg, camera)
                ? LMB_OK

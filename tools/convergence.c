@@ -21,11 +21,11 @@
 #include <lambent/gather_sh3.h>
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
+#include <lambent/vector.h>
 
 #include "command.h"
 #include "level_arguments.h"
 #include "light/emitters_internal.h"
-#include "vector_math.h"
 
 static const char usage[] =
     "usage: convergence LEVEL [options]\n"
@@ -104,9 +104,9 @@ static double triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_
 {
     lmb_vec3 corner[3];
     lmb_trace_corners(tracer, instance, triangle, corner);
-    const lmb_vec3 a = vector_sub(corner[1], corner[0]);
-    const lmb_vec3 b = vector_sub(corner[2], corner[0]);
-    return 0.5 * (double)vector_length(vector_cross(a, b));
+    const lmb_vec3 a = lmb_vec3_sub(corner[1], corner[0]);
+    const lmb_vec3 b = lmb_vec3_sub(corner[2], corner[0]);
+    return 0.5 * (double)lmb_vec3_length(lmb_vec3_cross(a, b));
 }
 
 static double level_area(const lmb_level *level)

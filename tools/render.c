@@ -3,8 +3,7 @@
 #include <stdlib.h>
 
 #include <lambent/sequence.h>
-
-#include "vector_math.h"
+#include <lambent/vector.h>
 
 enum { TILE = 16, GRID = 4, RAYS_PER_PIXEL = GRID * GRID };
 _Static_assert((int)RAYS_PER_PIXEL == (int)RENDER_RAYS_PER_PIXEL, "what the header says");
@@ -42,7 +41,7 @@ static lmb_rgb pixel_render(const render_work *work, int32_t x, int32_t y, doubl
             const lmb_rgb truth =
                 finite_or_black(shade_ray(&work->shader, SOURCE_REFERENCE, camera->position, direction));
             value = shade_ray(&work->shader, SOURCE_STORED, camera->position, direction);
-            value = colour_add(value, colour_scale(truth, -1.0f));
+            value = lmb_rgb_add(value, lmb_rgb_scale(truth, -1.0f));
             *reference_sum += (double)lmb_luminance(truth) / RAYS_PER_PIXEL;
         } else {
             const lmb_light_source source = settings->mode == RENDER_REFERENCE ? SOURCE_REFERENCE
@@ -50,9 +49,9 @@ static lmb_rgb pixel_render(const render_work *work, int32_t x, int32_t y, doubl
                                                                                : SOURCE_STORED;
             value = shade_ray(&work->shader, source, camera->position, direction);
         }
-        sum = colour_add(sum, finite_or_black(value));
+        sum = lmb_rgb_add(sum, finite_or_black(value));
     }
-    return colour_scale(sum, 1.0f / (float)RAYS_PER_PIXEL);
+    return lmb_rgb_scale(sum, 1.0f / (float)RAYS_PER_PIXEL);
 }
 
 static void tile_task(void *context, size_t task, int worker)

@@ -3,19 +3,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "vector_math.h"
+#include <lambent/vector.h>
 
 enum { SPHERE_COLUMNS = 64, SPHERE_ROWS = 32 };
 
 static void sphere_fill(lmb_mesh *mesh, float radius)
 {
     for (uint32_t row = 0; row <= SPHERE_ROWS; ++row) {
-        const float polar = TOOLS_PI_F * (float)row / (float)SPHERE_ROWS;
+        const float polar = LMB_PI_F * (float)row / (float)SPHERE_ROWS;
         for (uint32_t column = 0; column <= SPHERE_COLUMNS; ++column) {
-            const float turn = 2.0f * TOOLS_PI_F * (float)column / (float)SPHERE_COLUMNS;
+            const float turn = 2.0f * LMB_PI_F * (float)column / (float)SPHERE_COLUMNS;
             const lmb_vec3 raw = {sinf(polar) * sinf(turn), cosf(polar), sinf(polar) * cosf(turn)};
-            const lmb_vec3 normal = vector_unit_or(raw, (lmb_vec3){0.0f, 1.0f, 0.0f});
-            mesh->position[mesh->vertex_count] = vector_scale(normal, radius);
+            const lmb_vec3 normal = lmb_vec3_unit_or(raw, (lmb_vec3){0.0f, 1.0f, 0.0f});
+            mesh->position[mesh->vertex_count] = lmb_vec3_scale(normal, radius);
             mesh->normal[mesh->vertex_count++] = normal;
         }
     }

@@ -4,8 +4,7 @@
 
 #include <lambent/hhd.h>
 #include <lambent/surface.h>
-
-#include "vector_math.h"
+#include <lambent/vector.h>
 
 enum {
     MAX_LAYERS = 64,          /* see-through surfaces along one ray */
@@ -36,7 +35,7 @@ static bool seen_nearest(const lmb_shader *shader, lmb_vec3 origin, lmb_vec3 dir
         const lmb_render_object *object = &shader->objects[i];
         const float far_distance = found ? seen->hit.distance : FLT_MAX;
         lmb_hit hit;
-        if (lmb_trace_nearest(object->tracer, vector_sub(origin, object->position), direction, start, far_distance,
+        if (lmb_trace_nearest(object->tracer, lmb_vec3_sub(origin, object->position), direction, start, far_distance,
                               &hit)) {
             found = true;
             seen->object = object;
@@ -55,14 +54,14 @@ static void seen_complete(seen_surface *seen, lmb_vec3 direction)
     seen->surface = lmb_material_surface(&point);
     seen->emission = lmb_material_emission(&point);
     seen->place = lmb_trace_place(seen->tracer, hit);
-    seen->back = vector_dot(seen->place.geometric_normal, direction) > 0.0f;
+    seen->back = lmb_vec3_dot(seen->place.geometric_normal, direction) > 0.0f;
     if (seen->back) {
-        seen->place.geometric_normal = vector_scale(seen->place.geometric_normal, -1.0f);
-        seen->place.shading_normal = vector_scale(seen->place.shading_normal, -1.0f);
+        seen->place.geometric_normal = lmb_vec3_scale(seen->place.geometric_normal, -1.0f);
+        seen->place.shading_normal = lmb_vec3_scale(seen->place.shading_normal, -1.0f);
     }
     seen->normal = lmb_trace_mapped_normal(seen->tracer, hit, &seen->place);
     if (seen->object) {
-        seen->place.position = vector_add(seen->place.position, seen->object->position);
+        seen->place.position = lmb_vec3_add(seen->place.position, seen->object->position);
     }
 }
 
@@ -160,7 +159,7 @@ static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, 
     }
     const lmb_rgb bounce =
         lmb_self_bounce(seen->surface.albedo, light.irradiance_z, seen->place.shading_normal, seen->normal);
-    return colour_add(colour_mul(seen->surface.albedo, colour_add(light.irradiance, bounce)), seen->emission);
+    return lmb_rgb_add(lmb_rgb_mul(seen->surface.albedo, lmb_rgb_add(light.irradiance, bounce)), seen->emission);
 }
 
 lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 origin, lmb_vec3 direction)
@@ -173,15 +172,15 @@ lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 or
         if (!seen_nearest(shader, origin, direction, start, &seen)) {
             float density;
             const lmb_rgb sky = lmb_emitters_environment_radiance(shader->transport->emitters, direction, &density);
-            return colour_add(radiance, colour_mul(share, sky));
+            return lmb_rgb_add(radiance, lmb_rgb_mul(share, sky));
         }
         seen_complete(&seen, direction);
         if (seen.surface.coverage.opacity > 0.0f) {
-            const lmb_rgb own = colour_scale(seen_radiance(shader, source, &seen), seen.surface.coverage.opacity);
-            radiance = colour_add(radiance, colour_mul(share, own));
+            const lmb_rgb own = lmb_rgb_scale(seen_radiance(shader, source, &seen), seen.surface.coverage.opacity);
+            radiance = lmb_rgb_add(radiance, lmb_rgb_mul(share, own));
         }
-        share = colour_mul(share, seen.surface.coverage.pass);
-        if (!(colour_max(share) > MIN_SHARE)) {
+        share = lmb_rgb_mul(share, seen.surface.coverage.pass);
+        if (!(lmb_rgb_max(share) > MIN_SHARE)) {
             break;
         }
         start = lmb_trace_beyond(seen.hit.distance);

@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#include "base/scalar.h"
+#include <lambent/vector.h>
+
 #include "base/trig.h"
-#include "base/vec3.h"
 #include "base/vectorised.h"
 
 /* Height of the point of the unit sphere by the lobe's distribution over heights. */
@@ -25,7 +25,7 @@ static inline void lobe_directions(lmb_lobe lobe, lmb_vec3 axis, const float *re
 {
     float *restrict to_x = direction[0], *restrict to_y = direction[1], *restrict to_z = direction[2];
     lmb_vec3 tangent, bitangent;
-    vec3_frame(axis, &tangent, &bitangent);
+    lmb_vec3_frame(axis, &tangent, &bitangent);
     for (uint32_t i = 0; i < count; ++i) {
         const float z = lobe_height(lobe, x[i]);
         const float square = (1.0f - z) * (1.0f + z);

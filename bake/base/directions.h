@@ -5,8 +5,7 @@
 #include <stdint.h>
 
 #include <lambent/types.h>
-
-#include "base/scalar.h"
+#include <lambent/vector.h>
 
 typedef enum lmb_lobe {
     LMB_LOBE_SPHERE,     /* uniform: 1 / (4 pi) */

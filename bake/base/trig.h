@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#include "base/scalar.h"
+#include <lambent/vector.h>
 
 /* Sine and cosine of `angle_rad` (|angle| below 1e6), within 4e-16 of the truth, and the same bits on every machine,
  * which libm's are not. */

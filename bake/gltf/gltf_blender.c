@@ -7,8 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/rgb.h"
-#include "base/scalar.h"
+#include <lambent/vector.h>
 
 /* Blender's "Standard" lighting mode turns watts into lumens by 683 for lamps, and leaves emission as it is. A lamp
  * that would make a white wall so many times brighter than the brightest lamp-shade was hardly meant so. */
@@ -32,7 +31,7 @@ static double lamp_radiance(const lmb_scene *scene)
     for (uint32_t i = 0; i < scene->light_count; ++i) {
         const lmb_light *const light = &scene->lights[i];
         const double distance = light->type == LMB_LIGHT_DIRECTIONAL ? 1.0 : WALL_DISTANCE;
-        brightest = fmax(brightest, (double)rgb_max(light->intensity) / (LMB_PI * distance * distance));
+        brightest = fmax(brightest, (double)lmb_rgb_max(light->intensity) / (LMB_PI * distance * distance));
     }
     return brightest;
 }
@@ -44,7 +43,7 @@ static double emitted_radiance(const lmb_scene *scene)
         const lmb_mesh *const mesh = &scene->meshes[scene->instances[i].mesh];
         for (uint32_t t = 0; t < mesh->triangle_count && !scene->instances[i].dynamic; ++t) {
             const lmb_material *const material = &scene->materials[mesh->material[t]];
-            brightest = material->unlit ? brightest : fmax(brightest, (double)rgb_max(material->emissive));
+            brightest = material->unlit ? brightest : fmax(brightest, (double)lmb_rgb_max(material->emissive));
         }
     }
     return brightest;

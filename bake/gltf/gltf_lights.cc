@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
+#include <lambent/vector.h>
+
 extern "C" {
-#include "base/scalar.h"
 #include "base/trig.h"
 }
 #include "gltf/gltf_append.hh"

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-extern "C" {
-#include "base/rgb.h"
-}
+#include <lambent/vector.h>
+
 #include "gltf/gltf_append.hh"
 
 namespace lmb_gltf {
@@ -53,7 +52,7 @@ materials::textures materials::read(const tinygltf::Material &source, lmb_materi
     for (size_t c = 0; c < 3; ++c) {
         material.emissive.c[c] = to_float(std::max(source.emissiveFactor[c], 0.0) * strength * scale);
     }
-    if (rgb_max(material.emissive) == 0.0f) {
+    if (lmb_rgb_max(material.emissive) == 0.0f) {
         uses.emissive.index = -1; /* black whatever it is */
     }
     material.base_color_texture = uses.base_color.texture;

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/scalar.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
+
 #include "gltf/gltf_json.h"
 #include "gltf/gltf_skin.h"
 
@@ -38,7 +38,7 @@ static void copy_vertex(const lmb_gltf_part *p, uint32_t from, lmb_mesh *mesh, u
 {
     const float *const position = p->position + 3 * (size_t)from;
     const bool finite = isfinite(position[0]) && isfinite(position[1]) && isfinite(position[2]);
-    mesh->position[to] = finite ? vec3(position[0], position[1], position[2]) : vec3(0.0f, 0.0f, 0.0f);
+    mesh->position[to] = finite ? lmb_vec3_of(position[0], position[1], position[2]) : lmb_vec3_of(0.0f, 0.0f, 0.0f);
     for (int set = 0; set < LMB_UV_SETS; ++set) {
         if (mesh->uv[set]) {
             const float *const uv = p->uv[set] ? p->uv[set] + 2 * (size_t)from : NULL;
@@ -54,7 +54,7 @@ static void copy_vertex(const lmb_gltf_part *p, uint32_t from, lmb_mesh *mesh, u
     if (mesh->tangent) {
         const float *const tangent = p->tangent ? p->tangent + 4 * (size_t)from : NULL;
         const lmb_vec3 none = {0.0f, 0.0f, 0.0f};
-        const lmb_vec3 unit = tangent ? vec3_normalize_or(vec3(tangent[0], tangent[1], tangent[2]), none) : none;
+        const lmb_vec3 unit = tangent ? lmb_vec3_unit_or(lmb_vec3_of(tangent[0], tangent[1], tangent[2]), none) : none;
         const bool any = unit.x != 0.0f || unit.y != 0.0f || unit.z != 0.0f;
         mesh->tangent[to][0] = unit.x;
         mesh->tangent[to][1] = unit.y;
@@ -90,11 +90,11 @@ static void append_part(const lmb_gltf_part *p, const lmb_gltf_primitive *primit
     for (uint32_t v = 0; !flat && v < p->vertex_count; ++v) {
         const float *const n = p->normal + 3 * (size_t)v;
         copy_vertex(p, v, mesh, base + v);
-        mesh->normal[base + v] = vec3(n[0], n[1], n[2]);
+        mesh->normal[base + v] = lmb_vec3_of(n[0], n[1], n[2]);
     }
     for (uint32_t t = 0; t < p->triangles.count; ++t) {
         const uint32_t to = mesh->triangle_count + t;
-        const lmb_vec3 normal = flat ? lmb_gltf_part_face_normal(p, t) : vec3(0.0f, 0.0f, 0.0f);
+        const lmb_vec3 normal = flat ? lmb_gltf_part_face_normal(p, t) : lmb_vec3_of(0.0f, 0.0f, 0.0f);
         for (uint32_t corner = 0; corner < 3; ++corner) {
             const uint32_t vertex = base + (flat ? 3 * t + corner : p->triangles.corners[t][corner]);
             if (flat) {
@@ -127,7 +127,7 @@ static lmb_result add_part(builder *b, const lmb_gltf_primitive *primitive, cons
         return lmb_error_set(b->error, LMB_ERROR_MEMORY, "%s: %s: out of memory", b->file->path, where);
     }
     append_part(p, primitive, indices, mesh);
-    mesh->file_reach = float_larger(mesh->file_reach, p->reach);
+    mesh->file_reach = lmb_larger(mesh->file_reach, p->reach);
     b->dropped += dropped;
     return LMB_OK;
 }

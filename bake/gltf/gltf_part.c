@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/scalar.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
 
 /* Below this share of its longest side squared, a triangle's doubled area is rounding and not a surface. */
 #define DEGENERATE_AREA 1e-12
@@ -45,7 +44,7 @@ static float corners_reach(const lmb_gltf_part *p)
         const float *const position = p->position + 3 * (size_t)p->triangles.corners[c / 3][c % 3];
         for (int axis = 0; axis < 3; ++axis) {
             const float size = fabsf(position[axis]);
-            reach = isfinite(size) ? float_larger(reach, size) : reach;
+            reach = isfinite(size) ? lmb_larger(reach, size) : reach;
         }
     }
     return reach;
@@ -106,8 +105,8 @@ static lmb_vec3 unit_of(const double v[3])
 {
     const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     return length > 0.0 && isfinite(length)
-               ? vec3((float)(v[0] / length), (float)(v[1] / length), (float)(v[2] / length))
-               : vec3(0.0f, 1.0f, 0.0f);
+               ? lmb_vec3_of((float)(v[0] / length), (float)(v[1] / length), (float)(v[2] / length))
+               : lmb_vec3_of(0.0f, 1.0f, 0.0f);
 }
 
 uint32_t lmb_gltf_part_drop_degenerate(lmb_gltf_part *p, uint32_t *indices)
@@ -140,7 +139,7 @@ bool lmb_gltf_part_repair_normals(lmb_gltf_part *p)
     }
     for (size_t v = 0; v < p->vertex_count; ++v) {
         float *const n = p->normal + 3 * v;
-        const lmb_vec3 unit = vec3_normalize_or(vec3(n[0], n[1], n[2]), unit_of(sums[v]));
+        const lmb_vec3 unit = lmb_vec3_unit_or(lmb_vec3_of(n[0], n[1], n[2]), unit_of(sums[v]));
         n[0] = unit.x;
         n[1] = unit.y;
         n[2] = unit.z;

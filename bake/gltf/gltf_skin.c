@@ -3,8 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <lambent/vector.h>
+
 #include "base/affine.h"
-#include "base/vec3.h"
 #include "gltf/gltf_transform.h"
 
 /* Sum of the joints' matrices by the vertex's weights; false when it has none. */
@@ -32,7 +33,7 @@ static bool blend_joints(const lmb_gltf_pose *pose, const float *joints, const f
 
 static void transform_direction(const lmb_affine *t, float *v)
 {
-    const lmb_vec3 r = affine_vector(t, vec3(v[0], v[1], v[2]));
+    const lmb_vec3 r = affine_vector(t, lmb_vec3_of(v[0], v[1], v[2]));
     v[0] = r.x;
     v[1] = r.y;
     v[2] = r.z;
@@ -52,7 +53,7 @@ static lmb_affine normal_transform(const lmb_affine *t)
 static void move_vertex(const lmb_affine *t, size_t v, lmb_gltf_part *part)
 {
     float *const position = part->position + 3 * v;
-    const lmb_vec3 moved = affine_point(t, vec3(position[0], position[1], position[2]));
+    const lmb_vec3 moved = affine_point(t, lmb_vec3_of(position[0], position[1], position[2]));
     position[0] = moved.x;
     position[1] = moved.y;
     position[2] = moved.z;

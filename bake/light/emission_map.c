@@ -6,9 +6,7 @@
 #include <string.h>
 
 #include <lambent/texture.h>
-
-#include "base/rgb.h"
-#include "base/scalar.h"
+#include <lambent/vector.h>
 
 /* Weights are summed as whole numbers, so that what is dark stays exactly dark. */
 #define WEIGHT_ONE (1 << 20)
@@ -57,7 +55,7 @@ static bool textures_coincide(const lmb_scene *scene, const lmb_texture *a, cons
 
 static void tint_set(lmb_emission_key *key, const lmb_material *material)
 {
-    const float largest = rgb_max(material->emissive);
+    const float largest = lmb_rgb_max(material->emissive);
     for (int c = 0; c < 3; ++c) {
         key->tint[c] = key->emission >= 0 ? ceilf(TINT_STEPS * (material->emissive.c[c] / largest)) / TINT_STEPS : 1.0f;
     }
@@ -173,12 +171,12 @@ static float cell_weight(const map_source *source, int32_t x, int32_t y)
         for (int i = 0; i < 3; ++i) {
             const float opacity = opacity_of(source->key, alpha[j][i]);
             sum += share[j] * share[i] * light[j][i] * opacity;
-            most_light = float_larger(most_light, light[j][i]);
-            most_opaque = float_larger(most_opaque, opacity);
+            most_light = lmb_larger(most_light, light[j][i]);
+            most_opaque = lmb_larger(most_opaque, opacity);
         }
     }
     /* Between a point that only gives light and one that is only opaque there is some of both. */
-    return float_larger(sum, most_light * most_opaque / WEIGHT_ONE);
+    return lmb_larger(sum, most_light * most_opaque / WEIGHT_ONE);
 }
 
 static uint64_t weight_whole(float weight)
@@ -207,9 +205,9 @@ static void sums_make(const map_source *source, uint64_t *sum)
 static void scale_set(map_source *source)
 {
     const float *tint = source->key->tint;
-    const float white = lmb_luminance(rgb(tint[0], tint[1], tint[2]));
+    const float white = lmb_luminance(lmb_rgb_of(tint[0], tint[1], tint[2]));
     for (int c = 0; c < 3; ++c) {
-        lmb_rgb channel = rgb(0.0f, 0.0f, 0.0f);
+        lmb_rgb channel = lmb_rgb_of(0.0f, 0.0f, 0.0f);
         channel.c[c] = tint[c];
         source->scale[c] = lmb_luminance(channel) / white;
     }

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/scalar.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
+
 #include "base/vectorised.h"
 
 /* Cosine below which a triangle counts as seen edge-on. */
@@ -15,15 +15,15 @@ enum { SHAPE_FLOATS = sizeof(lmb_emitter_shape) / sizeof(float) };
 
 lmb_emitter_shape lmb_emitter_shape_of(const lmb_vec3 corner[3], lmb_vec3 normal, float rounding)
 {
-    const lmb_vec3 u = vec3_sub(corner[1], corner[0]), v = vec3_sub(corner[2], corner[0]);
-    const lmb_vec3 middle = vec3_scale(vec3_add(vec3_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
+    const lmb_vec3 u = lmb_vec3_sub(corner[1], corner[0]), v = lmb_vec3_sub(corner[2], corner[0]);
+    const lmb_vec3 middle = lmb_vec3_scale(lmb_vec3_add(lmb_vec3_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
     return (lmb_emitter_shape){.corner = {corner[0].x, corner[0].y, corner[0].z},
                                .edge_u = {u.x, u.y, u.z},
                                .edge_v = {v.x, v.y, v.z},
                                .middle = {middle.x, middle.y, middle.z},
                                .normal = {normal.x, normal.y, normal.z},
                                .rounding = rounding,
-                               .area = 0.5f * vec3_length(vec3_cross(u, v))};
+                               .area = 0.5f * lmb_vec3_length(lmb_vec3_cross(u, v))};
 }
 
 static inline float density_of(float per_area, float distance, float cosine)
@@ -34,8 +34,8 @@ static inline float density_of(float per_area, float distance, float cosine)
 
 float lmb_emitter_density(const lmb_emitter_shape *shape, float probability, float distance, lmb_vec3 direction)
 {
-    const lmb_vec3 normal = vec3(shape->normal[0], shape->normal[1], shape->normal[2]);
-    return density_of(probability / shape->area, distance, fabsf(vec3_dot(direction, normal)));
+    const lmb_vec3 normal = lmb_vec3_of(shape->normal[0], shape->normal[1], shape->normal[2]);
+    return density_of(probability / shape->area, distance, fabsf(lmb_vec3_dot(direction, normal)));
 }
 
 /* The chosen triangles' shapes, one array for each float. */
@@ -83,7 +83,7 @@ static void points_find(const picked_shapes *restrict from, lmb_emitter_points *
         const float in_x = from->middle[0][i] - x, in_y = from->middle[1][i] - y, in_z = from->middle[2][i] - z;
         const float inward = sqrtf(in_x * in_x + in_y * in_y + in_z * in_z);
         const float rounding = from->rounding[i];
-        const float pull = inward > 0.0f ? float_smaller(rounding / inward, 0.5f) : 0.0f;
+        const float pull = inward > 0.0f ? lmb_smaller(rounding / inward, 0.5f) : 0.0f;
         x += in_x * pull;
         y += in_y * pull;
         z += in_z * pull;

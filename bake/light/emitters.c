@@ -1,11 +1,10 @@
 #include <lambent/emitters.h>
 #include <lambent/surface.h>
+#include <lambent/vector.h>
 
 #include <assert.h>
 #include <stdlib.h>
 
-#include "base/rgb.h"
-#include "base/vec3.h"
 #include "light/emitters_internal.h"
 #include "trace/trace_internal.h"
 
@@ -145,17 +144,17 @@ static void point_place(const lmb_emitters *emitters, lmb_emitter_points *points
 static lmb_light_sample point_light(const lmb_emitters *emitters, const lmb_emitter_points *points, uint32_t i)
 {
     const lmb_emitter *chosen = &emitters->emitters[points->emitter[i]];
-    lmb_light_sample sample = {.direction =
-                                   vec3(points->direction[0][i], points->direction[1][i], points->direction[2][i]),
-                               .end = vec3(points->end[0][i], points->end[1][i], points->end[2][i]),
-                               .radiance = chosen->radiance,
-                               .density = points->density[i]};
+    lmb_light_sample sample = {
+        .direction = lmb_vec3_of(points->direction[0][i], points->direction[1][i], points->direction[2][i]),
+        .end = lmb_vec3_of(points->end[0][i], points->end[1][i], points->end[2][i]),
+        .radiance = chosen->radiance,
+        .density = points->density[i]};
     if (!chosen->even) {
         const lmb_hit there = {
             .instance = chosen->instance, .triangle = chosen->triangle, .u = points->u[i], .v = points->v[i]};
-        sample.radiance = rgb_scale(lmb_emitters_emission(emitters, &there),
-                                    lmb_trace_surface(emitters->tracer, &there).coverage.opacity);
-        sample.density = rgb_max(sample.radiance) > 0.0f ? sample.density : 0.0f;
+        sample.radiance = lmb_rgb_scale(lmb_emitters_emission(emitters, &there),
+                                        lmb_trace_surface(emitters->tracer, &there).coverage.opacity);
+        sample.density = lmb_rgb_max(sample.radiance) > 0.0f ? sample.density : 0.0f;
     }
     return sample;
 }

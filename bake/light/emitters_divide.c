@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-#include "base/vec3.h"
+#include <lambent/vector.h>
 
 /* Parts that all triangles together are divided into, beyond one each. Points within a part are in proportion to its
  * light anyway: more of them cost memory for less and less noise. */
@@ -65,8 +65,8 @@ static wide_emitter heap_take(dividing *work)
 
 static double bound_width(const lmb_light_bound *bound)
 {
-    const lmb_vec3 size = vec3_sub(bound->high, bound->low);
-    return (double)bound->power * (double)vec3_dot(size, size);
+    const lmb_vec3 size = lmb_vec3_sub(bound->high, bound->low);
+    return (double)bound->power * (double)lmb_vec3_dot(size, size);
 }
 
 /* The emission map of an emitter's material. */
@@ -90,11 +90,11 @@ static void emitter_narrow(lmb_emitters *emitters, uint32_t index, const lmb_emi
     emitter->bound.power = (float)power;
     for (int k = 0; k < part->count; ++k) {
         const float u = (float)part->corner[k].weight[0], v = (float)part->corner[k].weight[1];
-        const lmb_vec3 at = vec3(shape->corner[0] + shape->edge_u[0] * u + shape->edge_v[0] * v,
-                                 shape->corner[1] + shape->edge_u[1] * u + shape->edge_v[1] * v,
-                                 shape->corner[2] + shape->edge_u[2] * u + shape->edge_v[2] * v);
-        emitter->bound.low = k > 0 ? vec3_smaller(emitter->bound.low, at) : at;
-        emitter->bound.high = k > 0 ? vec3_larger(emitter->bound.high, at) : at;
+        const lmb_vec3 at = lmb_vec3_of(shape->corner[0] + shape->edge_u[0] * u + shape->edge_v[0] * v,
+                                        shape->corner[1] + shape->edge_u[1] * u + shape->edge_v[1] * v,
+                                        shape->corner[2] + shape->edge_u[2] * u + shape->edge_v[2] * v);
+        emitter->bound.low = k > 0 ? lmb_vec3_smaller(emitter->bound.low, at) : at;
+        emitter->bound.high = k > 0 ? lmb_vec3_larger(emitter->bound.high, at) : at;
     }
 }
 

@@ -5,10 +5,8 @@
 #include <stdlib.h>
 
 #include <lambent/surface.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
-#include "base/scalar.h"
-#include "base/vec3.h"
 #include "trace/trace_internal.h"
 
 /* What one triangle of a mesh gives, wherever the mesh is placed. */
@@ -58,9 +56,9 @@ static float vertices_opacity(const lmb_scene *scene, const lmb_mesh *mesh, uint
     *most = 0.0f;
     for (int k = 0; k < 3; ++k) {
         const float color = mesh->color ? mesh->color[mesh->triangle[triangle][k]][3] : 1.0f;
-        const float alpha = float_smaller(float_larger(color * material->base_color[3], 0.0f), 1.0f);
+        const float alpha = lmb_smaller(lmb_larger(color * material->base_color[3], 0.0f), 1.0f);
         sum += alpha;
-        *most = float_larger(*most, alpha);
+        *most = lmb_larger(*most, alpha);
     }
     return sum / 3.0f;
 }
@@ -78,7 +76,7 @@ static float factors_opacity(const lmb_scene *scene, const lmb_mesh *mesh, uint3
     } else if (material->alpha_mode == LMB_ALPHA_MASK) {
         opacity = most >= material->alpha_cutoff ? 1.0f : 0.0f;
     }
-    return opacity * float_larger(1.0f - material->transmission, 0.0f);
+    return opacity * lmb_larger(1.0f - material->transmission, 0.0f);
 }
 
 bool lmb_emitter_lattice(const lmb_emitters *emitters, const lmb_emitter *emitter, lmb_emission_lattice *lattice)
@@ -176,8 +174,8 @@ static bool emitter_make(finding *found, uint32_t instance, uint32_t triangle, l
                           .part = LMB_NONE,
                           .cut = LMB_NONE};
     for (int k = 1; k < 3; ++k) {
-        made->bound.low = vec3_smaller(made->bound.low, corner[k]);
-        made->bound.high = vec3_larger(made->bound.high, corner[k]);
+        made->bound.low = lmb_vec3_smaller(made->bound.low, corner[k]);
+        made->bound.high = lmb_vec3_larger(made->bound.high, corner[k]);
     }
     mesh_light light = {lmb_luminance(made->radiance), true};
     if (!made->even && !light_find(found, made, &light)) {

@@ -3,7 +3,8 @@
 #include <float.h>
 #include <math.h>
 
-#include "base/scalar.h"
+#include <lambent/vector.h>
+
 #include "base/vectorised.h"
 #include "light/light_tree_internal.h"
 
@@ -21,7 +22,7 @@ enum { WHOLE = 0 };
 
 static inline float float_between(float low, float value, float high)
 {
-    return float_smaller(float_larger(value, low), high);
+    return lmb_smaller(lmb_larger(value, low), high);
 }
 
 /* About the most that the lights of each child can give, 0 only where they can give nothing: power, over the square of
@@ -42,17 +43,17 @@ static void children_look(const lmb_light_node *restrict node, const lmb_light_q
         const float y = position.y - node->middle[1][k];
         const float z = position.z - node->middle[2][k];
         const float radius = node->radius[k];
-        const float distance = sqrtf(float_smaller(x * x + y * y + z * z, FLT_MAX));
-        const float inverse = 1.0f / float_larger(distance, FLT_MIN);
+        const float distance = sqrtf(lmb_smaller(x * x + y * y + z * z, FLT_MAX));
+        const float inverse = 1.0f / lmb_larger(distance, FLT_MIN);
         const float sphere = radius * inverse;
 
-        const float ratio = float_larger(distance - radius, 0.0f) * node->inverse_range[k];
+        const float ratio = lmb_larger(distance - radius, 0.0f) * node->inverse_range[k];
         const float window =
-            ratio > 1.0f + SLACK ? 0.0f : float_larger(1.0f - ratio * ratio * ratio * ratio, MIN_EMITTED);
+            ratio > 1.0f + SLACK ? 0.0f : lmb_larger(1.0f - ratio * ratio * ratio * ratio, MIN_EMITTED);
 
         const float towards = (x * node->axis[0][k] + y * node->axis[1][k] + z * node->axis[2][k]) * inverse;
-        const float along = float_larger(towards, towards * other_side);
-        const float sine = sqrtf(float_larger((1.0f - along) * (1.0f + along), 0.0f));
+        const float along = lmb_larger(towards, towards * other_side);
+        const float sine = sqrtf(lmb_larger((1.0f - along) * (1.0f + along), 0.0f));
         const float turned = along * node->cos_spread[k] + sine * node->sin_spread[k];
         const float emitted = (along >= node->cos_spread[k] ? 1.0f : turned) + sphere;
         const float leaving = emitted < node->cos_reach[k] - SLACK ? 0.0f : float_between(MIN_EMITTED, emitted, 1.0f);
@@ -62,7 +63,7 @@ static void children_look(const lmb_light_node *restrict node, const lmb_light_q
         const float arriving = received < -SLACK ? 0.0f : part;
 
         const float directions = distance > radius * (1.0f + SLACK) ? leaving * arriving : 1.0f;
-        const float counted = float_larger(float_larger(distance, radius), min_distance);
+        const float counted = lmb_larger(lmb_larger(distance, radius), min_distance);
         const float found = node->power[k] * window * directions / (counted * counted + 1e-30f);
         weight[k] = found > 0.0f ? found : 0.0f;
     }

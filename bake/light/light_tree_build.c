@@ -4,9 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/scalar.h"
+#include <lambent/vector.h>
+
 #include "base/trig.h"
-#include "base/vec3.h"
 #include "light/light_tree_internal.h"
 
 enum { BINS = 12 };
@@ -33,19 +33,19 @@ static float axis_of(lmb_vec3 v, int axis)
 
 static lmb_vec3 bound_middle(const lmb_light_bound *bound)
 {
-    return vec3_mad(vec3_scale(bound->low, 0.5f), bound->high, 0.5f);
+    return lmb_vec3_mad(lmb_vec3_scale(bound->low, 0.5f), bound->high, 0.5f);
 }
 
 static double cone_angle(float cosine)
 {
-    return 2.0 * LMB_PI * (double)lmb_turn_of(cosine, sqrtf(float_larger(0.0f, (1.0f - cosine) * (1.0f + cosine))));
+    return 2.0 * LMB_PI * (double)lmb_turn_of(cosine, sqrtf(lmb_larger(0.0f, (1.0f - cosine) * (1.0f + cosine))));
 }
 
 /* Makes a cone the smallest about itself and another; a two-sided one is its own opposite. */
 static void cone_unite(lmb_light_bound *cone, const lmb_light_bound *other, bool two_sided)
 {
-    const float towards = vec3_dot(cone->axis, other->axis);
-    const lmb_vec3 axis = two_sided && towards < 0.0f ? vec3_scale(other->axis, -1.0f) : other->axis;
+    const float towards = lmb_vec3_dot(cone->axis, other->axis);
+    const lmb_vec3 axis = two_sided && towards < 0.0f ? lmb_vec3_scale(other->axis, -1.0f) : other->axis;
     const double apart = cone_angle(two_sided ? fabsf(towards) : towards);
     const double mine = cone_angle(cone->cos_spread), theirs = cone_angle(other->cos_spread);
     if (apart + theirs <= mine) {
@@ -56,8 +56,8 @@ static void cone_unite(lmb_light_bound *cone, const lmb_light_bound *other, bool
         cone->cos_spread = other->cos_spread;
         return;
     }
-    const lmb_vec3 across = vec3_mad(axis, cone->axis, -vec3_dot(cone->axis, axis));
-    const bool in_line = !(vec3_length(across) > 1e-3f);
+    const lmb_vec3 across = lmb_vec3_mad(axis, cone->axis, -lmb_vec3_dot(cone->axis, axis));
+    const bool in_line = !(lmb_vec3_length(across) > 1e-3f);
     const double spread = in_line ? fmax(mine, theirs) + apart : 0.5 * (mine + apart + theirs);
     if (spread >= LMB_PI) {
         cone->cos_spread = -1.0f;
@@ -65,9 +65,10 @@ static void cone_unite(lmb_light_bound *cone, const lmb_light_bound *other, bool
     }
     double sine, cosine;
     if (!in_line) {
-        const lmb_vec3 aside = vec3_normalize_or(across, cone->axis);
+        const lmb_vec3 aside = lmb_vec3_unit_or(across, cone->axis);
         lmb_sincos(spread - mine, &sine, &cosine);
-        cone->axis = vec3_normalize_or(vec3_mad(vec3_scale(cone->axis, (float)cosine), aside, (float)sine), cone->axis);
+        cone->axis =
+            lmb_vec3_unit_or(lmb_vec3_mad(lmb_vec3_scale(cone->axis, (float)cosine), aside, (float)sine), cone->axis);
     }
     lmb_sincos(spread, &sine, &cosine);
     cone->cos_spread = (float)cosine;
@@ -75,11 +76,11 @@ static void cone_unite(lmb_light_bound *cone, const lmb_light_bound *other, bool
 
 static void bound_unite(lmb_light_bound *bound, const lmb_light_bound *other, bool two_sided)
 {
-    bound->low = vec3_smaller(bound->low, other->low);
-    bound->high = vec3_larger(bound->high, other->high);
-    bound->power = float_smaller(bound->power + other->power, FLT_MAX);
-    bound->cos_reach = float_smaller(bound->cos_reach, other->cos_reach);
-    bound->range = float_larger(bound->range, other->range);
+    bound->low = lmb_vec3_smaller(bound->low, other->low);
+    bound->high = lmb_vec3_larger(bound->high, other->high);
+    bound->power = lmb_smaller(bound->power + other->power, FLT_MAX);
+    bound->cos_reach = lmb_smaller(bound->cos_reach, other->cos_reach);
+    bound->range = lmb_larger(bound->range, other->range);
     cone_unite(bound, other, two_sided);
 }
 
@@ -98,22 +99,22 @@ static void bin_add(bin *to, const bin *added)
         *to = added->count > 0 ? *added : *to;
         return;
     }
-    to->low = vec3_smaller(to->low, added->low);
-    to->high = vec3_larger(to->high, added->high);
-    to->axes = vec3_add(to->axes, added->axes);
+    to->low = lmb_vec3_smaller(to->low, added->low);
+    to->high = lmb_vec3_larger(to->high, added->high);
+    to->axes = lmb_vec3_add(to->axes, added->axes);
     to->power += added->power;
-    to->cos_reach = float_smaller(to->cos_reach, added->cos_reach);
+    to->cos_reach = lmb_smaller(to->cos_reach, added->cos_reach);
     to->count += added->count;
 }
 
 /* One light; two-sided ones are turned to the side of `up`. */
 static bin bin_of(const lmb_light_bound *light, bool two_sided, lmb_vec3 up)
 {
-    const bool turned = two_sided && vec3_dot(light->axis, up) < 0.0f;
+    const bool turned = two_sided && lmb_vec3_dot(light->axis, up) < 0.0f;
     const float length = 0.5f * (1.0f + light->cos_spread); /* of the mean axis of a cone */
     return (bin){.low = light->low,
                  .high = light->high,
-                 .axes = vec3_scale(light->axis, turned ? -length : length),
+                 .axes = lmb_vec3_scale(light->axis, turned ? -length : length),
                  .power = light->power,
                  .cos_reach = light->cos_reach,
                  .count = 1};
@@ -123,9 +124,9 @@ static bin bin_of(const lmb_light_bound *light, bool two_sided, lmb_vec3 up)
  * into, weighted by the cosine: that of a single axis is a quarter of all. */
 static double bin_cost(const bin *lights)
 {
-    const lmb_vec3 size = vec3_sub(lights->high, lights->low);
-    const float even = vec3_length(lights->axes) / (float)lights->count;
-    return (double)lights->power * (double)vec3_dot(size, size) *
+    const lmb_vec3 size = lmb_vec3_sub(lights->high, lights->low);
+    const float even = lmb_vec3_length(lights->axes) / (float)lights->count;
+    return (double)lights->power * (double)lmb_vec3_dot(size, size) *
            (double)(1.0f - lights->cos_reach + 3.0f * (1.0f - even));
 }
 
@@ -186,8 +187,8 @@ static uint32_t lights_divide(const build *made, uint32_t first, uint32_t end)
         slicing slices = {axis, INFINITY, -INFINITY};
         for (uint32_t i = first; i < end; ++i) {
             const float at = axis_of(bound_middle(&made->lights[light[i]]), axis);
-            slices.low = float_smaller(slices.low, at);
-            slices.high = float_larger(slices.high, at);
+            slices.low = lmb_smaller(slices.low, at);
+            slices.high = lmb_larger(slices.high, at);
         }
         int cut = 0;
         const double cost = cut_find(made, first, end, &slices, &cut);
@@ -230,7 +231,7 @@ static void pair_make(build *made, uint32_t first, uint32_t end)
 
 static float bound_radius(const lmb_light_bound *bound)
 {
-    return vec3_length(vec3_scale(vec3_sub(bound->high, bound->low), 0.5f));
+    return lmb_vec3_length(lmb_vec3_scale(lmb_vec3_sub(bound->high, bound->low), 0.5f));
 }
 
 static void child_set(lmb_light_node *node, int k, const light_pair *pair, float power_of_all)
@@ -244,9 +245,9 @@ static void child_set(lmb_light_node *node, int k, const light_pair *pair, float
     node->radius[k] = bound_radius(bound);
     node->power[k] = bound->power / power_of_all;
     node->cos_spread[k] = bound->cos_spread;
-    node->sin_spread[k] = sqrtf(float_larger(0.0f, (1.0f - bound->cos_spread) * (1.0f + bound->cos_spread)));
+    node->sin_spread[k] = sqrtf(lmb_larger(0.0f, (1.0f - bound->cos_spread) * (1.0f + bound->cos_spread)));
     node->cos_reach[k] = bound->cos_reach;
-    node->inverse_range[k] = float_smaller(1.0f / bound->range, FLT_MAX);
+    node->inverse_range[k] = lmb_smaller(1.0f / bound->range, FLT_MAX);
     node->first_leaf[k] = pair->first_leaf;
     node->count[k] = pair->count;
 }

@@ -4,9 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/rgb.h"
-#include "base/scalar.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
+
 #include "base/vectorised.h"
 #include "light/light_tree.h"
 #include "light/soft_light.h"
@@ -47,12 +46,12 @@ static lmb_light_bound light_bound(const lmb_light *light)
 {
     const bool sun = light->type == LMB_LIGHT_DIRECTIONAL;
     const bool spot = light->type == LMB_LIGHT_SPOT;
-    const lmb_vec3 position = sun ? vec3(0.0f, 0.0f, 0.0f) : light->position;
+    const lmb_vec3 position = sun ? lmb_vec3_of(0.0f, 0.0f, 0.0f) : light->position;
     const float radius = sun ? 0.0f : light->radius;
-    return (lmb_light_bound){.low = vec3_sub(position, vec3(radius, radius, radius)),
-                             .high = vec3_add(position, vec3(radius, radius, radius)),
+    return (lmb_light_bound){.low = lmb_vec3_sub(position, lmb_vec3_of(radius, radius, radius)),
+                             .high = lmb_vec3_add(position, lmb_vec3_of(radius, radius, radius)),
                              .power = lmb_luminance(light->intensity),
-                             .axis = spot ? light->direction : vec3(0.0f, 1.0f, 0.0f),
+                             .axis = spot ? light->direction : lmb_vec3_of(0.0f, 1.0f, 0.0f),
                              .cos_spread = spot ? 1.0f : -1.0f,
                              .cos_reach = spot ? light->cos_outer : -1.0f,
                              .range = light->range > 0.0f ? light->range : INFINITY};
@@ -79,7 +78,7 @@ static bool punctual_kind_tree(punctual_kind *set, const lmb_scene *scene)
 
 static float spot_width(const lmb_light *light)
 {
-    return float_larger(light->cos_inner - light->cos_outer, 1e-4f);
+    return lmb_larger(light->cos_inner - light->cos_outer, 1e-4f);
 }
 
 static void lamp_lanes_make(punctual_kind *set, const lmb_scene *scene)
@@ -165,11 +164,11 @@ static float lamp_fall(const lmb_light *light, lmb_vec3 direction, float distanc
 {
     if (light->range > 0.0f) {
         const float ratio = distance / light->range;
-        factor *= float_smaller(float_larger(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
+        factor *= lmb_smaller(lmb_larger(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
     }
     if (light->type == LMB_LIGHT_SPOT) {
-        const float cosine = -vec3_dot(direction, light->direction);
-        const float fall = float_smaller(float_larger((cosine - light->cos_outer) / spot_width(light), 0.0f), 1.0f);
+        const float cosine = -lmb_vec3_dot(direction, light->direction);
+        const float fall = lmb_smaller(lmb_larger((cosine - light->cos_outer) / spot_width(light), 0.0f), 1.0f);
         factor *= fall * fall;
     }
     return factor;
@@ -182,20 +181,21 @@ static inline bool light_evaluate(const lmb_light *light, lmb_vec3 position, flo
 {
     sample->at_infinity = light->type == LMB_LIGHT_DIRECTIONAL;
     if (sample->at_infinity) {
-        sample->direction = vec3_scale(light->direction, -1.0f);
+        sample->direction = lmb_vec3_scale(light->direction, -1.0f);
         sample->irradiance = light->intensity;
         return true;
     }
-    const lmb_vec3 towards = vec3_sub(light->position, position);
-    const float distance = vec3_length(towards);
+    const lmb_vec3 towards = lmb_vec3_sub(light->position, position);
+    const float distance = lmb_vec3_length(towards);
     if (!(distance > 0.0f || light->radius > 0.0f) || !isfinite(distance)) {
         return false;
     }
-    sample->direction = distance > 0.0f ? vec3_scale(towards, 1.0f / distance) : vec3_scale(light->direction, -1.0f);
+    sample->direction =
+        distance > 0.0f ? lmb_vec3_scale(towards, 1.0f / distance) : lmb_vec3_scale(light->direction, -1.0f);
     sample->end = light->position;
-    const float counted = float_larger(float_larger(distance, min_distance), light->radius);
+    const float counted = lmb_larger(lmb_larger(distance, min_distance), light->radius);
     const float factor = lamp_fall(light, sample->direction, distance, 1.0f / counted / counted);
-    sample->irradiance = rgb_scale(light->intensity, factor);
+    sample->irradiance = lmb_rgb_scale(light->intensity, factor);
     return isfinite(factor) && factor > 0.0f;
 }
 
@@ -224,13 +224,13 @@ static bool light_sample(const lmb_punctual *punctual, uint32_t index, const lmb
     if (sample->at_infinity) {
         point = lmb_sun_point(sample->direction, extent, u);
     } else {
-        const float distance = vec3_length(vec3_sub(light->position, query->position));
+        const float distance = lmb_vec3_length(lmb_vec3_sub(light->position, query->position));
         point = lmb_lamp_point(light->position, extent, query->position, query->min_distance, u);
         point.factor = lamp_fall(light, sample->direction, distance, point.factor);
     }
     sample->direction = point.direction;
     sample->end = point.end;
-    sample->irradiance = rgb_scale(light->intensity, point.factor);
+    sample->irradiance = lmb_rgb_scale(light->intensity, point.factor);
     return isfinite(point.factor);
 }
 
@@ -243,7 +243,7 @@ static float light_sine(const lmb_punctual *punctual, uint32_t index, lmb_vec3 p
     if (!(extent > 0.0f) || light->type == LMB_LIGHT_DIRECTIONAL) {
         return extent;
     }
-    const float distance = vec3_length(vec3_sub(light->position, position));
+    const float distance = lmb_vec3_length(lmb_vec3_sub(light->position, position));
     return distance > extent ? extent / distance : 2.0f;
 }
 
@@ -283,7 +283,7 @@ static void light_look(const lmb_punctual *punctual, uint32_t index, const lmb_p
     const lmb_light *light = &punctual->scene->lights[index];
     lmb_punctual_sample sample;
     if (is_asked(light, query) && light_evaluate(light, query->position, query->min_distance, &sample)) {
-        const float cosine = query->normal ? vec3_dot(*query->normal, sample.direction) : 1.0f;
+        const float cosine = query->normal ? lmb_vec3_dot(*query->normal, sample.direction) : 1.0f;
         const float highest = cosine + light_sine(punctual, index, query->position);
         const double weight = factor * (double)weight_of(lmb_luminance(sample.irradiance), highest);
         candidate_add(found, index, factor, weight);
@@ -305,10 +305,10 @@ static void lamps_weigh(const lamp_lanes *lamps, const lmb_punctual_query *query
         const float inverse = 1.0f / distance;
         const float along = (x * lamps->axis[0][i] + y * lamps->axis[1][i] + z * lamps->axis[2][i]) * -inverse;
         const float fall = (along - lamps->cos_outer[i]) * lamps->inverse_width[i];
-        const float fall_in_bounds = float_smaller(float_larger(fall, 0.0f), 1.0f);
+        const float fall_in_bounds = lmb_smaller(lmb_larger(fall, 0.0f), 1.0f);
         const float ratio = distance * lamps->inverse_range[i];
-        const float window = float_smaller(float_larger(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
-        const float counted = float_larger(distance, query->min_distance);
+        const float window = lmb_smaller(lmb_larger(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
+        const float counted = lmb_larger(distance, query->min_distance);
         const float factor = window * fall_in_bounds * fall_in_bounds / (counted * counted);
         const float cosine = (x * normal.x + y * normal.y + z * normal.z) * inverse + cosine_anyway;
         const float found = weight_of(lamps->luminance[i] * factor, cosine);
@@ -392,7 +392,7 @@ static bool candidate_take(const lmb_punctual *punctual, const candidates *found
     const bool gives =
         sample->soft ? light_sample(punctual, light, query, sample)
                      : light_evaluate(&punctual->scene->lights[light], query->position, query->min_distance, sample);
-    sample->irradiance = gives ? rgb_scale(sample->irradiance, sample->weight) : sample->irradiance;
+    sample->irradiance = gives ? lmb_rgb_scale(sample->irradiance, sample->weight) : sample->irradiance;
     return gives;
 }
 
@@ -445,7 +445,7 @@ bool lmb_punctual_are_soft(const lmb_punctual *punctual)
 void lmb_punctual_again(const lmb_punctual *punctual, const lmb_punctual_query *query, lmb_punctual_sample *sample)
 {
     if (sample->soft && light_sample(punctual, sample->light, query, sample)) {
-        sample->irradiance = rgb_scale(sample->irradiance, sample->weight);
+        sample->irradiance = lmb_rgb_scale(sample->irradiance, sample->weight);
     }
 }
 

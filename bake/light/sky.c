@@ -3,10 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/rgb.h"
-#include "base/scalar.h"
+#include <lambent/vector.h>
+
 #include "base/trig.h"
-#include "base/vec3.h"
 #include "base/vectorised.h"
 
 /* Below this share of the light, what stands out is not worth a ray of its own. */
@@ -14,7 +13,7 @@
 
 static lmb_rgb image_pixel(const lmb_image *image, size_t pixel)
 {
-    return rgb(image->rgb[3 * pixel], image->rgb[3 * pixel + 1], image->rgb[3 * pixel + 2]);
+    return lmb_rgb_of(image->rgb[3 * pixel], image->rgb[3 * pixel + 1], image->rgb[3 * pixel + 2]);
 }
 
 static double row_solid_angle(const lmb_sky *sky, size_t row)
@@ -89,7 +88,7 @@ static void pixels_make(lmb_sky *sky, size_t pixels)
 {
     for (size_t i = 0; i < pixels; ++i) {
         const lmb_rgb pixel = image_pixel(&sky->environment->image, i);
-        sky->pixel[i].radiance = rgb_scale(pixel, sky->environment->strength);
+        sky->pixel[i].radiance = lmb_rgb_scale(pixel, sky->environment->strength);
         sky->pixel[i].density = sky->aimed_count > 0 ? (float)((double)pixel_excess(sky, pixel) / sky->total) : 0.0f;
     }
 }
@@ -191,8 +190,8 @@ void lmb_sky_look_batch(const lmb_sky *sky, const float *const direction[3], uin
 {
     const lmb_environment *environment = sky->environment;
     if (!sky->pixel) {
-        const lmb_rgb constant =
-            environment->present ? rgb_scale(environment->constant, environment->strength) : rgb(0.0f, 0.0f, 0.0f);
+        const lmb_rgb constant = environment->present ? lmb_rgb_scale(environment->constant, environment->strength)
+                                                      : lmb_rgb_of(0.0f, 0.0f, 0.0f);
         for (uint32_t i = 0; i < count; ++i) {
             seen[i] = (lmb_environment_seen){constant, 0.0f};
         }
@@ -294,7 +293,7 @@ static void batch_sample(const lmb_sky *sky, const float *x, const float *y, uin
     points_directions(sky, &points, count, to_x, to_y, to_z);
     for (uint32_t i = 0; i < count; ++i) {
         const lmb_environment_seen *pixel = &sky->pixel[picked[i]];
-        sample[i].direction = vec3(to_x[i], to_y[i], to_z[i]);
+        sample[i].direction = lmb_vec3_of(to_x[i], to_y[i], to_z[i]);
         sample[i].radiance = pixel->radiance;
         sample[i].density = pixel->density;
     }

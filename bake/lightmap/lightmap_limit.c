@@ -14,10 +14,7 @@
 #include <stdlib.h>
 
 #include <lambent/surface.h>
-
-#include "base/rgb.h"
-#include "base/scalar.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
 
 /* Rounding and the curve of a smooth surface may add this much. */
 #define SLACK 1.002f
@@ -76,7 +73,7 @@ static float *area_value(const limit_area *area, int channel, int32_t x, int32_t
 
 static lmb_rgb area_light(const limit_area *area, int32_t x, int32_t y)
 {
-    return rgb(*area_value(area, 0, x, y), *area_value(area, 1, x, y), *area_value(area, 2, x, y));
+    return lmb_rgb_of(*area_value(area, 0, x, y), *area_value(area, 1, x, y), *area_value(area, 2, x, y));
 }
 
 /* A light of irradiance 1 at n_v. */
@@ -117,7 +114,7 @@ static float directional_at_peak(float peak, float height)
     if (!(squared_sine > 1e-6f)) {
         return INFINITY; /* all light along n_v: nothing is brighter than I_z */
     }
-    const float excess = float_larger(peak - 1.0f, 0.0f);
+    const float excess = lmb_larger(peak - 1.0f, 0.0f);
     const float linear = excess * height;
     return (linear + sqrtf(linear * linear + 4.0f * squared_sine * peak * excess)) / (2.0f * squared_sine);
 }
@@ -151,7 +148,7 @@ static lmb_rgb piece_brightest(const limit_area *area, const lmb_texel_piece *pi
             const float peak = area_limit(area, x, y)->peak;
             const lmb_rgb i_z = area_light(area, x, y);
             for (int c = 0; c < 3; ++c) {
-                brightest.c[c] = float_larger(brightest.c[c], peak * i_z.c[c]);
+                brightest.c[c] = lmb_larger(brightest.c[c], peak * i_z.c[c]);
             }
         }
     }
@@ -164,10 +161,10 @@ static float peak_allowed(lmb_rgb brightest, lmb_rgb i_z)
     float allowed = INFINITY;
     for (int c = 0; c < 3; ++c) {
         if (i_z.c[c] > 0.0f) {
-            allowed = float_smaller(allowed, brightest.c[c] / i_z.c[c]);
+            allowed = lmb_smaller(allowed, brightest.c[c] / i_z.c[c]);
         }
     }
-    return float_larger(allowed, 1.0f);
+    return lmb_larger(allowed, 1.0f);
 }
 
 static lmb_vec3 area_normal(const limit_area *area, double u, double v)
@@ -199,14 +196,14 @@ static void directional_lower(limit_area *area, const lmb_texel_piece *piece, co
         }
         for (int k = 0; k < 4 && squares > 0.0f; ++k) {
             const float before = lower[k];
-            lower[k] = float_smaller(before + left * filter->weight[k] / squares, own[k]);
+            lower[k] = lmb_smaller(before + left * filter->weight[k] / squares, own[k]);
             taken += filter->weight[k] * (lower[k] - before);
         }
         left -= taken;
     }
     for (int k = 0; k < 4; ++k) {
         limit_texel *texel = area_limit(area, piece->x + (k & 1), piece->y + (k >> 1));
-        texel->lower = float_larger(texel->lower, lower[k]);
+        texel->lower = lmb_larger(texel->lower, lower[k]);
     }
 }
 
@@ -221,7 +218,7 @@ static float lowest_height(const limit_area *area, int32_t x, int32_t y)
     for (int k = 0; k < 9; ++k) {
         const int32_t column = x + k % 3 - 1, row = y + k / 3 - 1;
         if (area_has(area, column, row)) {
-            lowest = float_smaller(lowest, area_limit(area, column, row)->height);
+            lowest = lmb_smaller(lowest, area_limit(area, column, row)->height);
         }
     }
     return lowest;
@@ -232,13 +229,13 @@ static float lowest_height(const limit_area *area, int32_t x, int32_t y)
 static void directions_shorten(limit_area *area, const lmb_texel_piece *piece, float height, float share)
 {
     const float trusted = area->model->direction->min_height;
-    const float edge = trusted / float_larger(height, trusted);
+    const float edge = trusted / lmb_larger(height, trusted);
     for (int k = 0; k < 4; ++k) {
         limit_texel *texel = area_limit(area, piece->x + (k & 1), piece->y + (k >> 1));
         const float lowest = lowest_height(area, piece->x + (k & 1), piece->y + (k >> 1));
-        const float least = trusted / float_larger(float_smaller(texel->height, EVEN_HEIGHTS * lowest), trusted);
+        const float least = trusted / lmb_larger(lmb_smaller(texel->height, EVEN_HEIGHTS * lowest), trusted);
         texel->shine = true;
-        texel->length = float_smaller(texel->length, float_larger(texel->stored * edge * sqrtf(share), least));
+        texel->length = lmb_smaller(texel->length, lmb_larger(texel->stored * edge * sqrtf(share), least));
     }
 }
 
@@ -259,9 +256,10 @@ static tried_point point_try(limit_area *area, const lmb_texel_piece *piece, lmb
     filter_make(area, piece, (float)at.x, (float)at.y, &filter);
     const lmb_vec3 normal = area_normal(area, at.u, at.v);
     const float *d = &filter.channel[area->model->direction->first];
-    tried_point tried = {at, vec3_dot(normal, vec3(d[0], d[1], d[2])), false};
+    tried_point tried = {at, lmb_vec3_dot(normal, lmb_vec3_of(d[0], d[1], d[2])), false};
     const unit_light light = unit_light_decode(area, filter.channel, normal);
-    const float allowed = peak_allowed(area->brightest, rgb(filter.channel[0], filter.channel[1], filter.channel[2]));
+    const float allowed =
+        peak_allowed(area->brightest, lmb_rgb_of(filter.channel[0], filter.channel[1], filter.channel[2]));
     if (!(unit_light_peak(&light) > SLACK * allowed)) {
         return tried;
     }
@@ -386,7 +384,7 @@ static lmb_vec3 covered_normal(const limit_area *area, const lmb_texel_source *s
 
 static bool has_direction(lmb_vec3 a)
 {
-    return vec3_dot(a, a) > 0.0f;
+    return lmb_vec3_dot(a, a) > 0.0f;
 }
 
 /* What is known of a covered texel by itself. */
@@ -406,17 +404,16 @@ static void dilated_start(const limit_area *area, const lmb_texel_source *source
         const int32_t column = x + k % 3 - 1, row = y + k / 3 - 1;
         const lmb_vec3 normal = covered_normal(area, source, column, row);
         if (has_direction(normal)) {
-            sum = vec3_add(sum, normal);
-            brightest = float_larger(brightest, area_limit(area, column, row)->peak *
-                                                    lmb_luminance(area_light(area, column, row)));
+            sum = lmb_vec3_add(sum, normal);
+            brightest = lmb_larger(brightest,
+                                   area_limit(area, column, row)->peak * lmb_luminance(area_light(area, column, row)));
         }
     }
     const float luminance = lmb_luminance(area_light(area, x, y));
     if (has_direction(sum) && luminance > 0.0f) {
-        const unit_light light = texel_decode(area, x, y, vec3_normalize_or(sum, sum));
+        const unit_light light = texel_decode(area, x, y, lmb_vec3_unit_or(sum, sum));
         area_limit(area, x, y)->height = light.height;
-        area_limit(area, x, y)->peak =
-            float_larger(float_smaller(unit_light_peak(&light), brightest / luminance), 1.0f);
+        area_limit(area, x, y)->peak = lmb_larger(lmb_smaller(unit_light_peak(&light), brightest / luminance), 1.0f);
     }
 }
 
@@ -456,7 +453,7 @@ static void area_change(const limit_area *area)
                 limit->stored = limit->length;
             } else if (area->stage == LIMIT_WEIGHTS && limit->lower > 0.0f) {
                 float *const weight = area_value(area, direction->weight, x, y);
-                *weight = float_smaller(*weight + limit->lower, 1.0f);
+                *weight = lmb_smaller(*weight + limit->lower, 1.0f);
             }
         }
     }

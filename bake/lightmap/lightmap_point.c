@@ -1,11 +1,11 @@
 /* Gather points of texels: just off their surface, and outside of solids. */
 #include <lambent/lightmap.h>
 #include <lambent/surface.h>
+#include <lambent/vector.h>
 
 #include <float.h>
 #include <math.h>
 
-#include "base/vec3.h"
 #include "trace/trace_internal.h"
 
 /* Directions around the texel, and the normal after them, that are searched for a way out. */
@@ -37,9 +37,9 @@ typedef struct lmb_frame {
 static lmb_vec3 frame_direction(const lmb_frame *frame, int step, float height)
 {
     const float flat = sqrtf(1.0f - height * height);
-    const lmb_vec3 side = vec3_add(vec3_scale(frame->tangent, AROUND[step][0] * flat),
-                                   vec3_scale(frame->bitangent, AROUND[step][1] * flat));
-    return vec3_mad(side, frame->normal, height);
+    const lmb_vec3 side = lmb_vec3_add(lmb_vec3_scale(frame->tangent, AROUND[step][0] * flat),
+                                       lmb_vec3_scale(frame->bitangent, AROUND[step][1] * flat));
+    return lmb_vec3_mad(side, frame->normal, height);
 }
 
 /* How many of INSIDE_COUNT directions over the hemisphere see a back face first. */
@@ -84,7 +84,7 @@ static int ways_out_find(const lmb_tracer *tracer, lmb_vec3 origin, const lmb_fr
         if (hit->instance == LMB_HIT_NOTHING || hit->front) {
             continue;
         }
-        const lmb_vec3 direction = vec3(rays.direction[0][k], rays.direction[1][k], rays.direction[2][k]);
+        const lmb_vec3 direction = lmb_vec3_of(rays.direction[0][k], rays.direction[1][k], rays.direction[2][k]);
         const lmb_place place = lmb_trace_place(tracer, hit);
         int at = count++;
         for (; at > 0 && ways[at - 1].distance > hit->distance; --at) {
@@ -106,7 +106,7 @@ lmb_gather_point lmb_surface_gather_point(const lmb_tracer *tracer, const lmb_pl
         .normal = place->shading_normal,
     };
     lmb_frame frame = {.normal = place->geometric_normal};
-    vec3_frame(frame.normal, &frame.tangent, &frame.bitangent);
+    lmb_vec3_frame(frame.normal, &frame.tangent, &frame.bitangent);
     lmb_way_out ways[SEARCH_COUNT];
     const int count = ways_out_find(tracer, point.position, &frame, REACH_TEXELS * radius, ways);
     *pushed_out = false;
@@ -117,7 +117,7 @@ lmb_gather_point lmb_surface_gather_point(const lmb_tracer *tracer, const lmb_pl
         /* Off the texel's own plane again: the back face may lean towards it. */
         const lmb_vec3 candidate =
             lmb_trace_offset(ways[i].position, place->geometric_normal, place->rounding, place->geometric_normal);
-        if (vec3_dot(vec3_sub(candidate, place->position), place->geometric_normal) > 0.0f &&
+        if (lmb_vec3_dot(lmb_vec3_sub(candidate, place->position), place->geometric_normal) > 0.0f &&
             back_count(tracer, candidate, &frame) < INSIDE_MIN_BACK) {
             point.position = candidate;
             *pushed_out = true;

@@ -5,9 +5,8 @@
 
 #include <lambent/occlusion.h>
 #include <lambent/sequence.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
-#include "base/vec3.h"
 #include "lightmap/lightmap_internal.h"
 #include "trace/surface_internal.h"
 #include "trace/trace_internal.h"
@@ -121,12 +120,12 @@ static uint32_t points_keep_open(const lmb_tracer *tracer, lmb_vec3 middle,
     lmb_rgb share[LMB_RAY_BATCH];
     rays.count = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        lmb_ray_batch_add(&rays, middle, vec3_sub(points[i].position, middle), LMB_TRACE_UP_TO_END);
+        lmb_ray_batch_add(&rays, middle, lmb_vec3_sub(points[i].position, middle), LMB_TRACE_UP_TO_END);
     }
     lmb_trace_transmittance_batch(tracer, &rays, share, rays_traced);
     uint32_t open = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        if (rgb_max(share[i]) > 0.0f) {
+        if (lmb_rgb_max(share[i]) > 0.0f) {
             points[open++] = points[i];
         }
     }

@@ -1,8 +1,7 @@
 /* IrradZ: HHD in the form that lightmaps store (lambent/hhd.h). */
 #include <lambent/hhd.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
-#include "base/vec3.h"
 #include "model/models.h"
 
 enum { R, G, B, WEIGHT, DIRECTION, CHANNELS = DIRECTION + 3 };
@@ -43,8 +42,8 @@ static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec
 static void average(float *channel, float total)
 {
     const lmb_irradz sum = irradz_of(channel);
-    const lmb_rgb light = rgb_scale(sum.irradiance_z, 1.0f / total);
-    const lmb_vec3 direction = vec3_normalize_or(sum.direction, sum.direction);
+    const lmb_rgb light = lmb_rgb_scale(sum.irradiance_z, 1.0f / total);
+    const lmb_vec3 direction = lmb_vec3_unit_or(sum.direction, sum.direction);
     for (int c = 0; c < 3; ++c) {
         channel[c] = light.c[c];
     }
@@ -57,11 +56,11 @@ static void average(float *channel, float total)
 static void unit_decode(const float *channel, lmb_vec3 normal, float *ambient, float *directional, float *height)
 {
     lmb_irradz unit = irradz_of(channel);
-    unit.irradiance_z = rgb(1.0f, 1.0f, 1.0f);
+    unit.irradiance_z = lmb_rgb_of(1.0f, 1.0f, 1.0f);
     const lmb_hhd_rgb hhd = lmb_irradz_decode(&unit, normal);
     *ambient = hhd.ambient.c[0];
     *directional = hhd.directional.c[0];
-    *height = vec3_dot(hhd.direction, normal);
+    *height = lmb_vec3_dot(hhd.direction, normal);
 }
 
 static const lmb_model_direction direction = {

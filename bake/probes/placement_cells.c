@@ -5,32 +5,30 @@
 #include <stdlib.h>
 
 #include <lambent/surface.h>
-
-#include "base/scalar.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
 
 /* Whether a triangle, given relative to the centre of a cube of half side 1, touches the cube: separating axes after
  * Akenine-Moeller 2001 (three cube normals, the triangle's normal, nine cross products of edges). */
 static bool triangle_touches_cube(const lmb_vec3 corner[3])
 {
-    const lmb_vec3 edge[3] = {vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[1]),
-                              vec3_sub(corner[0], corner[2])};
+    const lmb_vec3 edge[3] = {lmb_vec3_sub(corner[1], corner[0]), lmb_vec3_sub(corner[2], corner[1]),
+                              lmb_vec3_sub(corner[0], corner[2])};
     const lmb_vec3 unit[3] = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
     lmb_vec3 axis[13];
     int count = 0;
     for (int i = 0; i < 3; ++i) {
         axis[count++] = unit[i];
         for (int k = 0; k < 3; ++k) {
-            axis[count++] = vec3_cross(unit[i], edge[k]);
+            axis[count++] = lmb_vec3_cross(unit[i], edge[k]);
         }
     }
-    axis[count++] = vec3_cross(edge[0], edge[1]);
+    axis[count++] = lmb_vec3_cross(edge[0], edge[1]);
     for (int i = 0; i < count; ++i) {
         const float reach = fabsf(axis[i].x) + fabsf(axis[i].y) + fabsf(axis[i].z);
-        const float a = vec3_dot(axis[i], corner[0]);
-        const float b = vec3_dot(axis[i], corner[1]);
-        const float c = vec3_dot(axis[i], corner[2]);
-        if (float_smaller(a, float_smaller(b, c)) > reach || float_larger(a, float_larger(b, c)) < -reach) {
+        const float a = lmb_vec3_dot(axis[i], corner[0]);
+        const float b = lmb_vec3_dot(axis[i], corner[1]);
+        const float c = lmb_vec3_dot(axis[i], corner[2]);
+        if (lmb_smaller(a, lmb_smaller(b, c)) > reach || lmb_larger(a, lmb_larger(b, c)) < -reach) {
             return false;
         }
     }
@@ -50,7 +48,7 @@ static bool cells_find(const lmb_probes *probes, const lmb_lattice *lattice, con
     const double scale = 1.0 / (double)lattice->spacing;
     for (int axis = 0; axis < 3; ++axis) {
         const float a = (&corner[0].x)[axis], b = (&corner[1].x)[axis], c = (&corner[2].x)[axis];
-        const float low = float_smaller(a, float_smaller(b, c)), high = float_larger(a, float_larger(b, c));
+        const float low = lmb_smaller(a, lmb_smaller(b, c)), high = lmb_larger(a, lmb_larger(b, c));
         const double from = floor(((double)low + origin[axis]) * scale) - (double)lattice->min[axis];
         const double to = floor(((double)high + origin[axis]) * scale) - (double)lattice->min[axis];
         const double cells = (double)lattice->size[axis] - 1.0;
@@ -86,11 +84,12 @@ static void cell_mark(const lmb_probes *probes, const lmb_lattice *lattice, int3
     }
     const float half = 0.5f * lattice->spacing;
     const lmb_vec3d first = lmb_lattice_position(lattice, probes->point[probe]);
-    const lmb_vec3 centre = vec3((float)(first.x - probes->origin.x) + half, (float)(first.y - probes->origin.y) + half,
-                                 (float)(first.z - probes->origin.z) + half);
+    const lmb_vec3 centre =
+        lmb_vec3_of((float)(first.x - probes->origin.x) + half, (float)(first.y - probes->origin.y) + half,
+                    (float)(first.z - probes->origin.z) + half);
     lmb_vec3 local[3];
     for (int k = 0; k < 3; ++k) {
-        local[k] = vec3_scale(vec3_sub(corner[k], centre), 1.0f / half);
+        local[k] = lmb_vec3_scale(lmb_vec3_sub(corner[k], centre), 1.0f / half);
     }
     crossed[probe] = triangle_touches_cube(local);
 }

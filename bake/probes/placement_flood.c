@@ -6,8 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/rgb.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
 
 /* In `free`, while the flood lasts. */
 enum { REACHED = 2 };
@@ -70,7 +69,7 @@ static int32_t seed_point(const lmb_survey *survey, lmb_vec3 seed, lmb_seed_stat
         int32_t point[3];
         cell_corner(cell, corner, point);
         const int32_t found = lmb_probe_index_find(&survey->points.index, point);
-        const float distance = vec3_length(vec3_sub(survey_position(survey, point), seed));
+        const float distance = lmb_vec3_length(lmb_vec3_sub(survey_position(survey, point), seed));
         if (survey->free[found] && distance < nearest_distance) {
             nearest = found;
             nearest_distance = distance;
@@ -100,7 +99,7 @@ static bool points_connected(lmb_survey *survey, int32_t a, int32_t b)
 {
     const lmb_vec3 from = survey_position(survey, survey->points.point[a]);
     const lmb_vec3 to = survey_position(survey, survey->points.point[b]);
-    return rgb_max(lmb_trace_transmittance(survey->tracer, from, to, &survey->rays)) > 0.0f;
+    return lmb_rgb_max(lmb_trace_transmittance(survey->tracer, from, to, &survey->rays)) > 0.0f;
 }
 
 static lmb_result queue_grow(lmb_flood *flood)

@@ -5,9 +5,7 @@
 #include <math.h>
 
 #include <lambent/surface.h>
-
-#include "base/scalar.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
 
 /* A probe keeps this far from surfaces, in spacings. Walls stand on multiples of round figures, and so do lattices. */
 #define CLEARANCE_SPACINGS 0.05f
@@ -19,8 +17,8 @@ static float shortfall(const lmb_tracer *tracer, const lmb_hit *hit, lmb_vec3 po
 {
     const lmb_place place = lmb_trace_place(tracer, hit);
     *normal = place.geometric_normal;
-    const float before = vec3_dot(vec3_sub(position, place.position), place.geometric_normal);
-    const float rounding = 4.0f * float_larger(place.rounding, lmb_trace_epsilon(position));
+    const float before = lmb_vec3_dot(lmb_vec3_sub(position, place.position), place.geometric_normal);
+    const float rounding = 4.0f * lmb_larger(place.rounding, lmb_trace_epsilon(position));
     return before >= -rounding && before < clearance ? clearance - before : 0.0f;
 }
 
@@ -31,13 +29,13 @@ static bool move_once(const lmb_tracer *tracer, float clearance, lmb_vec3 *posit
     float most = 0.0f;
     lmb_vec3 away = {0.0f, 0.0f, 0.0f};
     for (int i = 0; i < 27; ++i) {
-        const lmb_vec3 step = vec3((float)(i % 3 - 1), (float)(i / 3 % 3 - 1), (float)(i / 9 - 1));
-        const float length_squared = vec3_dot(step, step);
+        const lmb_vec3 step = lmb_vec3_of((float)(i % 3 - 1), (float)(i / 3 % 3 - 1), (float)(i / 9 - 1));
+        const float length_squared = lmb_vec3_dot(step, step);
         if (!(length_squared == 1.0f || length_squared == 3.0f)) {
             continue;
         }
-        const lmb_vec3 direction = vec3_scale(step, 1.0f / sqrtf(length_squared));
-        const lmb_vec3 origin = vec3_mad(*position, direction, -clearance);
+        const lmb_vec3 direction = lmb_vec3_scale(step, 1.0f / sqrtf(length_squared));
+        const lmb_vec3 origin = lmb_vec3_mad(*position, direction, -clearance);
         lmb_hit hit;
         ++*rays;
         if (!lmb_trace_nearest(tracer, origin, direction, 0.0f, 2.0f * clearance, &hit)) {
@@ -50,7 +48,7 @@ static bool move_once(const lmb_tracer *tracer, float clearance, lmb_vec3 *posit
             away = normal;
         }
     }
-    *position = vec3_mad(*position, away, most);
+    *position = lmb_vec3_mad(*position, away, most);
     return most > 0.0f;
 }
 

@@ -6,11 +6,10 @@
 #include <stdlib.h>
 
 #include <lambent/sequence.h>
+#include <lambent/vector.h>
 
 #include "base/clock.h"
 #include "base/directions.h"
-#include "base/scalar.h"
-#include "base/vec3.h"
 #include "trace/trace_internal.h"
 
 enum { RAYS_PER_POINT = LMB_RAY_BATCH, WINDING_RAYS = 32, POINTS_PER_TASK = 64 };
@@ -40,7 +39,7 @@ static void point_rays(lmb_vec3 position, lmb_ray_batch *rays)
     float x[RAYS_PER_POINT], y[RAYS_PER_POINT];
     float *const direction[3] = {rays->direction[0], rays->direction[1], rays->direction[2]};
     lmb_sequence_2d_batch(lmb_stream_of_position(0, position), 0, RAYS_PER_POINT, 0, x, y);
-    lmb_directions_make(LMB_LOBE_SPHERE, vec3(0.0f, 0.0f, 1.0f), x, y, RAYS_PER_POINT, direction);
+    lmb_directions_make(LMB_LOBE_SPHERE, lmb_vec3_of(0.0f, 0.0f, 1.0f), x, y, RAYS_PER_POINT, direction);
     rays->count = RAYS_PER_POINT;
     for (uint32_t i = 0; i < RAYS_PER_POINT; ++i) {
         rays->origin[0][i] = position.x;
@@ -54,7 +53,7 @@ static bool winding_is_free(const lmb_tracer *tracer, lmb_vec3 position, const l
 {
     int crossings = 0;
     for (uint32_t i = 0; i < WINDING_RAYS; ++i) {
-        const lmb_vec3 direction = vec3(rays->direction[0][i], rays->direction[1][i], rays->direction[2][i]);
+        const lmb_vec3 direction = lmb_vec3_of(rays->direction[0][i], rays->direction[1][i], rays->direction[2][i]);
         crossings += lmb_trace_crossings(tracer, position, direction);
     }
     return (float)crossings < ROOM_WINDING * (float)WINDING_RAYS;
@@ -82,8 +81,7 @@ static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *i
     }
     /* A free point is valid, however much of it double-sided scenery turns its back on. */
     const float share = 1.0f - (float)backs / (float)RAYS_PER_POINT;
-    return *is_free ? float_larger(share, LMB_PROBES_MIN_VALIDITY)
-                    : float_smaller(share, 0.5f * LMB_PROBES_MIN_VALIDITY);
+    return *is_free ? lmb_larger(share, LMB_PROBES_MIN_VALIDITY) : lmb_smaller(share, 0.5f * LMB_PROBES_MIN_VALIDITY);
 }
 
 bool lmb_placement_is_free(const lmb_tracer *tracer, lmb_vec3 position, uint64_t *rays)

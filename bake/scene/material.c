@@ -1,8 +1,6 @@
 #include <lambent/material.h>
 #include <lambent/texture.h>
-
-#include "base/rgb.h"
-#include "base/scalar.h"
+#include <lambent/vector.h>
 
 bool lmb_material_is_opaque(const lmb_material *material)
 {
@@ -11,7 +9,7 @@ bool lmb_material_is_opaque(const lmb_material *material)
 
 bool lmb_material_emits(const lmb_material *material)
 {
-    return !material->unlit && rgb_max(material->emissive) > 0.0f;
+    return !material->unlit && lmb_rgb_max(material->emissive) > 0.0f;
 }
 
 const lmb_material *lmb_material_at(const lmb_mesh_point *point)
@@ -51,7 +49,7 @@ void lmb_material_base_color(const lmb_mesh_point *point, float rgba[4])
             vertex_color = (1.0f - u - v) * mesh->color[vertex[0]][i] + u * mesh->color[vertex[1]][i] +
                            v * mesh->color[vertex[2]][i];
         }
-        rgba[i] = float_smaller(float_larger(rgba[i] * material->base_color[i] * vertex_color, 0.0f), 1.0f);
+        rgba[i] = lmb_smaller(lmb_larger(rgba[i] * material->base_color[i] * vertex_color, 0.0f), 1.0f);
     }
 }
 

@@ -4,9 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/rgb.h"
-#include "base/scalar.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
+
 #include "scene/scene_internal.h"
 
 /* How far from 1 the length of what is called unit may be. */
@@ -86,8 +85,8 @@ void lmb_scene_destroy(lmb_scene *scene)
 
 lmb_vec3 lmb_scene_from_world(const lmb_scene *scene, lmb_vec3d place)
 {
-    return vec3((float)(place.x - scene->origin.x), (float)(place.y - scene->origin.y),
-                (float)(place.z - scene->origin.z));
+    return lmb_vec3_of((float)(place.x - scene->origin.x), (float)(place.y - scene->origin.y),
+                       (float)(place.z - scene->origin.z));
 }
 
 lmb_vec3d lmb_scene_to_world(const lmb_scene *scene, lmb_vec3 position)
@@ -101,7 +100,7 @@ float lmb_scene_position_step(const lmb_scene *scene)
     float coarsest = 0.0f;
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         if (!scene->instances[i].dynamic) {
-            coarsest = float_larger(coarsest, scene->instances[i].position_step);
+            coarsest = lmb_larger(coarsest, scene->instances[i].position_step);
         }
     }
     return coarsest;
@@ -146,7 +145,7 @@ static const char *vertex_fault(const lmb_mesh *mesh, uint32_t v)
     if (mesh->tangent) {
         const float *const t = mesh->tangent[v];
         const bool none = t[0] == 0.0f && t[1] == 0.0f && t[2] == 0.0f && t[3] == 0.0f;
-        if (!none && (!is_unit(vec3(t[0], t[1], t[2])) || fabsf(t[3]) != 1.0f)) {
+        if (!none && (!is_unit(lmb_vec3_of(t[0], t[1], t[2])) || fabsf(t[3]) != 1.0f)) {
             return "tangent is not a unit vector with a sign";
         }
     }
@@ -342,7 +341,7 @@ static bool environment_has_light(const lmb_environment *environment)
         return false;
     }
     if (!environment->image.rgb) {
-        return rgb_max(environment->constant) > 0.0f;
+        return lmb_rgb_max(environment->constant) > 0.0f;
     }
     const size_t count = (size_t)environment->image.width * (size_t)environment->image.height * 3;
     for (size_t i = 0; i < count; ++i) {
@@ -377,7 +376,7 @@ bool lmb_scene_has_light(const lmb_scene *scene)
 {
     assert(scene);
     for (uint32_t i = 0; i < scene->light_count; ++i) {
-        if (rgb_max(scene->lights[i].intensity) > 0.0f) {
+        if (lmb_rgb_max(scene->lights[i].intensity) > 0.0f) {
             return true;
         }
     }

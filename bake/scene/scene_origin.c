@@ -6,9 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <lambent/vector.h>
+
 #include "base/affine.h"
-#include "base/scalar.h"
-#include "base/vec3.h"
 
 /* A median needs no more triangles than this. */
 enum { MOST_SAMPLES = 1024 };
@@ -187,7 +187,7 @@ lmb_vec3d lmb_scene_choose_origin(const lmb_scene *scene)
 /* The distance between floats at `reach` from zero. */
 static float float_step(float reach)
 {
-    const float at = float_smaller(reach, FLT_MAX / 2.0f);
+    const float at = lmb_smaller(reach, FLT_MAX / 2.0f);
     return nextafterf(at, FLT_MAX) - at;
 }
 
@@ -206,7 +206,7 @@ float lmb_position_step(float reach, const lmb_affine *to_world)
 
 uint32_t lmb_scene_find_bounds(lmb_scene *scene)
 {
-    lmb_vec3 low = vec3(FLT_MAX, FLT_MAX, FLT_MAX), high = vec3(-FLT_MAX, -FLT_MAX, -FLT_MAX);
+    lmb_vec3 low = lmb_vec3_of(FLT_MAX, FLT_MAX, FLT_MAX), high = lmb_vec3_of(-FLT_MAX, -FLT_MAX, -FLT_MAX);
     const lmb_vec3d from = scene->origin;
     const float double_step = (float)(fmax(fabs(from.x), fmax(fabs(from.y), fabs(from.z))) * DBL_EPSILON);
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
@@ -218,11 +218,11 @@ uint32_t lmb_scene_find_bounds(lmb_scene *scene)
             if (!(fabsf(p.x) < TOO_FAR && fabsf(p.y) < TOO_FAR && fabsf(p.z) < TOO_FAR)) {
                 return i;
             }
-            low = vec3_smaller(p, low);
-            high = vec3_larger(p, high);
-            reach = float_larger(float_larger(reach, fabsf(p.x)), float_larger(fabsf(p.y), fabsf(p.z)));
+            low = lmb_vec3_smaller(p, low);
+            high = lmb_vec3_larger(p, high);
+            reach = lmb_larger(lmb_larger(reach, fabsf(p.x)), lmb_larger(fabsf(p.y), fabsf(p.z)));
         }
-        instance->position_step = float_larger(instance->position_step, float_larger(float_step(reach), double_step));
+        instance->position_step = lmb_larger(instance->position_step, lmb_larger(float_step(reach), double_step));
     }
     scene->bounds_min = low;
     scene->bounds_max = high;
@@ -239,25 +239,25 @@ void lmb_mesh_recentre(lmb_mesh *mesh)
         const lmb_vec3 p = mesh->position[mesh->triangle[c / 3][c % 3]];
         const float at[3] = {p.x, p.y, p.z};
         for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = float_smaller(low[axis], at[axis]);
-            high[axis] = float_larger(high[axis], at[axis]);
+            low[axis] = lmb_smaller(low[axis], at[axis]);
+            high[axis] = lmb_larger(high[axis], at[axis]);
         }
     }
     float size = 0.0f, reach = 0.0f, shift[3];
     for (int axis = 0; axis < 3; ++axis) {
-        size = float_larger(size, high[axis] - low[axis]);
-        reach = float_larger(reach, float_larger(fabsf(low[axis]), fabsf(high[axis])));
+        size = lmb_larger(size, high[axis] - low[axis]);
+        reach = lmb_larger(reach, lmb_larger(fabsf(low[axis]), fabsf(high[axis])));
     }
     if (!(reach > FAR_MESH_SIZES * size) || !(size > 0.0f)) {
         return;
     }
     for (int axis = 0; axis < 3; ++axis) {
         /* Less than a factor of two apart, floats are subtracted exactly (Sterbenz). */
-        const float nearest = float_smaller(fabsf(low[axis]), fabsf(high[axis]));
+        const float nearest = lmb_smaller(fabsf(low[axis]), fabsf(high[axis]));
         shift[axis] = low[axis] * high[axis] > 0.0f && nearest > high[axis] - low[axis] ? low[axis] : 0.0f;
     }
-    mesh->shift = vec3(shift[0], shift[1], shift[2]);
+    mesh->shift = lmb_vec3_of(shift[0], shift[1], shift[2]);
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-        mesh->position[v] = vec3_sub(mesh->position[v], mesh->shift);
+        mesh->position[v] = lmb_vec3_sub(mesh->position[v], mesh->shift);
     }
 }

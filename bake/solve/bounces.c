@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/rgb.h"
+#include <lambent/vector.h>
 
 enum { ROWS_PER_TASK = 4096 };
 
@@ -87,7 +87,7 @@ static void pass_task(void *context, size_t task, int worker)
                 sum.c[c] += (float)link->weight[c] * work->light[link->target].c[c];
             }
         }
-        work->next[i] = rgb_add(rows->light[i], rgb_scale(sum, 1.0f / (65535.0f * rows->samples[i])));
+        work->next[i] = lmb_rgb_add(rows->light[i], lmb_rgb_scale(sum, 1.0f / (65535.0f * rows->samples[i])));
     }
 }
 
@@ -98,7 +98,7 @@ static double rgb_sum(lmb_rgb a)
 
 static lmb_rgb rgb_less(lmb_rgb a, lmb_rgb b)
 {
-    return rgb_add(a, rgb_scale(b, -1.0f));
+    return lmb_rgb_add(a, lmb_rgb_scale(b, -1.0f));
 }
 
 static double rgb_dot(lmb_rgb a, lmb_rgb b)
@@ -117,7 +117,7 @@ static void measure_task(void *context, size_t task, int worker)
         if (work->known > 0) {
             const lmb_rgb turn = rgb_less(residual, work->residual[i]);
             work->turn[work->newest][i] = turn;
-            work->gain[work->newest][i] = rgb_add(work->gain[work->newest][i], turn);
+            work->gain[work->newest][i] = lmb_rgb_add(work->gain[work->newest][i], turn);
         }
         work->residual[i] = residual;
         const double samples = (double)work->rows->samples[i];

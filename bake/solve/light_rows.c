@@ -5,9 +5,8 @@
 #include <string.h>
 
 #include <lambent/sequence.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
-#include "base/scalar.h"
 #include "solve/side_sample.h"
 
 enum { PATCHES_PER_TASK = 128 };
@@ -89,9 +88,9 @@ typedef struct sample_queue {
 
 static void direct_add(const lmb_light_rows *rows, uint32_t patch, const lmb_side_sample *sample)
 {
-    rows->direct[patch] = rgb_add(rows->direct[patch], sample->direct);
+    rows->direct[patch] = lmb_rgb_add(rows->direct[patch], sample->direct);
     if (sample->link.open) {
-        rows->open_direct[patch] = rgb_add(rows->open_direct[patch], sample->direct);
+        rows->open_direct[patch] = lmb_rgb_add(rows->open_direct[patch], sample->direct);
     }
 }
 
@@ -106,8 +105,8 @@ static void queue_take(const lmb_light_rows *rows, sample_queue *queue)
         const uint32_t patch = queue->patch[i];
         direct_add(rows, patch, sample);
         rows->links[rows->row[patch] + sample->path.sample] = sample->link;
-        rows->sun[patch] = rgb_add(rows->sun[patch], sample->sun);
-        rows->sun_least[patch] = float_smaller(rows->sun_least[patch], lmb_luminance(sample->sun));
+        rows->sun[patch] = lmb_rgb_add(rows->sun[patch], sample->sun);
+        rows->sun_least[patch] = lmb_smaller(rows->sun_least[patch], lmb_luminance(sample->sun));
     }
     queue->count = 0;
 }
@@ -230,7 +229,7 @@ static lmb_result tasks_run(rows_work *work, const char *phase, lmb_pool *pool, 
 
 static bool patch_sees_light(const lmb_light_rows *rows, const uint8_t *lit, uint32_t patch)
 {
-    bool sees = rgb_max(rows->direct[patch]) > 0.0f;
+    bool sees = lmb_rgb_max(rows->direct[patch]) > 0.0f;
     for (size_t k = rows->row[patch]; k < rows->row[patch + 1] && !sees; ++k) {
         const lmb_link *link = &rows->links[k];
         sees = lit[link->target] && lmb_link_weight(link) > 0;
@@ -365,7 +364,7 @@ static void patches_describe(lmb_light_rows *rows)
         const uint32_t samples = (uint32_t)(end - begin);
         /* Where reflections are counted, what is stored has as many as it may have. */
         const bool uneven = rows->transport->bounces < 0 && samples > 0 && patch_is_shaded(rows, patch, samples);
-        rows->sun[patch] = rgb_scale(rows->sun[patch], uneven ? 1.0f / (float)samples : 0.0f);
+        rows->sun[patch] = lmb_rgb_scale(rows->sun[patch], uneven ? 1.0f / (float)samples : 0.0f);
         any = any || uneven;
     }
     if (any) {

@@ -2,10 +2,8 @@
 
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
-#include "base/scalar.h"
-#include "base/vec3.h"
 #include "transport/segment.h"
 #include "trace/trace_internal.h"
 
@@ -129,16 +127,16 @@ static void direct_find(sample_batch *batch)
             is_sun[batch->rays.count] = aimed[k].is_sun;
             ray_add(batch, i, aimed[k].origin, aimed[k].towards, aimed[k].far_distance);
         }
-        batch->sample[i].direct = rgb(0.0f, 0.0f, 0.0f);
-        batch->sample[i].sun = rgb(0.0f, 0.0f, 0.0f);
+        batch->sample[i].direct = lmb_rgb_of(0.0f, 0.0f, 0.0f);
+        batch->sample[i].sun = lmb_rgb_of(0.0f, 0.0f, 0.0f);
     }
     lmb_trace_transmittance_batch(batch->transport->tracer, &batch->rays, share, batch->rays_traced);
     for (uint32_t k = 0; k < batch->rays.count; ++k) {
         lmb_side_sample *sample = &batch->sample[batch->owner[k]];
-        const lmb_rgb arrives = rgb_mul(weight[k], share[k]);
-        sample->direct = rgb_add(sample->direct, arrives);
+        const lmb_rgb arrives = lmb_rgb_mul(weight[k], share[k]);
+        sample->direct = lmb_rgb_add(sample->direct, arrives);
         if (is_sun[k]) {
-            sample->sun = rgb_add(sample->sun, arrives);
+            sample->sun = lmb_rgb_add(sample->sun, arrives);
         }
     }
 }
@@ -159,19 +157,19 @@ static void openness_find(sample_batch *batch)
         sample->link = (lmb_link){.open = false};
         if (lmb_receiver_sees(receiver, direction)) {
             ray_add(batch, i, lmb_receiver_ray_origin(receiver, direction),
-                    vec3_scale(direction, lmb_cell_near(sample->cell.grid)), LMB_TRACE_UP_TO_END);
+                    lmb_vec3_scale(direction, lmb_cell_near(sample->cell.grid)), LMB_TRACE_UP_TO_END);
         }
     }
     lmb_trace_transmittance_batch(batch->transport->tracer, &batch->rays, share, batch->rays_traced);
     for (uint32_t k = 0; k < batch->rays.count; ++k) {
-        batch->sample[batch->owner[k]].link.open = rgb_max(share[k]) > 0.0f;
+        batch->sample[batch->owner[k]].link.open = lmb_rgb_max(share[k]) > 0.0f;
     }
 }
 
 static void link_weigh(lmb_link *link, lmb_rgb weight)
 {
     for (int c = 0; c < 3; ++c) {
-        link->weight[c] = (uint16_t)(float_smaller(float_larger(weight.c[c], 0.0f), 1.0f) * 65535.0f + 0.5f);
+        link->weight[c] = (uint16_t)(lmb_smaller(lmb_larger(weight.c[c], 0.0f), 1.0f) * 65535.0f + 0.5f);
     }
 }
 
@@ -183,9 +181,9 @@ enum { LINK_VERTICES = 8 };
 static bool path_reflect(lmb_path *path, lmb_segment *segment, lmb_path_vertex *vertex, lmb_receiver *here,
                          lmb_rgb *direct)
 {
-    segment->throughput = rgb_mul(segment->throughput, vertex->albedo);
+    segment->throughput = lmb_rgb_mul(segment->throughput, vertex->albedo);
     *here = lmb_vertex_receiver(path, vertex);
-    *direct = rgb_add(*direct, rgb_mul(segment->throughput, lmb_direct_collect(path, here)));
+    *direct = lmb_rgb_add(*direct, lmb_rgb_mul(segment->throughput, lmb_direct_collect(path, here)));
     float u[2];
     lmb_path_variates(path, PAIR_DIRECTION, u);
     segment->from = here;
@@ -195,14 +193,15 @@ static bool path_reflect(lmb_path *path, lmb_segment *segment, lmb_path_vertex *
         return false;
     }
     *vertex = lmb_segment_follow(path, segment);
-    *direct = rgb_add(*direct, rgb_mul(segment->throughput, vertex->emitted));
+    *direct = lmb_rgb_add(*direct, lmb_rgb_mul(segment->throughput, vertex->emitted));
     return true;
 }
 
 /* The weight as the bounces take it: what is corrected in a patch's light is to vanish where the patch's light does. */
 static lmb_rgb link_weight_rounded(const lmb_link *link)
 {
-    return rgb_scale(rgb((float)link->weight[0], (float)link->weight[1], (float)link->weight[2]), 1.0f / 65535.0f);
+    return lmb_rgb_scale(lmb_rgb_of((float)link->weight[0], (float)link->weight[1], (float)link->weight[2]),
+                         1.0f / 65535.0f);
 }
 
 static void sample_correct(const sample_batch *batch, lmb_side_sample *sample, const lmb_path *path,
@@ -211,7 +210,7 @@ static void sample_correct(const sample_batch *batch, lmb_side_sample *sample, c
     const lmb_rgb mean = batch->light->sun[sample->link.target];
     const lmb_receiver here = lmb_vertex_receiver(path, vertex);
     const lmb_rgb direct = lmb_direct_collect_suns(path, &here);
-    sample->direct = rgb_mul(link_weight_rounded(&sample->link), rgb_add(direct, rgb_scale(mean, -1.0f)));
+    sample->direct = lmb_rgb_mul(link_weight_rounded(&sample->link), lmb_rgb_add(direct, lmb_rgb_scale(mean, -1.0f)));
 }
 
 static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *hit, lmb_rgb share)
@@ -220,17 +219,18 @@ static void sample_land(const sample_batch *batch, uint32_t ray, const lmb_hit *
     const lmb_tracer *tracer = batch->transport->tracer;
     lmb_side_sample *sample = &batch->sample[batch->owner[ray]];
     lmb_segment segment = {&batch->receiver[batch->owner[ray]],
-                           vec3(rays->origin[0][ray], rays->origin[1][ray], rays->origin[2][ray]),
-                           vec3(rays->direction[0][ray], rays->direction[1][ray], rays->direction[2][ray]), share};
+                           lmb_vec3_of(rays->origin[0][ray], rays->origin[1][ray], rays->origin[2][ray]),
+                           lmb_vec3_of(rays->direction[0][ray], rays->direction[1][ray], rays->direction[2][ray]),
+                           share};
     lmb_path path = sample->path;
     lmb_path_vertex vertex = lmb_segment_vertex(&path, &segment, hit->instance != LMB_HIT_NOTHING ? hit : NULL);
-    sample->direct = rgb_add(sample->direct, rgb_mul(segment.throughput, vertex.emitted));
+    sample->direct = lmb_rgb_add(sample->direct, lmb_rgb_mul(segment.throughput, vertex.emitted));
     lmb_receiver receivers[2]; /* the one at hand, and the one before, which `segment.from` points to */
-    for (path.vertex = 2; vertex.on_surface && rgb_max(vertex.albedo) > 0.0f; ++path.vertex) {
+    for (path.vertex = 2; vertex.on_surface && lmb_rgb_max(vertex.albedo) > 0.0f; ++path.vertex) {
         uint32_t patch;
         if (lmb_surface_light_patch(batch->light, tracer, &vertex.hit, vertex.hit.front, path.rays, &patch)) {
             sample->link.target = patch;
-            link_weigh(&sample->link, rgb_mul(segment.throughput, vertex.albedo));
+            link_weigh(&sample->link, lmb_rgb_mul(segment.throughput, vertex.albedo));
             if (batch->corrects) {
                 sample_correct(batch, sample, &path, &vertex);
             }
@@ -267,7 +267,7 @@ static void links_find(sample_batch *batch)
     }
     lmb_trace_through_batch(tracer, &batch->rays, chance, hit, share, batch->rays_traced);
     for (uint32_t k = 0; k < batch->rays.count; ++k) {
-        sample_land(batch, k, &hit[k], layers ? share[k] : rgb(1.0f, 1.0f, 1.0f));
+        sample_land(batch, k, &hit[k], layers ? share[k] : lmb_rgb_of(1.0f, 1.0f, 1.0f));
     }
 }
 
@@ -289,7 +289,7 @@ static void batch_begin(sample_batch *batch, const lmb_surface_light *light, lmb
 
 static lmb_rgb finite_or_black(lmb_rgb light)
 {
-    return rgb_is_finite(light) ? light : rgb(0.0f, 0.0f, 0.0f);
+    return lmb_rgb_is_finite(light) ? light : lmb_rgb_of(0.0f, 0.0f, 0.0f);
 }
 
 void lmb_side_samples_take(const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count)
@@ -312,7 +312,7 @@ void lmb_side_samples_correct(const lmb_surface_light *light, lmb_side_sample *s
     batch.corrects = true;
     batch_begin(&batch, light, samples, count);
     for (uint32_t i = 0; i < count; ++i) {
-        samples[i].direct = rgb(0.0f, 0.0f, 0.0f);
+        samples[i].direct = lmb_rgb_of(0.0f, 0.0f, 0.0f);
     }
     links_find(&batch);
     for (uint32_t i = 0; i < count; ++i) {

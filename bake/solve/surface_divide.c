@@ -6,10 +6,8 @@
 #include <string.h>
 
 #include <lambent/surface.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
-#include "base/scalar.h"
-#include "base/vec3.h"
 #include "solve/side_sample.h"
 #include "trace/trace_internal.h"
 
@@ -42,9 +40,9 @@ static side_frame side_frame_of(const lmb_surface_light *light, const lmb_tracer
     const lmb_place place = lmb_trace_place(
         tracer, &(lmb_hit){.instance = frame.cell.instance, .triangle = frame.cell.triangle, .u = 0.0f, .v = 0.0f});
     const float sign = side % 2 == 0 ? 1.0f : -1.0f;
-    frame.off = vec3_scale(place.geometric_normal, sign * place.rounding);
-    frame.lift = vec3_scale(place.geometric_normal,
-                            sign * float_larger(LIFT_SHARE * frame.cell.grid->cell_size, 2.0f * place.rounding));
+    frame.off = lmb_vec3_scale(place.geometric_normal, sign * place.rounding);
+    frame.lift = lmb_vec3_scale(place.geometric_normal,
+                                sign * lmb_larger(LIFT_SHARE * frame.cell.grid->cell_size, 2.0f * place.rounding));
     return frame;
 }
 
@@ -52,9 +50,9 @@ static side_frame side_frame_of(const lmb_surface_light *light, const lmb_tracer
 static lmb_vec3 frame_point(const side_frame *frame, float along, float across)
 {
     const uint32_t apex = frame->cell.grid->apex;
-    const lmb_vec3 start = vec3_scale(frame->corner[apex], 1.0f - along);
-    return vec3_mad(vec3_mad(start, frame->corner[(apex + 1) % 3], along * (1.0f - across)),
-                    frame->corner[(apex + 2) % 3], along * across);
+    const lmb_vec3 start = lmb_vec3_scale(frame->corner[apex], 1.0f - along);
+    return lmb_vec3_mad(lmb_vec3_mad(start, frame->corner[(apex + 1) % 3], along * (1.0f - across)),
+                        frame->corner[(apex + 2) % 3], along * across);
 }
 
 /* Whatever divides a cell crosses two of its edges, so that all but one of them do. */
@@ -67,12 +65,12 @@ static void rays_across_add(lmb_ray_batch *rays, const side_frame *frame)
         const float across = i % 2 ? 1.0f - INSET_SHARE : INSET_SHARE;
         const lmb_vec3 on = frame_point(frame, (frame->part.strip + along) / frame->part.strips,
                                         (frame->part.column + across) / frame->part.columns);
-        point[i] = vec3_add(on, frame->lift);
+        point[i] = lmb_vec3_add(on, frame->lift);
     }
     const int count = frame->part.strip > 0.0f ? 3 : 2; /* beside the apex the fourth has no length */
     for (int i = 0; i < count; ++i) {
         const lmb_vec3 from = point[ends[i][0]];
-        lmb_ray_batch_add(rays, from, vec3_sub(point[ends[i][1]], from), LMB_TRACE_UP_TO_END);
+        lmb_ray_batch_add(rays, from, lmb_vec3_sub(point[ends[i][1]], from), LMB_TRACE_UP_TO_END);
     }
 }
 
@@ -108,9 +106,9 @@ static void list_add(piece_list *list, const lmb_cell_piece *piece)
 /* The place that stands for a start: higher than the surface, unless something lies on that. */
 static lmb_vec3 place_of_start(const lmb_tracer *tracer, const side_frame *frame, lmb_vec3 start, uint64_t *rays)
 {
-    const lmb_vec3 low = vec3_add(start, frame->off);
-    const lmb_vec3 high = vec3_add(start, frame->lift);
-    return rgb_max(lmb_trace_transmittance(tracer, low, high, rays)) > LMB_PIECE_OPEN_SHARE ? high : low;
+    const lmb_vec3 low = lmb_vec3_add(start, frame->off);
+    const lmb_vec3 high = lmb_vec3_add(start, frame->lift);
+    return lmb_rgb_max(lmb_trace_transmittance(tracer, low, high, rays)) > LMB_PIECE_OPEN_SHARE ? high : low;
 }
 
 /* Which starts see each other: a bit for each of the others. */
@@ -122,7 +120,7 @@ static void starts_see(const lmb_tracer *tracer, const lmb_vec3 *place, uint32_t
     rays.count = 0;
     for (int i = 0; i < LMB_CELL_STARTS; ++i) {
         for (int k = i + 1; k < LMB_CELL_STARTS; ++k) {
-            lmb_ray_batch_add(&rays, place[i], vec3_sub(place[k], place[i]), LMB_TRACE_UP_TO_END);
+            lmb_ray_batch_add(&rays, place[i], lmb_vec3_sub(place[k], place[i]), LMB_TRACE_UP_TO_END);
         }
     }
     lmb_trace_transmittance_batch(tracer, &rays, share, rays_traced);
@@ -130,7 +128,7 @@ static void starts_see(const lmb_tracer *tracer, const lmb_vec3 *place, uint32_t
     const lmb_rgb *ray = share;
     for (int i = 0; i < LMB_CELL_STARTS; ++i) {
         for (int k = i + 1; k < LMB_CELL_STARTS; ++k, ++ray) {
-            if (rgb_max(*ray) > LMB_PIECE_OPEN_SHARE) {
+            if (lmb_rgb_max(*ray) > LMB_PIECE_OPEN_SHARE) {
                 sees[i] |= 1u << k;
                 sees[k] |= 1u << i;
             }
@@ -178,7 +176,7 @@ static void side_divide(const pieces_work *work, const side_frame *frame, uint32
         float along, across;
         lmb_cell_part_point(&frame->part, u, &along, &across);
         start[i] = frame_point(frame, along, across);
-        high[i] = vec3_add(start[i], frame->lift);
+        high[i] = lmb_vec3_add(start[i], frame->lift);
     }
     starts_see(tracer, high, sees, &list->rays);
     uint32_t left = (1u << LMB_CELL_STARTS) - 1u;
@@ -204,7 +202,7 @@ static void queue_trace(side_queue *queue, const lmb_tracer *tracer, uint64_t *r
     lmb_rgb share[LMB_RAY_BATCH];
     lmb_trace_transmittance_batch(tracer, &queue->rays, share, rays);
     for (uint32_t k = 0; k < queue->rays.count; ++k) {
-        queue->divided[queue->owner[k]] |= !(rgb_max(share[k]) > LMB_PIECE_OPEN_SHARE);
+        queue->divided[queue->owner[k]] |= !(lmb_rgb_max(share[k]) > LMB_PIECE_OPEN_SHARE);
     }
     queue->rays.count = 0;
 }

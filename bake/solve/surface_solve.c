@@ -3,7 +3,8 @@
 
 #include <stdlib.h>
 
-#include "base/rgb.h"
+#include <lambent/vector.h>
+
 #include "light/emitters_internal.h"
 #include "solve/light_rows.h"
 #include "solve/surface_divide.h"
@@ -46,7 +47,7 @@ static lmb_bounce_rows rows_compact(lmb_light_rows *rows, const uint32_t *row_of
             }
             const size_t counted = mixed ? lmb_links_open(rows->links + begin, rows->links + end) : end - begin;
             samples[compact.count] = (float)counted;
-            rows->direct[compact.count] = rgb_scale(direct, 1.0f / samples[compact.count]);
+            rows->direct[compact.count] = lmb_rgb_scale(direct, 1.0f / samples[compact.count]);
             ++compact.count;
         }
         begin = end;
@@ -76,7 +77,7 @@ static lmb_result rows_bounce(lmb_light_rows *rows, lmb_pool *pool, const lmb_pr
         result = lmb_bounces_sum(&compact, bounces < 0 ? -1 : bounces - 1, pool, progress, passes);
         for (uint32_t patch = 0; patch < rows->patch_count; ++patch) {
             rows->light->irradiance[patch] =
-                row_of[patch] != NO_ROW ? compact.light[row_of[patch]] : rgb(0.0f, 0.0f, 0.0f);
+                row_of[patch] != NO_ROW ? compact.light[row_of[patch]] : lmb_rgb_of(0.0f, 0.0f, 0.0f);
         }
     }
     free(row_of);

@@ -4,8 +4,7 @@
 #include <stdlib.h>
 
 #include <lambent/surface.h>
-
-#include "base/vec3.h"
+#include <lambent/vector.h>
 
 /* Bright is what reflects so many times the mean. This and the next by lambent_convergence, `cached without aimed
  * cells`. */
@@ -67,28 +66,29 @@ static bright_cell bright_cell_make(const lmb_surface_light *light, const lmb_tr
     lmb_vec3 corner[3];
     lmb_trace_corners(tracer, cell->instance, cell->triangle, corner);
     const lmb_vec3 *apex = &corner[cell->grid->apex];
-    return (bright_cell){.part = lmb_cell_part_of(cell),
-                         .apex = *apex,
-                         .edge = {vec3_sub(corner[(cell->grid->apex + 1) % 3], *apex),
-                                  vec3_sub(corner[(cell->grid->apex + 2) % 3], *apex)},
-                         .normal =
-                             vec3_scale(place.geometric_normal, lmb_patch_side(light, patch) % 2 == 0 ? 1.0f : -1.0f),
-                         .area = lmb_cell_area(cell, tracer),
-                         .patch = patch};
+    return (bright_cell){
+        .part = lmb_cell_part_of(cell),
+        .apex = *apex,
+        .edge = {lmb_vec3_sub(corner[(cell->grid->apex + 1) % 3], *apex),
+                 lmb_vec3_sub(corner[(cell->grid->apex + 2) % 3], *apex)},
+        .normal = lmb_vec3_scale(place.geometric_normal, lmb_patch_side(light, patch) % 2 == 0 ? 1.0f : -1.0f),
+        .area = lmb_cell_area(cell, tracer),
+        .patch = patch};
 }
 
 static lmb_vec3 bright_cell_point(const bright_cell *cell, const float u[2])
 {
     float along, across;
     lmb_cell_part_point(&cell->part, u, &along, &across);
-    return vec3_mad(vec3_mad(cell->apex, cell->edge[0], along * (1.0f - across)), cell->edge[1], along * across);
+    return lmb_vec3_mad(lmb_vec3_mad(cell->apex, cell->edge[0], along * (1.0f - across)), cell->edge[1],
+                        along * across);
 }
 
 static lmb_light_bound cell_bound(const bright_cell *cell, float power)
 {
     static const float corners[4][2] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {0.0f, 1.0f}, {1.0f, 1.0f}};
-    lmb_light_bound bound = {.low = vec3(INFINITY, INFINITY, INFINITY),
-                             .high = vec3(-INFINITY, -INFINITY, -INFINITY),
+    lmb_light_bound bound = {.low = lmb_vec3_of(INFINITY, INFINITY, INFINITY),
+                             .high = lmb_vec3_of(-INFINITY, -INFINITY, -INFINITY),
                              .power = power,
                              .axis = cell->normal,
                              .cos_spread = 1.0f,
@@ -96,8 +96,8 @@ static lmb_light_bound cell_bound(const bright_cell *cell, float power)
                              .range = INFINITY};
     for (int i = 0; i < 4; ++i) {
         const lmb_vec3 corner = bright_cell_point(cell, corners[i]);
-        bound.low = vec3_smaller(bound.low, corner);
-        bound.high = vec3_larger(bound.high, corner);
+        bound.low = lmb_vec3_smaller(bound.low, corner);
+        bound.high = lmb_vec3_larger(bound.high, corner);
     }
     return bound;
 }
@@ -168,19 +168,19 @@ bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_light_query 
 {
     aim->number = lmb_light_tree_choose(bright->tree, query, (double)choice, &aim->probability);
     const bright_cell *chosen = &bright->cell[aim->number];
-    const lmb_vec3 towards = vec3_sub(bright_cell_point(chosen, point), position);
-    const float distance = vec3_length(towards);
-    if (!(distance > 0.0f) || !(vec3_dot(towards, chosen->normal) < 0.0f)) {
+    const lmb_vec3 towards = lmb_vec3_sub(bright_cell_point(chosen, point), position);
+    const float distance = lmb_vec3_length(towards);
+    if (!(distance > 0.0f) || !(lmb_vec3_dot(towards, chosen->normal) < 0.0f)) {
         return false;
     }
     aim->patch = chosen->patch;
-    aim->direction = vec3_scale(towards, 1.0f / distance);
+    aim->direction = lmb_vec3_scale(towards, 1.0f / distance);
     return true;
 }
 
 static float density_of(const bright_cell *cell, double probability, lmb_vec3 direction, const lmb_hit *hit)
 {
-    const float cosine = -vec3_dot(direction, cell->normal);
+    const float cosine = -lmb_vec3_dot(direction, cell->normal);
     return cosine > 0.0f ? (float)probability * hit->distance * hit->distance / (cosine * cell->area) : 0.0f;
 }
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 #include <lambent/surface.h>
+#include <lambent/vector.h>
 
-#include "base/vec3.h"
 #include "surface/bright_cells.h"
 
 enum { MAX_DIVISIONS = 16383, MAX_TRIANGLES = 1 << 24, MAX_CELLS = 1 << 30 };
@@ -27,7 +27,7 @@ static edge_range edges_measure(const lmb_tracer *tracer, uint32_t instance, uin
     edge_range range = {0.0f, INFINITY};
     *apex = 0;
     for (uint32_t k = 0; k < 3; ++k) {
-        const float opposite = vec3_length(vec3_sub(corner[(k + 1) % 3], corner[(k + 2) % 3]));
+        const float opposite = lmb_vec3_length(lmb_vec3_sub(corner[(k + 1) % 3], corner[(k + 2) % 3]));
         range.longest = fmaxf(range.longest, opposite);
         if (opposite < range.shortest) {
             range.shortest = opposite;
@@ -267,7 +267,9 @@ float lmb_cell_area(const lmb_cell *cell, const lmb_tracer *tracer)
     const float share = (2.0f * strip + 1.0f) / (strips * strips * (float)grid->columns);
     lmb_vec3 corner[3];
     lmb_trace_corners(tracer, cell->instance, cell->triangle, corner);
-    return 0.5f * vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]))) * share;
+    return 0.5f *
+           lmb_vec3_length(lmb_vec3_cross(lmb_vec3_sub(corner[1], corner[0]), lmb_vec3_sub(corner[2], corner[0]))) *
+           share;
 }
 
 float lmb_patch_area(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_cell *cell, uint32_t patch)

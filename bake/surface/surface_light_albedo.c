@@ -4,8 +4,7 @@
 #include <math.h>
 
 #include <lambent/surface.h>
-
-#include "base/rgb.h"
+#include <lambent/vector.h>
 
 /* Triangles that one task of the pool looks at. */
 enum { TRIANGLES_PER_TASK = 4096 };
@@ -27,7 +26,7 @@ static bool albedo_even(const lmb_tracer *tracer, const lmb_hit *hit, bool small
         return true;
     }
     lmb_rgb albedo[POINTS];
-    *mean = rgb(0.0f, 0.0f, 0.0f);
+    *mean = lmb_rgb_of(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < POINTS; ++i) {
         /* The R2 sequence (Roberts 2018), in step with no texture; the square's upper half folded back. */
         float u = 0.5f + (float)i * 0.7548777f;
@@ -41,7 +40,7 @@ static bool albedo_even(const lmb_tracer *tracer, const lmb_hit *hit, bool small
         albedo[i] =
             lmb_trace_surface(tracer, &(lmb_hit){.instance = hit->instance, .triangle = hit->triangle, .u = u, .v = v})
                 .albedo;
-        *mean = rgb_add(*mean, rgb_scale(albedo[i], 1.0f / POINTS));
+        *mean = lmb_rgb_add(*mean, lmb_rgb_scale(albedo[i], 1.0f / POINTS));
     }
     for (int i = 0; i < POINTS && !small; ++i) {
         for (int c = 0; c < 3; ++c) {
@@ -124,7 +123,7 @@ static void reflect_task(void *context, size_t task, int worker)
     for (uint32_t t = (uint32_t)task * TRIANGLES_PER_TASK; t < task_end(light, task); ++t) {
         const lmb_cell_grid *grid = &light->grid[t];
         for (uint32_t side = 2 * grid->first; grid->even && side < 2 * (grid + 1)->first; ++side) {
-            light->radiance[side] = rgb_mul(light->albedo[t], light->irradiance[side]);
+            light->radiance[side] = lmb_rgb_mul(light->albedo[t], light->irradiance[side]);
         }
     }
 }
@@ -135,7 +134,7 @@ lmb_result lmb_surface_light_reflect(lmb_surface_light *light, lmb_pool *pool)
         const lmb_cell cell = lmb_cell_find(light, light->piece[i].side / 2);
         const uint32_t patch = 2 * light->cell_count + i;
         if (cell.grid->even) {
-            light->radiance[patch] = rgb_mul(light->albedo[cell.grid - light->grid], light->irradiance[patch]);
+            light->radiance[patch] = lmb_rgb_mul(light->albedo[cell.grid - light->grid], light->irradiance[patch]);
         }
     }
     return lmb_pool_run(pool, task_count(light), reflect_task, light, "surface", NULL);

@@ -6,8 +6,7 @@
 
 #include <lambent/pool.h>
 #include <lambent/surface_light.h>
-
-#include "base/rgb.h"
+#include <lambent/vector.h>
 
 /* The cells of one triangle. Strip i, column j is cell first + i columns + j; strips count from the apex. */
 typedef struct lmb_cell_grid {
@@ -114,7 +113,7 @@ static inline bool lmb_side_is_whole(const lmb_surface_light *light, uint32_t si
 /* Whether a patch lies partly in a shadow, of the sun, so that its mean is too bright there. */
 static inline bool lmb_patch_is_uneven(const lmb_surface_light *light, uint32_t patch)
 {
-    return light->sun && rgb_max(light->sun[patch]) > 0.0f;
+    return light->sun && lmb_rgb_max(light->sun[patch]) > 0.0f;
 }
 
 /* Square metres of a patch of that cell. */

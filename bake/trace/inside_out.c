@@ -7,12 +7,11 @@
 
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
+#include <lambent/vector.h>
 
 #include "base/affine.h"
-#include "base/rgb.h"
-#include "base/vec3.h"
 #include "base/directions.h"
-#include "base/double3.h"
+#include "base/vec3d.h"
 #include "trace/trace_internal.h"
 
 /* Points all over an object, and rays from each of them; fewer points where there are very many objects. */
@@ -102,10 +101,11 @@ static lmb_result candidate_make(const facing_work *work, uint32_t instance, con
         }
         lmb_trace_corners(work->tracer, instance, t, corner);
         for (int k = 0; k < 3; ++k) {
-            made->low = vec3_smaller(made->low, corner[k]);
-            made->high = vec3_larger(made->high, corner[k]);
+            made->low = lmb_vec3_smaller(made->low, corner[k]);
+            made->high = lmb_vec3_larger(made->high, corner[k]);
         }
-        area += (double)vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
+        area += (double)lmb_vec3_length(
+            lmb_vec3_cross(lmb_vec3_sub(corner[1], corner[0]), lmb_vec3_sub(corner[2], corner[0])));
     }
     made->area_before[mesh->triangle_count] = area;
     return LMB_OK;
@@ -138,7 +138,7 @@ static void surface_rays(const candidate *object, uint32_t number, float side, l
                                                                        .triangle = triangle,
                                                                        .u = root * (1.0f - point[1]),
                                                                        .v = root * point[1]});
-    const lmb_vec3 normal = vec3_scale(place.geometric_normal, side);
+    const lmb_vec3 normal = lmb_vec3_scale(place.geometric_normal, side);
     const lmb_vec3 origin = trace_offset(place.position, place.geometric_normal, place.rounding, normal);
     float x[RAYS_PER_POINT], y[RAYS_PER_POINT];
     lmb_ray_batch rays;
@@ -156,7 +156,7 @@ static void surface_rays(const candidate *object, uint32_t number, float side, l
 }
 
 /* Signed crossings of the object's triangles from a point on, exact but for rays that meet an edge. */
-static int crossings_along(const candidate *object, double3 from, double3 direction)
+static int crossings_along(const candidate *object, lmb_vec3d from, lmb_vec3d direction)
 {
     int crossings = 0;
     const uint32_t count = instance_mesh(object->scene, object->instance)->triangle_count;
@@ -166,19 +166,19 @@ static int crossings_along(const candidate *object, double3 from, double3 direct
             continue;
         }
         lmb_trace_corners(object->tracer, object->instance, t, corner);
-        const double3 a = double3_of(corner[0]);
-        const double3 u = double3_between(a, double3_of(corner[1]));
-        const double3 v = double3_between(a, double3_of(corner[2]));
-        const double3 across = double3_cross(direction, v);
-        const double facing = double3_dot(u, across);
+        const lmb_vec3d a = vec3d_of(corner[0]);
+        const lmb_vec3d u = vec3d_between(a, vec3d_of(corner[1]));
+        const lmb_vec3d v = vec3d_between(a, vec3d_of(corner[2]));
+        const lmb_vec3d across = vec3d_cross(direction, v);
+        const double facing = vec3d_dot(u, across);
         if (facing == 0.0) {
             continue;
         }
-        const double3 to = double3_between(a, from);
-        const double at_u = double3_dot(to, across) / facing;
-        const double3 turned = double3_cross(to, u);
-        const double at_v = double3_dot(direction, turned) / facing;
-        if (at_u >= 0.0 && at_v >= 0.0 && at_u + at_v <= 1.0 && double3_dot(v, turned) / facing > 0.0) {
+        const lmb_vec3d to = vec3d_between(a, from);
+        const double at_u = vec3d_dot(to, across) / facing;
+        const lmb_vec3d turned = vec3d_cross(to, u);
+        const double at_v = vec3d_dot(direction, turned) / facing;
+        if (at_u >= 0.0 && at_v >= 0.0 && at_u + at_v <= 1.0 && vec3d_dot(v, turned) / facing > 0.0) {
             crossings += facing > 0.0 ? 1 : -1;
         }
     }
@@ -188,14 +188,14 @@ static int crossings_along(const candidate *object, double3 from, double3 direct
 static bool point_is_within(const candidate *object, lmb_vec3 point)
 {
     /* Rays along these meet no edge of what stands straight. */
-    static const double3 DIRECTIONS[3] = {{0.683, 0.571, 0.455}, {-0.433, 0.749, -0.502}, {0.291, -0.397, 0.870}};
+    static const lmb_vec3d DIRECTIONS[3] = {{0.683, 0.571, 0.455}, {-0.433, 0.749, -0.502}, {0.291, -0.397, 0.870}};
     if (!(point.x > object->low.x && point.y > object->low.y && point.z > object->low.z && point.x < object->high.x &&
           point.y < object->high.y && point.z < object->high.z)) {
         return false;
     }
     int within = 0;
     for (int k = 0; k < 3; ++k) {
-        within += crossings_along(object, double3_of(point), DIRECTIONS[k]) != 0;
+        within += crossings_along(object, vec3d_of(point), DIRECTIONS[k]) != 0;
     }
     return within >= 2;
 }

@@ -4,37 +4,37 @@
 #include <string.h>
 
 #include <lambent/sequence.h>
+#include <lambent/vector.h>
 
-#include "base/vec3.h"
 #include "scene/mesh_weld.h"
-#include "base/double3.h"
+#include "base/vec3d.h"
 #include "trace/inside_out.h"
 
 /* Volumes within this part of (area)^(3/2) are those of sheets; a sphere has 0.094. */
 #define LEAST_VOLUME 1e-4
 
-static void triangle_corners(const lmb_mesh *mesh, uint32_t triangle, double3 corner[3])
+static void triangle_corners(const lmb_mesh *mesh, uint32_t triangle, lmb_vec3d corner[3])
 {
     for (int k = 0; k < 3; ++k) {
-        corner[k] = double3_of(mesh->position[mesh->triangle[triangle][k]]);
+        corner[k] = vec3d_of(mesh->position[mesh->triangle[triangle][k]]);
     }
 }
 
 /* Six times the volume of the tetrahedron to `apex`, positive where the triangle faces away from it. */
-static double triangle_volume(const lmb_mesh *mesh, uint32_t triangle, double3 apex)
+static double triangle_volume(const lmb_mesh *mesh, uint32_t triangle, lmb_vec3d apex)
 {
-    double3 corner[3];
+    lmb_vec3d corner[3];
     triangle_corners(mesh, triangle, corner);
-    return double3_dot(double3_between(apex, corner[0]),
-                       double3_cross(double3_between(apex, corner[1]), double3_between(apex, corner[2])));
+    return vec3d_dot(vec3d_between(apex, corner[0]),
+                     vec3d_cross(vec3d_between(apex, corner[1]), vec3d_between(apex, corner[2])));
 }
 
 static double triangle_area(const lmb_mesh *mesh, uint32_t triangle)
 {
-    double3 corner[3];
+    lmb_vec3d corner[3];
     triangle_corners(mesh, triangle, corner);
-    const double3 normal = double3_cross(double3_between(corner[0], corner[1]), double3_between(corner[0], corner[2]));
-    return 0.5 * sqrt(double3_dot(normal, normal));
+    const lmb_vec3d normal = vec3d_cross(vec3d_between(corner[0], corner[1]), vec3d_between(corner[0], corner[2]));
+    return 0.5 * sqrt(vec3d_dot(normal, normal));
 }
 
 /* Triangles that hang together. */
@@ -60,7 +60,7 @@ static uint64_t edge_sum(uint32_t from, uint32_t to)
 }
 
 /* Sums up all parts; `parts` [vertex] is that of the root. */
-static void parts_sum(const lmb_mesh *mesh, double3 apex, const uint32_t *weld, uint32_t *parent, part *parts)
+static void parts_sum(const lmb_mesh *mesh, lmb_vec3d apex, const uint32_t *weld, uint32_t *parent, part *parts)
 {
     memcpy(parent, weld, mesh->vertex_count * sizeof *parent);
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
@@ -80,15 +80,15 @@ static void parts_sum(const lmb_mesh *mesh, double3 apex, const uint32_t *weld, 
     }
 }
 
-static double3 mesh_middle(const lmb_mesh *mesh)
+static lmb_vec3d mesh_middle(const lmb_mesh *mesh)
 {
     lmb_vec3 low = mesh->position[mesh->triangle[0][0]], high = low;
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-        low = vec3_smaller(low, mesh->position[v]);
-        high = vec3_larger(high, mesh->position[v]);
+        low = lmb_vec3_smaller(low, mesh->position[v]);
+        high = lmb_vec3_larger(high, mesh->position[v]);
     }
-    return (double3){0.5 * ((double)low.x + (double)high.x), 0.5 * ((double)low.y + (double)high.y),
-                     0.5 * ((double)low.z + (double)high.z)};
+    return (lmb_vec3d){0.5 * ((double)low.x + (double)high.x), 0.5 * ((double)low.y + (double)high.y),
+                       0.5 * ((double)low.z + (double)high.z)};
 }
 
 static bool part_is_inward(const part *sum)
@@ -120,7 +120,7 @@ lmb_result lmb_mesh_mark_inward(const lmb_mesh *mesh, uint8_t *inward, uint32_t 
 lmb_result lmb_mesh_is_inward(const lmb_mesh *mesh, bool *inward)
 {
     *inward = false;
-    const double3 middle = mesh_middle(mesh);
+    const lmb_vec3d middle = mesh_middle(mesh);
     double volume = 0.0;
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         volume += triangle_volume(mesh, t, middle);

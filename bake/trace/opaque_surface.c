@@ -5,8 +5,7 @@
 
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
-
-#include "base/vec3.h"
+#include <lambent/vector.h>
 
 /* Dimension pairs of a point's sequence. */
 enum { PAIR_TRIANGLE, PAIR_PLACE };
@@ -21,8 +20,8 @@ static double triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_
 {
     lmb_vec3 corner[3];
     lmb_trace_corners(tracer, instance, triangle, corner);
-    const double area =
-        0.5 * (double)vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
+    const double area = 0.5 * (double)lmb_vec3_length(lmb_vec3_cross(lmb_vec3_sub(corner[1], corner[0]),
+                                                                     lmb_vec3_sub(corner[2], corner[0])));
     return isfinite(area) ? area : 0.0;
 }
 

@@ -3,10 +3,9 @@
 
 #include <math.h>
 
+#include <lambent/vector.h>
+
 #include "base/affine.h"
-#include "base/rgb.h"
-#include "base/scalar.h"
-#include "base/vec3.h"
 #include "trace/surface_internal.h"
 #include "trace/trace_internal.h"
 
@@ -26,10 +25,10 @@ void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance_number, uint3
  * room. One rounding step towards the triangle's middle keeps it inside. */
 static lmb_vec3 position_inset(lmb_vec3 position, const lmb_vec3 corner[3], float rounding)
 {
-    const lmb_vec3 middle = vec3_scale(vec3_add(vec3_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
-    const lmb_vec3 inward = vec3_sub(middle, position);
-    const float length = vec3_length(inward);
-    return length > 0.0f ? vec3_mad(position, inward, float_smaller(rounding / length, 0.5f)) : position;
+    const lmb_vec3 middle = lmb_vec3_scale(lmb_vec3_add(lmb_vec3_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
+    const lmb_vec3 inward = lmb_vec3_sub(middle, position);
+    const float length = lmb_vec3_length(inward);
+    return length > 0.0f ? lmb_vec3_mad(position, inward, lmb_smaller(rounding / length, 0.5f)) : position;
 }
 
 static float corners_rounding(const lmb_vec3 corner[3])
@@ -41,8 +40,8 @@ static float corners_rounding(const lmb_vec3 corner[3])
 
 static lmb_vec3 corners_position(const lmb_vec3 corner[3], float u, float v, float rounding)
 {
-    const lmb_vec3 along_u = vec3_mad(corner[0], vec3_sub(corner[1], corner[0]), u);
-    return position_inset(vec3_mad(along_u, vec3_sub(corner[2], corner[0]), v), corner, rounding);
+    const lmb_vec3 along_u = lmb_vec3_mad(corner[0], lmb_vec3_sub(corner[1], corner[0]), u);
+    return position_inset(lmb_vec3_mad(along_u, lmb_vec3_sub(corner[2], corner[0]), v), corner, rounding);
 }
 
 void lmb_trace_positions(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, const float (*weights)[2],
@@ -72,21 +71,22 @@ lmb_place lmb_trace_place(const lmb_tracer *tracer, const lmb_hit *hit)
     const uint32_t *vertex = mesh->triangle[hit->triangle];
     lmb_vec3 corner[3];
     lmb_trace_corners(tracer, hit->instance, hit->triangle, corner);
-    const lmb_vec3 edge_u = vec3_sub(corner[1], corner[0]);
-    const lmb_vec3 edge_v = vec3_sub(corner[2], corner[0]);
+    const lmb_vec3 edge_u = lmb_vec3_sub(corner[1], corner[0]);
+    const lmb_vec3 edge_v = lmb_vec3_sub(corner[2], corner[0]);
     lmb_place place;
     place.rounding = corners_rounding(corner);
     place.position = corners_position(corner, hit->u, hit->v, place.rounding);
-    lmb_vec3 facing = vec3_normalize_or(vec3_cross(edge_u, edge_v), vec3(0.0f, 1.0f, 0.0f));
+    lmb_vec3 facing = lmb_vec3_unit_or(lmb_vec3_cross(edge_u, edge_v), lmb_vec3_of(0.0f, 1.0f, 0.0f));
     if (instance->mirrored != lmb_tracer_is_turned(tracer, hit->instance)) {
-        facing = vec3_scale(facing, -1.0f);
+        facing = lmb_vec3_scale(facing, -1.0f);
     }
     place.geometric_normal = facing;
     const float w = 1.0f - hit->u - hit->v;
-    const lmb_vec3 local = vec3_mad(vec3_mad(vec3_scale(mesh->normal[vertex[0]], w), mesh->normal[vertex[1]], hit->u),
-                                    mesh->normal[vertex[2]], hit->v);
-    const lmb_vec3 smooth = vec3_normalize_or(affine_vector(&instance->normal_to_world, local), facing);
-    place.shading_normal = vec3_dot(smooth, facing) < 0.0f ? vec3_scale(smooth, -1.0f) : smooth;
+    const lmb_vec3 local =
+        lmb_vec3_mad(lmb_vec3_mad(lmb_vec3_scale(mesh->normal[vertex[0]], w), mesh->normal[vertex[1]], hit->u),
+                     mesh->normal[vertex[2]], hit->v);
+    const lmb_vec3 smooth = lmb_vec3_unit_or(affine_vector(&instance->normal_to_world, local), facing);
+    place.shading_normal = lmb_vec3_dot(smooth, facing) < 0.0f ? lmb_vec3_scale(smooth, -1.0f) : smooth;
     return place;
 }
 
@@ -115,11 +115,11 @@ static bool tangent_at(const lmb_tracer *tracer, const lmb_hit *hit, int set, lm
         lmb_vec3 sum = {0.0f, 0.0f, 0.0f};
         for (int k = 0; k < 3; ++k) {
             const float *t = mesh->tangent[vertex[k]];
-            sum = vec3_mad(sum, vec3(t[0], t[1], t[2]), weight[k]);
+            sum = lmb_vec3_mad(sum, lmb_vec3_of(t[0], t[1], t[2]), weight[k]);
         }
         *tangent = affine_vector(&instance->to_world, sum);
         *handedness = instance->mirrored ? -mesh->tangent[vertex[0]][3] : mesh->tangent[vertex[0]][3];
-        if (vec3_length(*tangent) > 0.0f) {
+        if (lmb_vec3_length(*tangent) > 0.0f) {
             return true;
         }
     }
@@ -135,9 +135,9 @@ static bool tangent_at(const lmb_tracer *tracer, const lmb_hit *hit, int set, lm
     if (!(fabsf(area) > 0.0f)) {
         return false;
     }
-    *tangent = vec3_sub(vec3_scale(vec3_sub(corner[1], corner[0]), c.y - a.y),
-                        vec3_scale(vec3_sub(corner[2], corner[0]), b.y - a.y));
-    *tangent = vec3_scale(*tangent, area > 0.0f ? 1.0f : -1.0f);
+    *tangent = lmb_vec3_sub(lmb_vec3_scale(lmb_vec3_sub(corner[1], corner[0]), c.y - a.y),
+                            lmb_vec3_scale(lmb_vec3_sub(corner[2], corner[0]), b.y - a.y));
+    *tangent = lmb_vec3_scale(*tangent, area > 0.0f ? 1.0f : -1.0f);
     /* Image rows run downwards while tangent-space +Y is up: glTF's bitangent is cross(n, t) w with w = 1 for UVs
      * that are not mirrored as seen with v pointing up. */
     *handedness = (area > 0.0f) != instance->mirrored ? -1.0f : 1.0f;
@@ -157,10 +157,10 @@ lmb_vec3 lmb_trace_mapped_normal(const lmb_tracer *tracer, const lmb_hit *hit, c
     }
     float texel[4];
     lmb_material_texel(&point, map, false, texel);
-    tangent = vec3_normalize_or(vec3_mad(tangent, normal, -vec3_dot(tangent, normal)), normal);
-    const lmb_vec3 bitangent = vec3_scale(vec3_cross(normal, tangent), handedness);
+    tangent = lmb_vec3_unit_or(lmb_vec3_mad(tangent, normal, -lmb_vec3_dot(tangent, normal)), normal);
+    const lmb_vec3 bitangent = lmb_vec3_scale(lmb_vec3_cross(normal, tangent), handedness);
     const float x = (2.0f * texel[0] - 1.0f) * material->normal_scale;
     const float y = (2.0f * texel[1] - 1.0f) * material->normal_scale;
-    const float z = float_larger(2.0f * texel[2] - 1.0f, 0.05f);
-    return vec3_normalize_or(vec3_mad(vec3_mad(vec3_scale(normal, z), tangent, x), bitangent, y), normal);
+    const float z = lmb_larger(2.0f * texel[2] - 1.0f, 0.05f);
+    return lmb_vec3_unit_or(lmb_vec3_mad(lmb_vec3_mad(lmb_vec3_scale(normal, z), tangent, x), bitangent, y), normal);
 }

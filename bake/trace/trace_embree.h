@@ -47,8 +47,8 @@ static inline struct RTCRay ray_make(lmb_vec3 origin, lmb_vec3 direction, float 
 static inline void ray_note(const lmb_tracer *tracer, lmb_ray_kind kind, const struct RTCRay *ray)
 {
     if (tracer->recorder) {
-        lmb_ray_record(tracer->recorder, kind, vec3(ray->org_x, ray->org_y, ray->org_z),
-                       vec3(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear, ray->tfar);
+        lmb_ray_record(tracer->recorder, kind, lmb_vec3_of(ray->org_x, ray->org_y, ray->org_z),
+                       lmb_vec3_of(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear, ray->tfar);
     }
 }
 
@@ -66,14 +66,14 @@ static inline uint32_t hit_instance(const struct RTCHit *hit)
  * the inverse transpose brings there keeps its side. */
 static inline bool hit_is_front(const lmb_tracer *tracer, const struct RTCHit *hit, lmb_vec3 direction)
 {
-    const lmb_vec3 normal = vec3(hit->Ng_x, hit->Ng_y, hit->Ng_z);
+    const lmb_vec3 normal = lmb_vec3_of(hit->Ng_x, hit->Ng_y, hit->Ng_z);
     const uint32_t instance = hit_instance(hit);
     if (hit_is_instanced(hit)) {
         const lmb_affine *to_world = &tracer->scene->instances[instance].normal_to_world;
-        return (vec3_dot(affine_vector(to_world, normal), direction) <= 0.0f) !=
+        return (lmb_vec3_dot(affine_vector(to_world, normal), direction) <= 0.0f) !=
                (tracer->facing[instance] == LMB_FACING_TURNED);
     }
-    return (vec3_dot(normal, direction) <= 0.0f) != tracer->is_mirrored[instance];
+    return (lmb_vec3_dot(normal, direction) <= 0.0f) != tracer->is_mirrored[instance];
 }
 
 static inline void hit_set(const lmb_tracer *tracer, const struct RTCRayHit *ray, lmb_hit *hit)
@@ -83,7 +83,7 @@ static inline void hit_set(const lmb_tracer *tracer, const struct RTCRayHit *ray
     hit->u = ray->hit.u;
     hit->v = ray->hit.v;
     hit->distance = ray->ray.tfar;
-    hit->front = hit_is_front(tracer, &ray->hit, vec3(ray->ray.dir_x, ray->ray.dir_y, ray->ray.dir_z));
+    hit->front = hit_is_front(tracer, &ray->hit, lmb_vec3_of(ray->ray.dir_x, ray->ray.dir_y, ray->ray.dir_z));
 }
 
 /* Rays that Embree traces as one. What each hits is the same as when it is traced alone, bit by bit. */
@@ -93,8 +93,8 @@ static _Alignas(32) const int packet_all[PACKET] = {-1, -1, -1, -1, -1, -1, -1, 
 
 static inline struct RTCRay ray_of_batch(const lmb_ray_batch *rays, uint32_t i)
 {
-    return ray_make(vec3(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]),
-                    vec3(rays->direction[0][i], rays->direction[1][i], rays->direction[2][i]), 0.0f,
+    return ray_make(lmb_vec3_of(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]),
+                    lmb_vec3_of(rays->direction[0][i], rays->direction[1][i], rays->direction[2][i]), 0.0f,
                     rays->far_distance[i]);
 }
 

@@ -4,8 +4,7 @@
 #include <string.h>
 
 #include <lambent/material.h>
-
-#include "base/rgb.h"
+#include <lambent/vector.h>
 
 static bool layer_is_before(const lmb_layer *a, const lmb_layer *b)
 {
@@ -44,7 +43,7 @@ lmb_rgb lmb_layers_share(const lmb_layers *passed, float end)
     float start = 0.0f;
     for (uint32_t i = 0; i < passed->count && passed->layer[i].distance < end; ++i) {
         if (passed->layer[i].distance >= start) {
-            share = rgb_mul(share, passed->layer[i].share);
+            share = lmb_rgb_mul(share, passed->layer[i].share);
             start = lmb_trace_beyond(passed->layer[i].distance);
         }
     }
@@ -95,7 +94,7 @@ bool lmb_layer_shown(const struct RTCFilterFunctionNArguments *arguments, unsign
     }
     shown->lane = shown_number(arguments->ray, count, RAY_ID, i);
     shown->distance = shown_float(arguments->ray, count, RAY_FAR, i);
-    return rgb_max(shown->coverage.pass) > 0.0f;
+    return lmb_rgb_max(shown->coverage.pass) > 0.0f;
 }
 
 void lmb_layer_walk_start(lmb_layer_walk *walk, const lmb_tracer *tracer, RTCFilterFunctionN filter,

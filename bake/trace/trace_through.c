@@ -2,8 +2,8 @@
 #include <float.h>
 
 #include <lambent/sequence.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
 #include "trace/trace_layers.h"
 
 /* In [0, 1). */
@@ -23,11 +23,11 @@ static void chance_filter(const struct RTCFilterFunctionNArguments *arguments)
         if (!arguments->valid[i] || !lmb_layer_shown(arguments, i, &shown)) {
             continue;
         }
-        const float pass = rgb_max(shown.coverage.pass);
+        const float pass = lmb_rgb_max(shown.coverage.pass);
         const float all = pass + shown.coverage.opacity;
         if (chance_number(walk->chance[shown.lane], &shown) * all < pass) {
             const lmb_layer found = {shown.distance, shown.instance, shown.triangle,
-                                     rgb_scale(rgb_scale(shown.coverage.pass, 1.0f / pass), all)};
+                                     lmb_rgb_scale(lmb_rgb_scale(shown.coverage.pass, 1.0f / pass), all)};
             lmb_layer_add(&walk->passed[shown.lane], &found);
             arguments->valid[i] = 0;
         }
@@ -51,7 +51,7 @@ static bool chance_follow(const lmb_tracer *tracer, struct RTCRay from, uint64_t
         rtcIntersect1(tracer->world, &walk.embree, &ray);
         const bool found = ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
         const float end = found ? ray.ray.tfar : FLT_MAX;
-        *share = rgb_mul(*share, lmb_layers_share(&passed, end));
+        *share = lmb_rgb_mul(*share, lmb_layers_share(&passed, end));
         from.tnear = lmb_layers_left_from(&passed, end);
         if (!(from.tnear > 0.0f && from.tnear < end)) {
             hit_set_or_nothing(tracer, &ray, hit);
@@ -118,7 +118,7 @@ void lmb_trace_through_batch(const lmb_tracer *tracer, const lmb_ray_batch *rays
     batch_note(tracer, LMB_RAY_NEAREST, rays, i);
     *rays_traced += i;
     for (; i < rays->count; ++i) {
-        share[i] = rgb(1.0f, 1.0f, 1.0f);
+        share[i] = lmb_rgb_of(1.0f, 1.0f, 1.0f);
         chance_follow(tracer, ray_of_batch(rays, i), chance[i], &hit[i], &share[i], rays_traced);
     }
 }

@@ -1,8 +1,8 @@
 /* Shadow rays: what gets through. */
 #include <float.h>
 
-#include "base/rgb.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
+
 #include "trace/trace_layers.h"
 
 /* Sends shadow rays on through what leaves some of their light. */
@@ -33,18 +33,18 @@ static lmb_rgb shadow_follow(const lmb_tracer *tracer, struct RTCRay ray, float 
         ray_note(tracer, LMB_RAY_OCCLUDED, &ray);
         rtcOccluded1(tracer->world, &walk.embree, &ray);
         if (ray.tfar < 0.0f) {
-            return rgb(0.0f, 0.0f, 0.0f);
+            return lmb_rgb_of(0.0f, 0.0f, 0.0f);
         }
-        share = rgb_mul(share, lmb_layers_share(&passed, FLT_MAX));
+        share = lmb_rgb_mul(share, lmb_layers_share(&passed, FLT_MAX));
         start = lmb_layers_left_from(&passed, FLT_MAX);
-    } while (start > 0.0f && start < end && rgb_max(share) > 0.0f);
+    } while (start > 0.0f && start < end && lmb_rgb_max(share) > 0.0f);
     return share;
 }
 
 static lmb_rgb share_of_occluded(float far_distance)
 {
     const float open = far_distance < 0.0f ? 0.0f : 1.0f;
-    return rgb(open, open, open);
+    return lmb_rgb_of(open, open, open);
 }
 
 lmb_rgb lmb_trace_transmittance_along(const lmb_tracer *tracer, lmb_vec3 origin, lmb_vec3 direction, float far_distance,
@@ -52,7 +52,7 @@ lmb_rgb lmb_trace_transmittance_along(const lmb_tracer *tracer, lmb_vec3 origin,
 {
     struct RTCRay ray = ray_make(origin, direction, 0.0f, far_distance);
     if (tracer->any_see_through) {
-        return shadow_follow(tracer, ray, 0.0f, rgb(1.0f, 1.0f, 1.0f), rays);
+        return shadow_follow(tracer, ray, 0.0f, lmb_rgb_of(1.0f, 1.0f, 1.0f), rays);
     }
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -64,7 +64,7 @@ lmb_rgb lmb_trace_transmittance_along(const lmb_tracer *tracer, lmb_vec3 origin,
 
 lmb_rgb lmb_trace_transmittance(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays)
 {
-    return lmb_trace_transmittance_along(tracer, from, vec3_sub(to, from), LMB_TRACE_UP_TO_END, rays);
+    return lmb_trace_transmittance_along(tracer, from, lmb_vec3_sub(to, from), LMB_TRACE_UP_TO_END, rays);
 }
 
 static void packet_occluded(const lmb_tracer *tracer, const lmb_ray_batch *rays, uint32_t first, lmb_rgb share[PACKET])
@@ -133,6 +133,6 @@ void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch
     batch_note(tracer, LMB_RAY_OCCLUDED, rays, i);
     *rays_traced += i;
     for (; i < rays->count; ++i) {
-        share[i] = shadow_follow(tracer, ray_of_batch(rays, i), 0.0f, rgb(1.0f, 1.0f, 1.0f), rays_traced);
+        share[i] = shadow_follow(tracer, ray_of_batch(rays, i), 0.0f, lmb_rgb_of(1.0f, 1.0f, 1.0f), rays_traced);
     }
 }

@@ -4,11 +4,9 @@
 
 #include <lambent/sequence.h>
 #include <lambent/trace.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
-#include "base/scalar.h"
 #include "base/trig.h"
-#include "base/vec3.h"
 #include "base/directions.h"
 #include "trace/inside_out.h"
 #include "trace/trace_internal.h"
@@ -68,18 +66,18 @@ static void lamp_directions(const lmb_light *light, float *const direction[3])
     float x[LMB_RAY_BATCH], y[LMB_RAY_BATCH];
     lmb_sequence_2d_batch(lmb_stream_of_position(0, light->position), 0, LMB_RAY_BATCH, 0, x, y);
     if (light->type == LMB_LIGHT_POINT) {
-        lmb_directions_make(LMB_LOBE_SPHERE, vec3(0.0f, 0.0f, 1.0f), x, y, LMB_RAY_BATCH, direction);
+        lmb_directions_make(LMB_LOBE_SPHERE, lmb_vec3_of(0.0f, 0.0f, 1.0f), x, y, LMB_RAY_BATCH, direction);
         return;
     }
     lmb_vec3 tangent, bitangent;
-    vec3_frame(light->direction, &tangent, &bitangent);
+    lmb_vec3_frame(light->direction, &tangent, &bitangent);
     for (uint32_t i = 0; i < LMB_RAY_BATCH; ++i) {
         const float cosine = 1.0f - x[i] * (1.0f - light->cos_outer);
-        const float flat = sqrtf(float_larger(1.0f - cosine * cosine, 0.0f));
+        const float flat = sqrtf(lmb_larger(1.0f - cosine * cosine, 0.0f));
         float s, c;
         lmb_turn_sincos(y[i], &s, &c);
-        const lmb_vec3 side = vec3_add(vec3_scale(tangent, c * flat), vec3_scale(bitangent, s * flat));
-        const lmb_vec3 along = vec3_mad(side, light->direction, cosine);
+        const lmb_vec3 side = lmb_vec3_add(lmb_vec3_scale(tangent, c * flat), lmb_vec3_scale(bitangent, s * flat));
+        const lmb_vec3 along = lmb_vec3_mad(side, light->direction, cosine);
         direction[0][i] = along.x;
         direction[1][i] = along.y;
         direction[2][i] = along.z;
@@ -114,12 +112,12 @@ static bool lamp_is_shut_in(const lmb_tracer *tracer, const lmb_light *light, fl
 static void lamps_warn(const lmb_tracer *tracer, const lmb_warnings *warnings)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const float reach = HOUSING_SHARE * vec3_length(vec3_sub(scene->bounds_max, scene->bounds_min));
+    const float reach = HOUSING_SHARE * lmb_vec3_length(lmb_vec3_sub(scene->bounds_max, scene->bounds_min));
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->light_count; ++i) {
         const lmb_light *light = &scene->lights[i];
         lmb_hit farthest;
-        if (light->type == LMB_LIGHT_DIRECTIONAL || !(rgb_max(light->intensity) > 0.0f) ||
+        if (light->type == LMB_LIGHT_DIRECTIONAL || !(lmb_rgb_max(light->intensity) > 0.0f) ||
             !lamp_is_shut_in(tracer, light, reach, &farthest) || count++ >= MOST_NAMED) {
             continue;
         }

@@ -2,9 +2,8 @@
 
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
-#include "base/vec3.h"
 #include "base/directions.h"
 #include "light/emitters_internal.h"
 #include "trace/trace_internal.h"
@@ -36,8 +35,8 @@ lmb_receiver lmb_receiver_on_surface(const lmb_place *place, bool front)
 {
     const float side = front ? 1.0f : -1.0f;
     return (lmb_receiver){.position = place->position,
-                          .geometric_normal = vec3_scale(place->geometric_normal, side),
-                          .normal = vec3_scale(place->shading_normal, side),
+                          .geometric_normal = lmb_vec3_scale(place->geometric_normal, side),
+                          .normal = lmb_vec3_scale(place->shading_normal, side),
                           .rounding = place->rounding,
                           .kind = LMB_LOBE_COSINE};
 }
@@ -116,11 +115,11 @@ static lmb_direct_start path_start(const lmb_path *path)
 
 static lmb_rgb aimed_collect(const lmb_path *path, const lmb_aimed_light *aimed, int count)
 {
-    lmb_rgb sum = rgb(0.0f, 0.0f, 0.0f);
+    lmb_rgb sum = lmb_rgb_of(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < count; ++i) {
         const lmb_rgb share = lmb_trace_transmittance_along(path->transport->tracer, aimed[i].origin, aimed[i].towards,
                                                             aimed[i].far_distance, path->rays);
-        sum = rgb_add(sum, rgb_mul(aimed[i].weight, share));
+        sum = lmb_rgb_add(sum, lmb_rgb_mul(aimed[i].weight, share));
     }
     return sum;
 }

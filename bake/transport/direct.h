@@ -5,10 +5,8 @@
 
 #include <lambent/surface.h>
 #include <lambent/transport.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
-#include "base/scalar.h"
-#include "base/vec3.h"
 #include "base/directions.h"
 #include "trace/trace_internal.h"
 
@@ -88,9 +86,9 @@ static inline float lmb_receiver_density(const lmb_receiver *receiver, lmb_vec3 
     case LMB_LOBE_SPHERE:
         return 1.0f / (4.0f * LMB_PI_F);
     case LMB_LOBE_HEMISPHERE:
-        return lmb_hemisphere_density(vec3_dot(receiver->normal, direction));
+        return lmb_hemisphere_density(lmb_vec3_dot(receiver->normal, direction));
     default:
-        return float_larger(vec3_dot(receiver->normal, direction), 0.0f) / LMB_PI_F;
+        return lmb_larger(lmb_vec3_dot(receiver->normal, direction), 0.0f) / LMB_PI_F;
     }
 }
 
@@ -103,8 +101,8 @@ static inline bool lmb_receiver_sees(const lmb_receiver *receiver, lmb_vec3 dire
     if (receiver->kind == LMB_LOBE_SPHERE) {
         return true;
     }
-    return vec3_dot(receiver->normal, direction) > 0.0f &&
-           (receiver->kind == LMB_LOBE_HEMISPHERE || vec3_dot(receiver->geometric_normal, direction) > 0.0f);
+    return lmb_vec3_dot(receiver->normal, direction) > 0.0f &&
+           (receiver->kind == LMB_LOBE_HEMISPHERE || lmb_vec3_dot(receiver->geometric_normal, direction) > 0.0f);
 }
 
 /* A point in space may lie exactly on a surface: its rays start beyond, so that it sees both sides. */
@@ -112,7 +110,7 @@ static inline lmb_vec3 lmb_receiver_ray_origin(const lmb_receiver *receiver, lmb
 {
     switch (receiver->kind) {
     case LMB_LOBE_SPHERE:
-        return vec3_mad(receiver->position, direction, trace_epsilon(receiver->position));
+        return lmb_vec3_mad(receiver->position, direction, trace_epsilon(receiver->position));
     case LMB_LOBE_HEMISPHERE:
         return receiver->position;
     default:
@@ -140,7 +138,7 @@ typedef struct lmb_aimed_light {
 /* The receiver's own factor of light from `direction`: a gather point takes it as it is, a surface by the cosine. */
 static inline float lmb_receiver_response(const lmb_receiver *receiver, lmb_vec3 direction)
 {
-    return receiver->kind == LMB_LOBE_COSINE ? vec3_dot(receiver->normal, direction) / LMB_PI_F : 1.0f;
+    return receiver->kind == LMB_LOBE_COSINE ? lmb_vec3_dot(receiver->normal, direction) / LMB_PI_F : 1.0f;
 }
 
 /* A ray towards `end`, or without end. */
@@ -148,7 +146,7 @@ static inline lmb_aimed_light lmb_receiver_aim_along(const lmb_receiver *receive
                                                      bool at_infinity, lmb_rgb weight)
 {
     const lmb_vec3 origin = lmb_receiver_ray_origin(receiver, direction);
-    return (lmb_aimed_light){origin, at_infinity ? direction : vec3_sub(end, origin),
+    return (lmb_aimed_light){origin, at_infinity ? direction : lmb_vec3_sub(end, origin),
                              at_infinity ? FLT_MAX : LMB_TRACE_UP_TO_END, weight, false};
 }
 
@@ -163,8 +161,8 @@ static inline bool lmb_receiver_aim(const lmb_receiver *receiver, const lmb_ligh
     /* The balance heuristic's weight over the density. */
     const float own = lmb_receiver_density(receiver, light->direction);
     const float factor = lmb_receiver_response(receiver, light->direction) / (light->density + own);
-    *aimed =
-        lmb_receiver_aim_along(receiver, light->direction, light->end, at_infinity, rgb_scale(light->radiance, factor));
+    *aimed = lmb_receiver_aim_along(receiver, light->direction, light->end, at_infinity,
+                                    lmb_rgb_scale(light->radiance, factor));
     return true;
 }
 
@@ -177,7 +175,7 @@ static inline bool lmb_receiver_aim_punctual(const lmb_receiver *receiver, const
     }
     const float response = lmb_receiver_response(receiver, light->direction);
     *aimed = lmb_receiver_aim_along(receiver, light->direction, light->end, light->at_infinity,
-                                    rgb_scale(light->irradiance, response));
+                                    lmb_rgb_scale(light->irradiance, response));
     aimed->is_sun = light->at_infinity;
     return true;
 }

@@ -7,9 +7,8 @@
 #include <string.h>
 
 #include <lambent/sequence.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
-#include "base/vec3.h"
 #include "transport/path.h"
 #include "surface/bright_cells.h"
 #include "trace/trace_internal.h"
@@ -125,7 +124,7 @@ static void batch_variates(const gather_batch *batch, uint32_t pair, float *x, f
 static void contribution_add(lmb_contributions *found, lmb_vec3 direction, lmb_rgb weight)
 {
     const uint32_t i = found->count++;
-    const bool counts = rgb_is_finite(weight) && rgb_max(weight) > 0.0f;
+    const bool counts = lmb_rgb_is_finite(weight) && lmb_rgb_max(weight) > 0.0f;
     found->direction[0][i] = direction.x;
     found->direction[1][i] = direction.y;
     found->direction[2][i] = direction.z;
@@ -137,7 +136,7 @@ static void contribution_add(lmb_contributions *found, lmb_vec3 direction, lmb_r
 static void found_give(gather_batch *batch, lmb_gather_sink sink, void *context)
 {
     while (batch->found.count % LMB_CONTRIBUTION_LANES != 0) {
-        contribution_add(&batch->found, vec3(0.0f, 0.0f, 0.0f), rgb(0.0f, 0.0f, 0.0f));
+        contribution_add(&batch->found, lmb_vec3_of(0.0f, 0.0f, 0.0f), lmb_rgb_of(0.0f, 0.0f, 0.0f));
     }
     if (batch->found.count > 0) {
         sink(context, &batch->found);
@@ -164,8 +163,8 @@ static void aimed_trace(gather_batch *batch, const aimed_lights *lights)
     lmb_rgb share[SAMPLES];
     lmb_trace_transmittance_batch(batch->transport->tracer, &batch->rays, share, batch->rays_traced);
     for (uint32_t i = 0; i < batch->rays.count; ++i) {
-        if (rgb_max(share[i]) > 0.0f) {
-            contribution_add(&batch->found, lights->direction[i], rgb_mul(lights->weight[i], share[i]));
+        if (lmb_rgb_max(share[i]) > 0.0f) {
+            contribution_add(&batch->found, lights->direction[i], lmb_rgb_mul(lights->weight[i], share[i]));
         }
     }
 }
@@ -224,7 +223,7 @@ static void punctual_add(gather_batch *batch, aimed_lights *lights, const lmb_re
 {
     lmb_aimed_light aimed;
     if (lmb_receiver_aim_punctual(receiver, light, &aimed)) {
-        aimed.weight = rgb_scale(aimed.weight, samples);
+        aimed.weight = lmb_rgb_scale(aimed.weight, samples);
         aimed_add(batch, lights, light->direction, &aimed);
     }
 }
@@ -321,7 +320,7 @@ static void rays_make(gather_batch *batch, float density[SAMPLES])
     lmb_directions_make(batch->receiver.kind, batch->receiver.normal, x, y, batch->count, direction);
     rays->count = batch->count;
     for (uint32_t i = 0; i < batch->count; ++i) {
-        const lmb_vec3 towards = vec3(direction[0][i], direction[1][i], direction[2][i]);
+        const lmb_vec3 towards = lmb_vec3_of(direction[0][i], direction[1][i], direction[2][i]);
         const lmb_receiver receiver = batch_receiver(batch, i);
         const lmb_vec3 origin = lmb_receiver_ray_origin(&receiver, towards);
         density[i] = lmb_receiver_density(&receiver, towards);
@@ -345,7 +344,7 @@ static void rays_trace(gather_batch *batch, uint32_t step, int32_t vertex, lmb_h
 /* What layers leave of a ray's light. */
 static inline lmb_rgb ray_share(const gather_batch *batch, uint32_t ray)
 {
-    return batch->layers ? batch->share[ray] : rgb(1.0f, 1.0f, 1.0f);
+    return batch->layers ? batch->share[ray] : lmb_rgb_of(1.0f, 1.0f, 1.0f);
 }
 
 /* Radiance along a ray that ends on what takes more than a look at the surface's light. */
@@ -353,7 +352,7 @@ static lmb_rgb radiance_followed(const gather_batch *batch, uint32_t sample, lmb
 {
     const lmb_ray_batch *rays = &batch->rays;
     lmb_path path = {batch->transport, batch->stream, batch->first + sample, 0, batch->rays_traced};
-    const lmb_vec3 origin = vec3(rays->origin[0][sample], rays->origin[1][sample], rays->origin[2][sample]);
+    const lmb_vec3 origin = lmb_vec3_of(rays->origin[0][sample], rays->origin[1][sample], rays->origin[2][sample]);
     const lmb_receiver receiver = batch_receiver(batch, sample);
     lmb_segment segment = {&receiver, origin, direction, ray_share(batch, sample)};
     const lmb_path_vertex vertex = lmb_segment_vertex(&path, &segment, hit);
@@ -368,19 +367,19 @@ static lmb_rgb patch_radiance(const gather_batch *batch, uint32_t ray, lmb_vec3 
         return radiance_followed(batch, ray, direction, hit);
     }
     const lmb_rgb radiance = batch->light->radiance[patch];
-    return batch->layers ? rgb_mul(radiance, batch->share[ray]) : radiance;
+    return batch->layers ? lmb_rgb_mul(radiance, batch->share[ray]) : radiance;
 }
 
 static lmb_vec3 ray_direction(const gather_batch *batch, uint32_t sample)
 {
     const lmb_ray_batch *rays = &batch->rays;
-    return vec3(rays->direction[0][sample], rays->direction[1][sample], rays->direction[2][sample]);
+    return lmb_vec3_of(rays->direction[0][sample], rays->direction[1][sample], rays->direction[2][sample]);
 }
 
 static void ray_give(gather_batch *batch, uint32_t sample, lmb_rgb radiance, float density)
 {
     const float weight = density > 0.0f ? 1.0f / density : 0.0f;
-    contribution_add(&batch->found, ray_direction(batch, sample), rgb_scale(radiance, weight));
+    contribution_add(&batch->found, ray_direction(batch, sample), lmb_rgb_scale(radiance, weight));
 }
 
 /* Rays that leave the level. */
@@ -403,7 +402,7 @@ static void skies_gather(gather_batch *batch, const lmb_hit *hit, const float *d
     for (uint32_t k = 0; k < count; ++k) {
         const uint32_t i = number[k];
         const lmb_rgb sky = lmb_segment_sky(&batch->receiver, ray_direction(batch, i), &seen[k]);
-        ray_give(batch, i, batch->layers ? rgb_mul(sky, batch->share[i]) : sky, density[i]);
+        ray_give(batch, i, batch->layers ? lmb_rgb_mul(sky, batch->share[i]) : sky, density[i]);
     }
 }
 
@@ -467,7 +466,7 @@ static void gather_bright(gather_batch *batch)
             const float density = lmb_receiver_density(&batch->receiver, aim->direction) +
                                   aims_per_sample(batch) * lmb_bright_aim_density(light->bright, aim, &hit[i]);
             const lmb_rgb radiance = patch_radiance(batch, i, aim->direction, &hit[i], patch);
-            contribution_add(&batch->found, aim->direction, rgb_scale(radiance, 1.0f / density));
+            contribution_add(&batch->found, aim->direction, lmb_rgb_scale(radiance, 1.0f / density));
         }
     }
 }

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/scalar.h"
-#include "base/vec3.h"
+#include <lambent/vector.h>
+
 #include "base/vectorised.h"
 
 enum { LANES = LMB_CONTRIBUTION_LANES };
@@ -78,9 +78,9 @@ static void moment_sink(void *context, const lmb_contributions *found)
 /* The basis' factors, from where its polynomials are 1, or 2 in one case. */
 static lmb_sh3 basis_factors(void)
 {
-    const lmb_sh3 x = lmb_sh3_basis(vec3(1.0f, 0.0f, 0.0f));
-    const lmb_sh3 z = lmb_sh3_basis(vec3(0.0f, 0.0f, 1.0f));
-    lmb_sh3 factors = lmb_sh3_basis(vec3(1.0f, 1.0f, 1.0f));
+    const lmb_sh3 x = lmb_sh3_basis(lmb_vec3_of(1.0f, 0.0f, 0.0f));
+    const lmb_sh3 z = lmb_sh3_basis(lmb_vec3_of(0.0f, 0.0f, 1.0f));
+    lmb_sh3 factors = lmb_sh3_basis(lmb_vec3_of(1.0f, 1.0f, 1.0f));
     factors.c[6] = 0.5f * z.c[6];
     factors.c[8] = x.c[8];
     return factors;
@@ -335,9 +335,9 @@ static void irradiance_sink(void *context, const lmb_contributions *found)
 {
     lmb_irradiance_sum *sum = context;
     for (uint32_t i = 0; i < found->count; ++i) {
-        const lmb_vec3 direction = vec3(found->direction[0][i], found->direction[1][i], found->direction[2][i]);
+        const lmb_vec3 direction = lmb_vec3_of(found->direction[0][i], found->direction[1][i], found->direction[2][i]);
         for (int k = 0; k < sum->count; ++k) {
-            const double cosine = (double)vec3_dot(sum->normals[k], direction);
+            const double cosine = (double)lmb_vec3_dot(sum->normals[k], direction);
             for (int c = 0; c < 3 && cosine > 0.0; ++c) {
                 sum->sum[k][c] += (double)found->weight[c][i] * cosine;
             }

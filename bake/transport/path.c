@@ -1,7 +1,7 @@
 #include "transport/path.h"
 
-#include "base/rgb.h"
-#include "base/scalar.h"
+#include <lambent/vector.h>
+
 #include "surface/surface_light_internal.h"
 
 /* Roulette starts after this many reflections, for short paths carry most of the light, and then where less than
@@ -47,7 +47,7 @@ static bool vertex_look_up(lmb_path *path, const lmb_segment *segment, const lmb
         const lmb_receiver here = lmb_vertex_receiver(path, vertex);
         const lmb_rgb direct = lmb_direct_collect_suns(path, &here);
         for (int c = 0; c < 3; ++c) {
-            irradiance->c[c] = float_larger(irradiance->c[c] - light->sun[patch].c[c], 0.0f) + direct.c[c];
+            irradiance->c[c] = lmb_larger(irradiance->c[c] - light->sun[patch].c[c], 0.0f) + direct.c[c];
         }
     }
     return true;
@@ -73,29 +73,29 @@ lmb_rgb lmb_path_radiance(lmb_path *path, lmb_segment segment, lmb_path_vertex v
     lmb_rgb radiance = {{0.0f, 0.0f, 0.0f}};
     lmb_receiver receivers[2]; /* the one at hand, and the one before, which `segment.from` points to */
     for (int turn = 0;; turn ^= 1) {
-        radiance = rgb_add(radiance, rgb_mul(segment.throughput, vertex.emitted));
-        if (!vertex.on_surface || !(rgb_max(vertex.albedo) > 0.0f) ||
+        radiance = lmb_rgb_add(radiance, lmb_rgb_mul(segment.throughput, vertex.emitted));
+        if (!vertex.on_surface || !(lmb_rgb_max(vertex.albedo) > 0.0f) ||
             (transport->bounces >= 0 && path->vertex >= (uint32_t)transport->bounces)) {
             return radiance;
         }
-        segment.throughput = rgb_mul(segment.throughput, vertex.albedo);
+        segment.throughput = lmb_rgb_mul(segment.throughput, vertex.albedo);
         lmb_rgb irradiance;
         if (vertex_look_up(path, &segment, &vertex, &irradiance)) {
-            return rgb_add(radiance, rgb_mul(segment.throughput, irradiance));
+            return lmb_rgb_add(radiance, lmb_rgb_mul(segment.throughput, irradiance));
         }
         ++path->vertex;
         float u[2];
         if (path->vertex > ROULETTE_AFTER) {
-            const float survival = float_smaller(rgb_max(segment.throughput) / ROULETTE_BELOW, ROULETTE_MAX_SURVIVAL);
+            const float survival = lmb_smaller(lmb_rgb_max(segment.throughput) / ROULETTE_BELOW, ROULETTE_MAX_SURVIVAL);
             lmb_path_variates(path, PAIR_ROULETTE, u);
             if (u[0] >= survival) {
                 return radiance;
             }
-            segment.throughput = rgb_scale(segment.throughput, 1.0f / survival);
+            segment.throughput = lmb_rgb_scale(segment.throughput, 1.0f / survival);
         }
         lmb_receiver *here = &receivers[turn];
         *here = lmb_vertex_receiver(path, &vertex);
-        radiance = rgb_add(radiance, rgb_mul(segment.throughput, lmb_direct_collect(path, here)));
+        radiance = lmb_rgb_add(radiance, lmb_rgb_mul(segment.throughput, lmb_direct_collect(path, here)));
         lmb_path_variates(path, PAIR_DIRECTION, u);
         segment.direction = lmb_receiver_direction(here, u);
         if (!lmb_receiver_sees(here, segment.direction)) {
@@ -108,7 +108,7 @@ lmb_rgb lmb_path_radiance(lmb_path *path, lmb_segment segment, lmb_path_vertex v
         const bool found = lmb_segment_trace(path, &segment, &hit);
         lmb_rgb reflected;
         if (found && hit_look_up(path, &hit, &reflected)) {
-            return rgb_add(radiance, rgb_mul(segment.throughput, reflected));
+            return lmb_rgb_add(radiance, lmb_rgb_mul(segment.throughput, reflected));
         }
         vertex = lmb_segment_vertex(path, &segment, found ? &hit : NULL);
     }

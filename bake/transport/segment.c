@@ -1,14 +1,14 @@
 #include "transport/segment.h"
 
 #include <lambent/surface.h>
+#include <lambent/vector.h>
 
-#include "base/rgb.h"
 #include "surface/surface_light_internal.h"
 
 lmb_rgb lmb_segment_sky(const lmb_receiver *from, lmb_vec3 direction, const lmb_environment_seen *seen)
 {
     const bool aimed = from && seen->density > 0.0f;
-    return aimed ? rgb_scale(seen->radiance, lmb_balance(lmb_receiver_density(from, direction), seen->density))
+    return aimed ? lmb_rgb_scale(seen->radiance, lmb_balance(lmb_receiver_density(from, direction), seen->density))
                  : seen->radiance;
 }
 
@@ -44,11 +44,11 @@ lmb_path_vertex lmb_segment_vertex(const lmb_path *path, lmb_segment *segment, c
     }
     const lmb_surface surface = lmb_trace_surface(transport->tracer, hit);
     const lmb_coverage *coverage = &surface.coverage;
-    segment->throughput = rgb_scale(segment->throughput, rgb_max(coverage->pass) + coverage->opacity);
+    segment->throughput = lmb_rgb_scale(segment->throughput, lmb_rgb_max(coverage->pass) + coverage->opacity);
     const lmb_rgb emission = lmb_emitters_emission(transport->emitters, hit);
-    const float mis = rgb_max(emission) > 0.0f ? emission_mis(transport, segment, hit) : 0.0f;
+    const float mis = lmb_rgb_max(emission) > 0.0f ? emission_mis(transport, segment, hit) : 0.0f;
     return (lmb_path_vertex){
-        .on_surface = true, .hit = *hit, .albedo = surface.albedo, .emitted = rgb_scale(emission, mis)};
+        .on_surface = true, .hit = *hit, .albedo = surface.albedo, .emitted = lmb_rgb_scale(emission, mis)};
 }
 
 lmb_path_vertex lmb_segment_follow(const lmb_path *path, lmb_segment *segment)

@@ -20,6 +20,7 @@
 
 #include <lambent/api.h>
 #include <lambent/sh.h>
+#include <lambent/vector.h>
 
 #ifdef __cplusplus
 extern "C" {

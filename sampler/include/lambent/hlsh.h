@@ -14,6 +14,7 @@
 
 #include <lambent/api.h>
 #include <lambent/sh.h>
+#include <lambent/vector.h>
 
 #ifdef __cplusplus
 extern "C" {

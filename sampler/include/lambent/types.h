@@ -25,11 +25,6 @@ typedef struct lmb_rgb {
     float c[3];
 } lmb_rgb;
 
-static inline float lmb_vec3_dot(lmb_vec3 a, lmb_vec3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 /* Light fit for a shader: in [0, FLT_MAX], NaN gives 0. */
 static inline float lmb_light_clamped(float light)
 {
