@@ -48,12 +48,6 @@ float lmb_sh3_evaluate(const lmb_sh3 *radiance, lmb_vec3 direction)
     return sh3_dot(radiance, &basis);
 }
 
-float lmb_sh3_irradiance(const lmb_sh3 *radiance, lmb_vec3 normal)
-{
-    const lmb_sh3 kernel = irradiance_kernel(normal);
-    return sh3_dot(radiance, &kernel);
-}
-
 /* The rare dot product that float cannot hold: 0 for broken coefficients, else the sum in double, clamped. */
 static float unrepresentable_irradiance(const lmb_sh3 *radiance, const lmb_sh3 *kernel)
 {
@@ -67,14 +61,24 @@ static float unrepresentable_irradiance(const lmb_sh3 *radiance, const lmb_sh3 *
     return sum > 0.0 ? (float)fmin(sum, (double)FLT_MAX) : 0.0f;
 }
 
+static float kernel_irradiance(const lmb_sh3 *radiance, const lmb_sh3 *kernel)
+{
+    const float sum = sh3_dot(radiance, kernel);
+    return isfinite(sum) ? lmb_light_clamped(sum) : unrepresentable_irradiance(radiance, kernel);
+}
+
+float lmb_sh3_irradiance(const lmb_sh3 *radiance, lmb_vec3 normal)
+{
+    const lmb_sh3 kernel = irradiance_kernel(normal);
+    return kernel_irradiance(radiance, &kernel);
+}
+
 lmb_rgb lmb_sh3_rgb_irradiance(const lmb_sh3_rgb *radiance, lmb_vec3 normal)
 {
     const lmb_sh3 kernel = irradiance_kernel(normal);
     lmb_rgb irradiance;
     for (int i = 0; i < 3; ++i) {
-        const float sum = sh3_dot(&radiance->channel[i], &kernel);
-        irradiance.c[i] =
-            isfinite(sum) ? lmb_light_clamped(sum) : unrepresentable_irradiance(&radiance->channel[i], &kernel);
+        irradiance.c[i] = kernel_irradiance(&radiance->channel[i], &kernel);
     }
     return irradiance;
 }

@@ -9,17 +9,11 @@
 #include <lambent/surface.h>
 
 #include "check_points.h"
+#include "replicates.h"
 
 static const double missing = (double)NAN;
 
-enum {
-    NORMALS = 8,
-    AMBIENT_RAYS = 256,
-    COINCIDENT_SAMPLES_FACTOR = 4,
-    /* Replicates 0 .. LMB_GATHER_REPLICATES - 1 are what bakes gather with. */
-    REPLICATE_FIRST_HALF = 64,
-    REPLICATE_SECOND_HALF = 65
-};
+enum { NORMALS = 8, AMBIENT_RAYS = 256, COINCIDENT_SAMPLES_FACTOR = 4 };
 
 /* What streams of random numbers are for. */
 enum { STREAM_SURFACE = 1, STREAM_NORMALS, STREAM_AMBIENT, STREAM_FREE, STREAM_FREE_DIRECTIONS, STREAM_REFERENCE };
@@ -111,7 +105,7 @@ static void gather_reference(const check_work *work, const lmb_gather_point *poi
     for (uint32_t i = 0; i < 2; ++i) {
         const lmb_gather_samples samples = {.points = point,
                                             .point_count = 1,
-                                            .replicate = i == 0 ? REPLICATE_FIRST_HALF : REPLICATE_SECOND_HALF,
+                                            .replicate = REPLICATES_CHECK + (uint32_t)i,
                                             .count = work->settings.samples};
         lmb_gather_irradiance(&work->transport, &samples, normals, NORMALS, half[i].at, &unused);
     }

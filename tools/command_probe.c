@@ -6,6 +6,7 @@
 #include "command.h"
 #include "level_arguments.h"
 #include "query.h"
+#include "replicates.h"
 
 static const char usage[] =
     "usage: lambent probe LEVEL --at X,Y,Z [options]\n"
@@ -42,7 +43,7 @@ static void truth_task(void *context, size_t task, int worker)
     const lmb_gather_point point = {
         .position = work->position, .hemisphere = true, .normal = work->query->vertex_normal};
     const lmb_gather_samples samples = {
-        .points = &point, .point_count = 1, .replicate = (uint32_t)task, .count = work->samples};
+        .points = &point, .point_count = 1, .replicate = REPLICATES_PROBE + (uint32_t)task, .count = work->samples};
     lmb_gather_irradiance(work->transport, &samples, &work->query->normal, 1, &work->irradiance[task],
                           &work->rays[task]);
 }

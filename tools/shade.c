@@ -6,10 +6,9 @@
 #include <lambent/surface.h>
 #include <lambent/vector.h>
 
-enum {
-    MAX_LAYERS = 64,          /* see-through surfaces along one ray */
-    REFERENCE_REPLICATE = 128 /* apart from those of bakes and checks */
-};
+#include "replicates.h"
+
+enum { MAX_LAYERS = 64 }; /* see-through surfaces along one ray */
 /* What is left of a ray below this share cannot be seen in 8 bits. */
 #define MIN_SHARE (1.0f / 1024.0f)
 
@@ -122,7 +121,7 @@ static arriving_light light_of_reference(const lmb_shader *shader, const seen_su
     lmb_rgb irradiance[2];
     uint64_t rays = 0;
     const lmb_gather_samples samples = {
-        .points = &point, .point_count = 1, .replicate = REFERENCE_REPLICATE, .count = shader->reference_samples};
+        .points = &point, .point_count = 1, .replicate = REPLICATES_RENDER, .count = shader->reference_samples};
     lmb_gather_irradiance(shader->transport, &samples, normals, 2, irradiance, &rays);
     return (arriving_light){irradiance[0], irradiance[1]};
 }

@@ -3,6 +3,7 @@
 #include <lambent/probes_bake.h>
 
 #include "base/clock.h"
+#include "solve/light_rows.h"
 
 /* A trial takes no more elements than this, nor more than one of so many, nor more samples at each. */
 enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1024 };
@@ -12,9 +13,6 @@ enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1024 };
 /* Rough, for as long as the surface light is not solved: every side of every cell gets some pilot samples, fewer on
  * small triangles, then half of them, the lit ones, the rest of theirs, but those of small triangles; bounces take a
  * part more. */
-#define PILOT_SAMPLES 4.0
-#define SMALL_SAMPLES 2.0
-#define LIT_SAMPLES 8.0
 #define LIT_SHARE 0.5
 #define BOUNCES_SHARE 0.1
 
@@ -82,8 +80,9 @@ static void surface_guess(const lmb_bake *bake, double seconds_per_sample, lmb_f
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         triangles += scene->instances[i].dynamic ? 0.0 : scene->meshes[scene->instances[i].mesh].triangle_count;
     }
-    const double pilot = 2.0 * (PILOT_SAMPLES * settings.max_cells + SMALL_SAMPLES * triangles);
-    const double lit = 2.0 * LIT_SHARE * (LIT_SAMPLES - PILOT_SAMPLES) * settings.max_cells;
+    const double pilot =
+        2.0 * ((double)LMB_ROWS_PILOT_SAMPLES * settings.max_cells + LMB_ROWS_SMALL_SAMPLES * triangles);
+    const double lit = 2.0 * LIT_SHARE * (LMB_ROWS_SAMPLES - LMB_ROWS_PILOT_SAMPLES) * settings.max_cells;
     forecast->seconds[LMB_PHASE_PILOT] = pilot * seconds_per_sample;
     forecast->seconds[LMB_PHASE_SURFACE] = lit * seconds_per_sample;
     forecast->seconds[LMB_PHASE_BOUNCES] = BOUNCES_SHARE * (pilot + lit) * seconds_per_sample;

@@ -11,14 +11,6 @@
 
 enum { PATCHES_PER_TASK = 128 };
 
-/* The first samples of a patch, to learn whether any light can reach it. One that sees only dark ones by all of them,
- * as insides of solids do, gets no more and stays dark. */
-enum { PILOT_SAMPLES = 4 };
-
-/* At least, of a side whose cell is less than half as long as cells can be. Long thin ones get the pilot's: they lie in
- * gaps, where few samples may all see each other's cells, which then never let go of the light. */
-enum { SMALL_SAMPLES = 2 };
-
 /* The light of a cell that is partly in a gap is that of its open part, if enough samples show that part. Fewer may all
  * see each other's cells: what reflects more than WHITE of the light then hardly ever lets go of it. */
 enum { ENOUGH_OPEN_SAMPLES = 4 };
@@ -41,7 +33,8 @@ static void cell_samples_set(const lmb_light_rows *rows, uint32_t samples)
     const float full_area = 0.25f * light->cell_size * light->cell_size;
     for (uint32_t i = 0; i < light->instance_count; ++i) {
         for (uint32_t t = light->triangle_first[i]; t < light->triangle_first[i + 1]; ++t) {
-            const uint32_t least = lmb_cell_is_small(light, &light->grid[t]) ? SMALL_SAMPLES : PILOT_SAMPLES;
+            const uint32_t least =
+                lmb_cell_is_small(light, &light->grid[t]) ? LMB_ROWS_SMALL_SAMPLES : LMB_ROWS_PILOT_SAMPLES;
             lmb_cell cell = {i, t - light->triangle_first[i], 0, &light->grid[t]};
             for (; cell.grid->first + cell.number < cell.grid[1].first; ++cell.number) {
                 const float share = fminf(lmb_cell_area(&cell, rows->transport->tracer) / full_area, 1.0f);
@@ -63,13 +56,13 @@ static uint32_t patch_samples(const lmb_light_rows *rows, uint32_t patch)
     }
     const uint32_t starts = (uint32_t)__builtin_popcount(light->piece[patch - 2 * light->cell_count].starts);
     const uint32_t share = (samples * starts + LMB_CELL_STARTS - 1) / LMB_CELL_STARTS;
-    return share > SMALL_SAMPLES ? share : SMALL_SAMPLES;
+    return share > LMB_ROWS_SMALL_SAMPLES ? share : LMB_ROWS_SMALL_SAMPLES;
 }
 
 static uint32_t pilot_samples(const lmb_light_rows *rows, uint32_t patch)
 {
     const uint32_t samples = patch_samples(rows, patch);
-    return samples < PILOT_SAMPLES ? samples : PILOT_SAMPLES;
+    return samples < LMB_ROWS_PILOT_SAMPLES ? samples : LMB_ROWS_PILOT_SAMPLES;
 }
 
 typedef struct rows_work {
@@ -349,7 +342,7 @@ static lmb_openness patch_openness(const lmb_link *begin, const lmb_link *end)
 static bool patch_is_shaded(const lmb_light_rows *rows, uint32_t patch, uint32_t samples)
 {
     const float mean = lmb_luminance(rows->sun[patch]) / (float)samples;
-    return rows->light->openness[patch] != LMB_CELL_MIXED && samples >= PILOT_SAMPLES &&
+    return rows->light->openness[patch] != LMB_CELL_MIXED && samples >= LMB_ROWS_PILOT_SAMPLES &&
            rows->sun_least[patch] < SHADED * mean;
 }
 
@@ -389,7 +382,7 @@ lmb_result lmb_light_rows_sample(lmb_light_rows *rows, uint32_t samples, lmb_poo
         result = lit_extend(rows);
     }
     if (result == LMB_OK) {
-        work.first = PILOT_SAMPLES;
+        work.first = LMB_ROWS_PILOT_SAMPLES;
         result = tasks_run(&work, "surface", pool, progress);
     }
     if (result == LMB_OK) {

@@ -7,6 +7,17 @@
 #include "solve/bounces.h"
 #include "surface/surface_light_internal.h"
 
+enum {
+    /* Of a side of a cell about as large as cells can be: by lambent_convergence, `cells`. */
+    LMB_ROWS_SAMPLES = 8,
+    /* The first samples of a patch, to learn whether any light can reach it. One that sees only dark ones by all of
+     * them, as insides of solids do, gets no more and stays dark. */
+    LMB_ROWS_PILOT_SAMPLES = 4,
+    /* At least, of a side whose cell is less than half as long as cells can be. Long thin ones get the pilot's: they
+     * lie in gaps, where few samples may all see each other's cells, which then never let go of the light. */
+    LMB_ROWS_SMALL_SAMPLES = 2
+};
+
 typedef struct lmb_light_rows {
     const lmb_transport *transport;
     lmb_surface_light *light;

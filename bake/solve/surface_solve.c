@@ -10,9 +10,6 @@
 #include "solve/surface_divide.h"
 #include "surface/bright_cells.h"
 
-/* For a side whose cell is about as large as cells can be. */
-enum { ENOUGH_SAMPLES = 8 };
-
 /* Of patches that stay dark. */
 #define NO_ROW UINT32_MAX
 
@@ -122,7 +119,7 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
     int passes = 0;
     /* Without reflections nobody looks at what surfaces receive. */
     if (transport->bounces != 0 && created->cell_count > 0) {
-        const uint32_t samples = settings->samples > 0 ? settings->samples : ENOUGH_SAMPLES;
+        const uint32_t samples = settings->samples > 0 ? settings->samples : LMB_ROWS_SAMPLES;
         result = rows_solve(&rows, samples, pool, settings->progress, &passes);
     } else {
         result = lmb_surface_light_allocate(created);

@@ -48,10 +48,9 @@ LMB_API lmb_sh3 lmb_sh3_basis(lmb_vec3 direction);
 /* Radiance that the set reconstructs towards `direction`. May be negative: truncated SH ring. */
 LMB_API float lmb_sh3_evaluate(const lmb_sh3 *radiance, lmb_vec3 direction);
 
-/* Normalised irradiance (E/pi) on `normal` from the whole sphere, no occlusion. May be negative. */
+/* Normalised irradiance (E/pi) on `normal` from the whole sphere, no occlusion, clamped to [0, FLT_MAX]: the sum alone
+ * goes negative, as truncated SH ring. NaN and infinite coefficients give 0. */
 LMB_API float lmb_sh3_irradiance(const lmb_sh3 *radiance, lmb_vec3 normal);
-
-/* The same per channel, clamped to [0, FLT_MAX]; NaN and infinite coefficients give 0. */
 LMB_API lmb_rgb lmb_sh3_rgb_irradiance(const lmb_sh3_rgb *radiance, lmb_vec3 normal);
 
 /* Adds light of `weight` (radiance times solid angle) that arrives from `direction`: the Monte Carlo projector. */
