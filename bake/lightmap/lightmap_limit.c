@@ -12,6 +12,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <lambent/surface.h>
 #include <lambent/vector.h>
@@ -127,13 +128,14 @@ typedef struct limit_filter {
 
 static void filter_make(const limit_area *area, const lmb_texel_piece *piece, float x, float y, limit_filter *filter)
 {
-    *filter = (limit_filter){.weight = {(1.0f - x) * (1.0f - y), x * (1.0f - y), (1.0f - x) * y, x * y}};
-    for (int k = 0; k < 4; ++k) {
-        const float weight = filter->weight[k];
-        for (int c = 0; c < area->model->channel_count; ++c) {
-            filter->channel[c] += weight * *area_value(area, c, piece->x + (k & 1), piece->y + (k >> 1));
-        }
+    const float weight[4] = {(1.0f - x) * (1.0f - y), x * (1.0f - y), (1.0f - x) * y, x * y};
+    const float *upper = area_value(area, 0, piece->x, piece->y);
+    const float *lower = upper + area->image->width;
+    const size_t plane = (size_t)area->image->width * (size_t)area->image->height;
+    for (int c = 0; c < area->model->channel_count; ++c, upper += plane, lower += plane) {
+        filter->channel[c] = weight[0] * upper[0] + weight[1] * upper[1] + weight[2] * lower[0] + weight[3] * lower[1];
     }
+    memcpy(filter->weight, weight, sizeof weight);
 }
 
 /* Per channel, the brightest direction of the texels around a piece. */
