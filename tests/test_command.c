@@ -304,7 +304,7 @@ static void progress_runs_forward(void)
         cJSON_Delete(json);
     }
     CHECK(results == 1, "%d results", results);
-    CHECK(phases == 10 && strcmp(phase, "write") == 0, "%d phases, the last %s", phases, phase);
+    CHECK(phases == 11 && strcmp(phase, "write") == 0, "%d phases, the last %s", phases, phase);
     CHECK(done == 1.0 && left >= 0.0 && total_done > 0.0 && total_done <= 1.0, "%g done, %g left, %g in all", done,
           left, total_done);
 }

@@ -43,6 +43,8 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
         settings->texels_per_m = (float)arguments_number(arguments, argument, 1e-6, 1e6);
     } else if (strcmp(argument, "--padding") == 0) {
         settings->padding = (int32_t)arguments_integer(arguments, argument, 1, LMB_LIGHTMAP_MAX_PADDING);
+    } else if (strcmp(argument, "--no-denoise") == 0) {
+        settings->denoise = false;
     } else if (argument[0] != '-' && !settings->level.path) {
         settings->level.path = argument;
     } else {

@@ -109,6 +109,9 @@ static void summary_print(const lmb_bake_record *record, const char *directory)
         printf("lightmap  %llu texels in %d images, %.1f s\n", (unsigned long long)record->lightmap.elements,
                record->images, record->seconds[LMB_PHASE_LIGHTMAPS]);
     }
+    if (settings->lightmaps && settings->denoise) {
+        printf("denoise   %.1f s\n", record->seconds[LMB_PHASE_DENOISE]);
+    }
     const double elements = (double)record->placement.probes_valid + (double)record->lightmap.elements;
     printf("samples   %.0f for a probe or texel on average\n",
            (double)(record->gathered.samples + record->lightmap.samples) / (elements > 0.0 ? elements : 1.0));

@@ -180,6 +180,7 @@ int command_bench(int count, char **values)
     lmb_arguments arguments = arguments_begin(count, values, "bench", usage);
     lmb_bake_settings settings = lmb_bake_settings_default();
     settings.lightmaps = true;
+    settings.denoise = false; /* it traces no rays */
     int repeats = 3;
     bool json = false;
     if (!bench_arguments(&arguments, &settings, &repeats, &json)) {

@@ -35,7 +35,8 @@ static const char usage[] =
     "reference_std_error is the reference's own noise, coincident_std_error that of the probes traced at the very\n"
     "points, which counts as their error; both are relative root mean squares. leak is the mean of max(0, probe - "
     "reference) at points whose\n"
-    "reference is below 1 % of the mean, over the mean; leak_points counts them (leak is 0 when there are none).\n";
+    "reference is below 1 % of the mean, over the mean; leak_points counts them (leak is 0 when there are none).\n"
+    "denoised says whether the lightmap is.\n";
 
 typedef struct check_options {
     const char *level;
@@ -102,7 +103,8 @@ static void json_add_error(cJSON *object, const char *key, const error_summary *
     json_add_number(figures, "max", error->max);
 }
 
-static lmb_result report_print_json(const check_options *options, const check_report *report, lmb_error *error)
+static lmb_result report_print_json(const check_options *options, const check_report *report, bool denoised,
+                                    lmb_error *error)
 {
     cJSON *object = cJSON_CreateObject();
     json_add_number(object, "points", (double)report->points);
@@ -118,6 +120,7 @@ static lmb_result report_print_json(const check_options *options, const check_re
     json_add_number(object, "leak", report->leak.leak);
     json_add_number(object, "leak_points", (double)report->leak.dark_points);
     json_add_number(object, "lightmap_leak", report->lightmap_leak);
+    cJSON_AddBoolToObject(object, "denoised", denoised);
     char *text = object ? cJSON_Print(object) : NULL;
     cJSON_Delete(object);
     if (!text) {
@@ -137,7 +140,7 @@ static void print_percent(double value)
     }
 }
 
-static void report_print_table(const check_options *options, const check_report *report)
+static void report_print_table(const check_options *options, const check_report *report, bool denoised)
 {
     printf("%-32s%12s%12s%12s%12s\n", "relative error of irradiance", "rel. RMSE", "+-", "p95", "max");
     for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
@@ -161,9 +164,13 @@ static void report_print_table(const check_options *options, const check_report 
         print_percent(report->lightmap_leak);
         putchar('\n');
     }
-    printf("%zu surface points, %zu free points, 8 normals each; reference: path tracer, 2 x %u samples a point, seed "
-           "%llu\n",
-           report->points, report->free_points, options->settings.samples, (unsigned long long)options->settings.seed);
+    printf(
+        "%s%zu surface points, %zu free points, 8 normals each; reference: path tracer, 2 x %u samples a point, seed "
+        "%llu\n",
+        isnan(report->lightmap_leak) ? ""
+        : denoised                   ? "denoised lightmap; "
+                                     : "plain lightmap; ",
+        report->points, report->free_points, options->settings.samples, (unsigned long long)options->settings.seed);
 }
 
 int command_check(int count, char **values)
@@ -188,6 +195,7 @@ int command_check(int count, char **values)
     lmb_console console;
     const lmb_progress progress = console_progress(&console, options.quiet, false);
     const check_subject subject = {&baked.level.transport, baked.volume, baked.lightmap, baked.level.pool};
+    const bool denoised = baked.lightmap && baked.settings.denoise;
     check_report report;
     result = check_run(&subject, &options.settings, &progress, &report);
     console_finish(&console);
@@ -195,9 +203,9 @@ int command_check(int count, char **values)
     if (result != LMB_OK) {
         lmb_error_set(&error, result, "check: %s", lmb_result_text(result));
     } else if (options.json) {
-        result = report_print_json(&options, &report, &error);
+        result = report_print_json(&options, &report, denoised, &error);
     } else {
-        report_print_table(&options, &report);
+        report_print_table(&options, &report, denoised);
     }
     if (result != LMB_OK) {
         return command_fail(result, &error);

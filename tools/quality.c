@@ -6,14 +6,17 @@
  * each seed, and for the truth with `--truth` samples, a quarter of them by each of four other seeds, all from one
  * solution of the light on surfaces. One line for each effort, tabs between:
  *
- *     effort, samples of an element, CPU seconds of gathering for one bake,
- *     of probes: mean of l0 / truth - 1, its standard error, estimated noise, true noise, that of each by itself,
- *     of texels: the same of I_z
+ *     effort, samples of an element, CPU seconds of gathering for one bake, those of denoising its texels,
+ *     of probes: mean of l0 / truth - 1, its standard error, estimated noise, true noise, that of each by itself, the
+ *         share of probes whose light is right,
+ *     of texels: the same of I_z,
+ *     of denoised texels: the same
  *
  * Noise is that of all SH moments, relative to their length, as lmb_relative_error has it. The true one is the root of
  * the mean squared difference to the truth, whose own noise, from the spread of its seeds, is taken out. The last is
  * the root of the mean squared difference relative to each element's own light, or to 1 % of the level's mean light.
- * tools/quality_table makes the table of docs/baking.md. */
+ * Light is right within 3 % of the truth, or of 1 % of its mean where that is more.
+ * Its table is in docs/baking.md. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdio.h>
@@ -33,8 +36,10 @@ static const char usage[] =
     "  --efforts NAME,...    draft, medium, high or samples (default draft,medium,high,64,256)\n" BAKE_USAGE
         LEVEL_USAGE;
 
-enum { KINDS = 2, TRUTH_SEEDS = 4 };
+enum { PROBES, TEXELS, DENOISED, KINDS, TRUTH_SEEDS = 4 };
 #define FIRST_TRUTH_SEED UINT64_C(1000000)
+#define RIGHT_LIGHT 0.03
+#define RIGHT_FLOOR 0.01
 
 /* Probes or texels of one bake. */
 typedef struct elements {
@@ -46,8 +51,9 @@ typedef struct elements {
 
 typedef struct baked_light {
     elements kind[KINDS];
-    double samples; /* of an element */
-    double seconds; /* of CPU */
+    double samples;         /* of an element */
+    double seconds;         /* of CPU, to gather */
+    double denoise_seconds; /* of CPU */
 } baked_light;
 
 /* Sums over elements and seeds. */
@@ -58,6 +64,7 @@ typedef struct comparison {
     double squared_relative; /* of each element, relative to its own light */
     double count;
     double estimated, length;
+    double right; /* elements */
 } comparison;
 
 typedef struct quality_work {
@@ -127,9 +134,22 @@ static void texels_keep(const lmb_bake *bake, elements *texels)
     texels->squared_length = bake->record.lightmap.squared_length;
 }
 
-/* Gathers at all texels and finishes them; keeps what was gathered. */
+/* Finishes all texels and keeps what they have. */
+static lmb_result texels_finish(lmb_bake *bake, const lmb_texel_list *list, const lmb_gathered *gathered,
+                                elements *texels)
+{
+    const size_t count = lmb_texel_list_elements(list).count;
+    for (size_t i = 0; i < count; ++i) {
+        texels->moments[i] = gathered[i].moments;
+    }
+    const lmb_result result = lmb_texel_list_finish(list, gathered, bake->level->pool, bake->lightmap);
+    texels_keep(bake, texels);
+    return result;
+}
+
+/* Gathers at all texels and denoises them. */
 static lmb_result texels_bake(lmb_bake *bake, const lmb_transport *transport, const lmb_gather_effort *effort,
-                              elements *texels)
+                              baked_light *light)
 {
     lmb_texel_list *list;
     lmb_result result = lmb_texel_list_create(bake->lightmap, transport, effort, &list);
@@ -141,15 +161,34 @@ static lmb_result texels_bake(lmb_bake *bake, const lmb_transport *transport, co
     lmb_gathered *gathered = malloc((all.count + 1) * sizeof *gathered);
     result = gathered ? lmb_gather_elements(&job, bake->level->pool, NULL, gathered, &bake->record.lightmap)
                       : LMB_ERROR_MEMORY;
+    const double gathered_at = seconds_used();
     if (result == LMB_OK) {
-        for (size_t i = 0; i < all.count; ++i) {
-            texels->moments[i] = gathered[i].moments;
-        }
-        result = lmb_texel_list_finish(list, gathered, bake->level->pool, bake->lightmap);
+        result = texels_finish(bake, list, gathered, &light->kind[TEXELS]);
+    }
+    const double finished_at = seconds_used();
+    if (result == LMB_OK) {
+        result = lmb_texel_list_denoise(list, bake->level->pool, NULL, gathered);
+        light->denoise_seconds = seconds_used() - finished_at;
+    }
+    light->seconds = gathered_at;
+    if (result == LMB_OK) {
+        lmb_gather_stats_renew(&bake->record.lightmap, gathered, all.count);
+        result = texels_finish(bake, list, gathered, &light->kind[DENOISED]);
     }
     free(gathered);
     lmb_texel_list_destroy(list);
     return result;
+}
+
+static bool light_allocate(const lmb_bake *bake, baked_light *light)
+{
+    bool good = true;
+    *light = (baked_light){.samples = 0.0};
+    for (int kind = 0; kind < KINDS; ++kind) {
+        const size_t count = kind == PROBES ? (size_t)bake->grid->count : (size_t)bake->lightmap->covered_texel_count;
+        good = elements_allocate(&light->kind[kind], count) && good;
+    }
+    return good;
 }
 
 /* One bake of probes and texels. */
@@ -157,25 +196,22 @@ static lmb_result light_bake(lmb_bake *bake, const lmb_gather_effort *effort, ui
 {
     lmb_transport transport = bake->level->transport;
     transport.seed = seed;
-    *light = (baked_light){.samples = 0.0};
-    if (!elements_allocate(&light->kind[0], (size_t)bake->grid->count) ||
-        !elements_allocate(&light->kind[1], (size_t)bake->lightmap->covered_texel_count)) {
+    if (!light_allocate(bake, light)) {
         return LMB_ERROR_MEMORY;
     }
     const double start = seconds_used();
     lmb_result result =
         lmb_probes_bake(bake->grid, &transport, effort, bake->level->pool, NULL, &bake->record.gathered);
     if (result == LMB_OK) {
-        result = texels_bake(bake, &transport, effort, &light->kind[1]);
+        result = texels_bake(bake, &transport, effort, light);
     }
     if (result != LMB_OK) {
         return result;
     }
-    light->seconds = seconds_used() - start;
-    probes_keep(bake, &light->kind[0]);
-    texels_keep(bake, &light->kind[1]);
+    light->seconds -= start;
+    probes_keep(bake, &light->kind[PROBES]);
     light->samples = (double)(bake->record.gathered.samples + bake->record.lightmap.samples) /
-                     (double)(light->kind[0].count + light->kind[1].count);
+                     (double)(light->kind[PROBES].count + light->kind[TEXELS].count);
     return LMB_OK;
 }
 
@@ -194,11 +230,16 @@ static double moments_distance_squared(const lmb_sh3_rgb *a, const lmb_sh3_rgb *
 static void elements_compare(const elements *found, const elements *truth, double floor, comparison *sum)
 {
     const lmb_sh3_rgb dark = {.channel = {{.c = {0.0f}}}};
+    double mean = 0.0;
+    for (size_t i = 0; i < truth->count; ++i) {
+        mean += (double)truth->light[i] / (double)truth->count;
+    }
     for (size_t i = 0; i < found->count; ++i) {
         const double off = (double)found->light[i] - (double)truth->light[i];
         sum->off += off;
         sum->squared_off += off * off;
         sum->truth += (double)truth->light[i];
+        sum->right += fabs(off) <= RIGHT_LIGHT * fmax((double)truth->light[i], RIGHT_FLOOR * mean) ? 1.0 : 0.0;
         const double distance = moments_distance_squared(&found->moments[i], &truth->moments[i]);
         const double length = moments_distance_squared(&truth->moments[i], &dark);
         sum->squared_distance += distance;
@@ -215,9 +256,9 @@ static void comparison_print(const comparison *sum)
     const double count = sum->count > 0.0 ? sum->count : 1.0;
     const double spread = sum->squared_off / count - (sum->off / count) * (sum->off / count);
     const double mean = sum->truth / count;
-    printf("\t%+.5f\t%.5f\t%.5f\t%.5f\t%.5f", sum->off / count / mean, sqrt(spread / count) / mean,
+    printf("\t%+.5f\t%.5f\t%.5f\t%.5f\t%.5f\t%.4f", sum->off / count / mean, sqrt(spread / count) / mean,
            sqrt(sum->estimated / sum->length), sqrt(sum->squared_distance / sum->length),
-           sqrt(sum->squared_relative / count));
+           sqrt(sum->squared_relative / count), sum->right / count);
 }
 
 /* Adds one of the truth's bakes to their mean. */
@@ -252,13 +293,11 @@ static lmb_result truth_bake(quality_work *work)
     baked_light one[TRUTH_SEEDS] = {{.samples = 0.0}};
     lmb_bake *bake = &work->bake;
     const lmb_gather_effort effort = {.samples = work->truth_samples / TRUTH_SEEDS};
-    const bool good = elements_allocate(&work->truth.kind[0], (size_t)bake->grid->count) &&
-                      elements_allocate(&work->truth.kind[1], (size_t)bake->lightmap->covered_texel_count);
-    lmb_result result = good ? LMB_OK : LMB_ERROR_MEMORY;
+    lmb_result result = light_allocate(bake, &work->truth) ? LMB_OK : LMB_ERROR_MEMORY;
     for (int seed = 0; seed < TRUTH_SEEDS && result == LMB_OK; ++seed) {
         result = light_bake(bake, &effort, FIRST_TRUTH_SEED + (uint64_t)seed, &one[seed]);
     }
-    for (int kind = 0; kind < KINDS && result == LMB_OK; ++kind) {
+    for (int kind = 0; kind < DENOISED && result == LMB_OK; ++kind) {
         for (int seed = 0; seed < TRUTH_SEEDS; ++seed) {
             truth_add(&work->truth.kind[kind], &one[seed].kind[kind]);
         }
@@ -287,22 +326,25 @@ static bool effort_of(const lmb_bake *bake, const char *name, lmb_gather_effort 
 static lmb_result effort_measure(quality_work *work, const char *name, const lmb_gather_effort *effort)
 {
     comparison sum[KINDS] = {{.off = 0.0}};
-    double samples = 0.0, seconds = 0.0;
+    double samples = 0.0, seconds = 0.0, denoise_seconds = 0.0;
     lmb_result result = LMB_OK;
     for (int seed = 0; seed < work->seeds && result == LMB_OK; ++seed) {
         baked_light light;
         result = light_bake(&work->bake, effort, work->bake.level->transport.seed + (uint64_t)seed, &light);
         for (int kind = 0; kind < KINDS && result == LMB_OK; ++kind) {
-            elements_compare(&light.kind[kind], &work->truth.kind[kind], effort->floor, &sum[kind]);
+            const int plain = kind == DENOISED ? TEXELS : kind;
+            elements_compare(&light.kind[kind], &work->truth.kind[plain], effort->floor, &sum[kind]);
         }
         samples += light.samples / work->seeds;
         seconds += light.seconds / work->seeds;
+        denoise_seconds += light.denoise_seconds / work->seeds;
         light_free(&light);
     }
     if (result == LMB_OK) {
-        printf("%s\t%.1f\t%.3f", name, samples, seconds);
-        comparison_print(&sum[0]);
-        comparison_print(&sum[1]);
+        printf("%s\t%.1f\t%.3f\t%.3f", name, samples, seconds, denoise_seconds);
+        for (int kind = 0; kind < KINDS; ++kind) {
+            comparison_print(&sum[kind]);
+        }
         printf("\n");
         fflush(stdout);
     }
@@ -323,10 +365,10 @@ static lmb_result quality_run(quality_work *work, lmb_error *error)
         result = truth_bake(work);
     }
     if (result == LMB_OK) {
-        printf("# %zu probes, %zu texels, standard error of the truth %.5f and %.5f\n", work->truth.kind[0].count,
-               work->truth.kind[1].count,
-               lmb_relative_error(work->truth.kind[0].squared_error, work->truth.kind[0].squared_length),
-               lmb_relative_error(work->truth.kind[1].squared_error, work->truth.kind[1].squared_length));
+        printf("# %zu probes, %zu texels, standard error of the truth %.5f and %.5f\n", work->truth.kind[PROBES].count,
+               work->truth.kind[TEXELS].count,
+               lmb_relative_error(work->truth.kind[PROBES].squared_error, work->truth.kind[PROBES].squared_length),
+               lmb_relative_error(work->truth.kind[TEXELS].squared_error, work->truth.kind[TEXELS].squared_length));
     }
     char *rest = NULL;
     for (char *name = strtok_r(work->efforts, ",", &rest); name && result == LMB_OK;

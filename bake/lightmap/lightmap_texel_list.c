@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/denoise.h>
 #include <lambent/occlusion.h>
 #include <lambent/sequence.h>
 #include <lambent/vector.h>
@@ -181,6 +182,25 @@ lmb_gather_list lmb_texel_list_elements(const lmb_texel_list *list)
                              .most_points = list->points_per_texel,
                              .find_site = texel_site,
                              .context = list};
+}
+
+lmb_result lmb_texel_list_denoise(const lmb_texel_list *list, lmb_pool *pool, const lmb_progress *progress,
+                                  lmb_gathered *gathered)
+{
+    lmb_denoise_point *const points = malloc((list->count + 1) * sizeof *points);
+    if (!points) {
+        return LMB_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < list->count; ++i) {
+        const listed_texel *texel = &list->texel[i];
+        const lmb_hit at = {.instance = texel->instance, .triangle = texel->triangle, .u = texel->u, .v = texel->v};
+        const lmb_place place = lmb_trace_place(list->tracer, &at);
+        points[i] = (lmb_denoise_point){place.position, place.shading_normal,
+                                        list->lightmap->region[texel->instance].texel_size};
+    }
+    const lmb_result result = lmb_denoise(points, list->count, pool, progress, gathered);
+    free(points);
+    return result;
 }
 
 static void texel_encode(const lmb_texel_list *list, const listed_texel *texel, const lmb_sh3_rgb *moments,

@@ -1,6 +1,7 @@
 #include <lambent/bake_phases.h>
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "base/clock.h"
 #include "run/step.h"
@@ -47,6 +48,7 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
     lmb_bake bake = {.level = level, .progress = progress};
     lmb_bake_record *record = &bake.record;
     record->settings = *settings;
+    record->settings.denoise = settings->denoise && settings->estimator != LMB_ESTIMATOR_REFERENCE;
     record->content_hash = level->scene->content_hash;
     record->threads = lmb_pool_threads(level->pool);
     record->triangles_dropped = level->scene->dropped_triangle_count;
@@ -187,18 +189,58 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
     return phase_result(LMB_PHASE_PROBES, result, error);
 }
 
+static lmb_result texels_gather(lmb_bake *bake, const lmb_gather_list *elements, const lmb_gather_effort *effort,
+                                lmb_gathered *gathered)
+{
+    const double start = lmb_clock_seconds();
+    lmb_bake_record *record = &bake->record;
+    const lmb_gather_job job = lmb_gather_job_all(&bake->level->transport, elements, effort);
+    const lmb_result result = lmb_gather_elements(&job, bake->level->pool, bake->progress, gathered, &record->lightmap);
+    record->seconds[LMB_PHASE_LIGHTMAPS] = lmb_clock_seconds() - start;
+    record->rays[LMB_PHASE_LIGHTMAPS] = record->lightmap.rays;
+    return result;
+}
+
+static lmb_result texels_denoise(lmb_bake *bake, const lmb_texel_list *list, size_t count, lmb_gathered *gathered)
+{
+    const double start = lmb_clock_seconds();
+    const lmb_result result = lmb_texel_list_denoise(list, bake->level->pool, bake->progress, gathered);
+    lmb_gather_stats_renew(&bake->record.lightmap, gathered, count);
+    bake->record.seconds[LMB_PHASE_DENOISE] = lmb_clock_seconds() - start;
+    return result;
+}
+
+static lmb_result texels_finish(lmb_bake *bake, const lmb_texel_list *list, const lmb_gathered *gathered)
+{
+    const double start = lmb_clock_seconds();
+    const lmb_result result = lmb_texel_list_finish(list, gathered, bake->level->pool, bake->lightmap);
+    bake->record.seconds[LMB_PHASE_LIGHTMAPS] += lmb_clock_seconds() - start;
+    return result;
+}
+
 lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error)
 {
     if (!bake->lightmap) {
         return LMB_OK;
     }
-    const double start = lmb_clock_seconds();
-    lmb_bake_record *record = &bake->record;
-    const lmb_gather_effort effort = lmb_bake_effort(&record->settings, bake->level);
-    const lmb_result result = lmb_lightmap_bake(bake->lightmap, &bake->level->transport, &effort, bake->level->pool,
-                                                bake->progress, &record->lightmap);
-    record->seconds[LMB_PHASE_LIGHTMAPS] = lmb_clock_seconds() - start;
-    record->rays[LMB_PHASE_LIGHTMAPS] = record->lightmap.rays;
+    const lmb_bake_settings *settings = &bake->record.settings;
+    const lmb_gather_effort effort = lmb_bake_effort(settings, bake->level);
+    lmb_texel_list *list;
+    lmb_result result = lmb_texel_list_create(bake->lightmap, &bake->level->transport, &effort, &list);
+    if (result != LMB_OK) {
+        return phase_result(LMB_PHASE_LIGHTMAPS, result, error);
+    }
+    const lmb_gather_list elements = lmb_texel_list_elements(list);
+    lmb_gathered *gathered = malloc((elements.count + 1) * sizeof *gathered);
+    result = gathered ? texels_gather(bake, &elements, &effort, gathered) : LMB_ERROR_MEMORY;
+    if (result == LMB_OK && settings->denoise) {
+        result = texels_denoise(bake, list, elements.count, gathered);
+    }
+    if (result == LMB_OK) {
+        result = texels_finish(bake, list, gathered);
+    }
+    free(gathered);
+    lmb_texel_list_destroy(list);
     return phase_result(LMB_PHASE_LIGHTMAPS, result, error);
 }
 

@@ -9,7 +9,8 @@ static const char *const phase_names[LMB_PHASE_COUNT] = {
     [LMB_PHASE_PLACE] = "place",         [LMB_PHASE_LAYOUT] = "layout",
     [LMB_PHASE_PILOT] = "surface pilot", [LMB_PHASE_SURFACE] = "surface",
     [LMB_PHASE_BOUNCES] = "bounces",     [LMB_PHASE_PROBES] = "probes",
-    [LMB_PHASE_LIGHTMAPS] = "lightmaps", [LMB_PHASE_WRITE] = "write"};
+    [LMB_PHASE_LIGHTMAPS] = "lightmaps", [LMB_PHASE_DENOISE] = "denoise",
+    [LMB_PHASE_WRITE] = "write"};
 
 /* The phases that trace, as records count them. */
 static const lmb_bake_phase tracing[] = {LMB_PHASE_PLACE, LMB_PHASE_SURFACE, LMB_PHASE_PROBES, LMB_PHASE_LIGHTMAPS};

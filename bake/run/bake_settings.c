@@ -26,7 +26,8 @@ static void quality_use(lmb_bake_settings *settings, const bake_quality *quality
 lmb_bake_settings lmb_bake_settings_default(void)
 {
     lmb_bake_settings settings = {.level = lmb_level_settings_default(),
-                                  .max_probes = lmb_placement_settings_default().max_probes};
+                                  .max_probes = lmb_placement_settings_default().max_probes,
+                                  .denoise = true};
     quality_use(&settings, &qualities[1]);
     return settings;
 }
@@ -93,6 +94,7 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
         if (settings->padding != 1) { /* what a record without it has */
             cJSON_AddNumberToObject(json, "padding", settings->padding);
         }
+        cJSON_AddBoolToObject(json, "denoise", settings->denoise);
     }
     return json;
 }
@@ -191,6 +193,7 @@ bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
     read.texels_per_m = (float)number_or(json, "texels_per_m", 0.0);
     read.max_image_size = integer_or(json, "max_image_size", 0);
     read.padding = integer_or(json, "padding", 1);
+    read.denoise = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "denoise"));
     *settings = read;
     return true;
 }

@@ -16,7 +16,8 @@ enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1024 };
 #define LIT_SHARE 0.5
 #define BOUNCES_SHARE 0.1
 
-/* Measured; writing is a small part of any bake. */
+/* Measured, of one thread; writing is a small part of any bake. */
+#define DENOISE_SECONDS_PER_TEXEL 2e-5
 #define WRITE_SECONDS_PER_PROBE 3e-6
 #define WRITE_SECONDS_PER_TEXEL 1e-6
 #define WRITE_SECONDS_PER_CHARTED_TRIANGLE 3e-6
@@ -153,6 +154,10 @@ lmb_result lmb_forecast_make(const lmb_bake *bake, lmb_forecast *forecast)
     forecast->seconds[LMB_PHASE_LIGHTMAPS] = texels.seconds;
     if (unsolved) {
         surface_guess(bake, probes.seconds_per_sample, forecast);
+    }
+    if (bake->lightmap && bake->record.settings.denoise) {
+        forecast->seconds[LMB_PHASE_DENOISE] = DENOISE_SECONDS_PER_TEXEL * (double)bake->lightmap->covered_texel_count /
+                                               (double)lmb_pool_threads(bake->level->pool);
     }
     forecast->seconds[LMB_PHASE_WRITE] = write_guess(bake);
     return result;

@@ -527,6 +527,22 @@ static void gather_rays(gather_batch *batch)
     surfaces_gather(batch, hit, density);
 }
 
+/* Light that is steady is given by itself. */
+static void gather_punctual_apart(gather_batch *batch, lmb_gather_sink sink, void *context)
+{
+    const bool steady = lmb_emitters_punctual_are_few(batch->transport->emitters);
+    if (steady) {
+        found_give(batch, sink, context);
+    }
+    batch->found.steady = steady;
+    gather_punctual(batch, sink, context);
+    if (steady) {
+        found_give(batch, sink, context);
+    }
+    batch->found.steady = false;
+    found_make_room(batch, sink, context);
+}
+
 void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *samples, lmb_gather_sink sink, void *context,
                 uint64_t *rays)
 {
@@ -537,6 +553,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
     batch.rays_traced = rays;
     batch.layers = lmb_tracer_has_layers(transport->tracer);
     batch.found.count = 0;
+    batch.found.steady = false;
     batch.second_half = batch.found.second_half = false;
     receiver_set(&batch, samples);
     queries_set(&batch, &samples->points[0]);
@@ -555,8 +572,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
             found_make_room(&batch, sink, context);
         }
         if (lmb_emitters_have_punctual(transport->emitters) && !samples->without_punctual) {
-            gather_punctual(&batch, sink, context);
-            found_make_room(&batch, sink, context);
+            gather_punctual_apart(&batch, sink, context);
         }
         gather_rays(&batch);
         found_make_room(&batch, sink, context);
@@ -582,6 +598,7 @@ bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point 
     batch.rays_traced = rays;
     batch.found.count = 0;
     batch.found.second_half = false;
+    batch.found.steady = true;
     batch.rays.count = 0;
     aimed_lights lights;
     punctual_aim(&batch, &lights, &one, choice, LMB_PUNCTUAL_MAX, light);

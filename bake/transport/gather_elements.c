@@ -200,3 +200,12 @@ lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const 
     free(work.stats);
     return result;
 }
+
+void lmb_gather_stats_renew(lmb_gather_stats *stats, const lmb_gathered *gathered, size_t count)
+{
+    stats->squared_error = stats->squared_length = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        stats->squared_error += gathered[i].squared_error;
+        stats->squared_length += gathered[i].squared_length;
+    }
+}

@@ -10,6 +10,7 @@
 #include "base/vectorised.h"
 
 enum { LANES = LMB_CONTRIBUTION_LANES };
+_Static_assert(LMB_GATHER_REPLICATES == 2, "their difference is one");
 
 /* Sums of thousands of samples are kept in double, those of every LANES-th contribution apart. */
 typedef struct lmb_moment_sum {
@@ -62,9 +63,10 @@ static void moments_add(const lmb_contributions *found, const basis_batch *basis
     }
 }
 
-/* Of samples that start at the first half of an element's points, and at the second. */
+/* Of samples that start at the first half of an element's points, and at the second; and of both, what is steady. */
 typedef struct moment_halves {
     lmb_moment_sum half[2];
+    lmb_moment_sum steady;
 } moment_halves;
 
 static void moment_sink(void *context, const lmb_contributions *found)
@@ -73,6 +75,16 @@ static void moment_sink(void *context, const lmb_contributions *found)
     basis_batch basis;
     basis_make(found, &basis);
     moments_add(found, &basis, &sums->half[found->second_half]);
+    if (found->steady) {
+        moments_add(found, &basis, &sums->steady);
+    }
+}
+
+static void punctual_sink(void *context, const lmb_contributions *found)
+{
+    basis_batch basis;
+    basis_make(found, &basis);
+    moments_add(found, &basis, context);
 }
 
 /* The basis' factors, from where its polynomials are 1, or 2 in one case. */
@@ -92,7 +104,7 @@ typedef struct gather_work {
     lmb_gather_samples samples;               /* those to be taken now, of the first replicate */
     moment_halves sum[LMB_GATHER_REPLICATES]; /* of polynomials */
     uint64_t rays[LMB_GATHER_REPLICATES];
-    moment_halves punctual; /* what they give each sample, where the samples leave it out */
+    lmb_moment_sum punctual; /* what they give each sample, where the samples leave it out */
     uint64_t punctual_rays;
 } gather_work;
 
@@ -111,8 +123,9 @@ static void sums_add(lmb_sh3_sums *sums, const gather_work *work)
                 const double second = lanes_sum(work->sum[r].half[1].c[c][i]);
                 sums->replicate[r][c][i] += first + second;
                 sums->first_half[r][c][i] += first;
+                sums->steady[r][c][i] += lanes_sum(work->sum[r].steady.c[c][i]);
             }
-            sums->punctual[c][i] += lanes_sum(work->punctual.half[0].c[c][i]);
+            sums->punctual[c][i] += lanes_sum(work->punctual.c[c][i]);
         }
     }
     sums->points = work->samples.point_count;
@@ -180,13 +193,18 @@ void lmb_sh3_sums_combine(const lmb_sh3_sums *sums, lmb_gathered *gathered)
                 sum += replicate[r];
             }
             const double average = sum / count;
-            const double whole = average + (double)factors.c[i] * sums->punctual[c][i];
+            const double punctual = (double)factors.c[i] * sums->punctual[c][i];
+            const double steady[] = {scale * sums->steady[0][c][i], scale * sums->steady[1][c][i]};
+            const double whole = average + punctual;
             for (int r = 0; r < LMB_GATHER_REPLICATES; ++r) {
                 const double off = replicate[r] - average;
                 gathered->squared_error += off * off / (count * (count - 1.0));
             }
             gathered->squared_length += whole * whole;
             gathered->moments.channel[c].c[i] = (float)whole;
+            gathered->steady.channel[c].c[i] = (float)(punctual + 0.5 * (steady[0] + steady[1]));
+            gathered->difference.channel[c].c[i] =
+                (float)(0.5 * ((replicate[0] - steady[0]) - (replicate[1] - steady[1])));
         }
     }
     gathered->squared_error = fmax(gathered->squared_error + common_error(sums, &factors), 0.0);
@@ -212,7 +230,7 @@ static void work_begin(gather_work *work, const lmb_transport *transport, const 
     work->samples = (lmb_gather_samples){.points = points, .point_count = point_count, .count = count};
     if (point_count == 1) {
         work->samples.without_punctual =
-            lmb_gather_punctual(transport, points, moment_sink, &work->punctual, &work->punctual_rays);
+            lmb_gather_punctual(transport, points, punctual_sink, &work->punctual, &work->punctual_rays);
     }
 }
 
@@ -314,6 +332,7 @@ lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gat
     if (result == LMB_OK) {
         for (int task = 0; task < LMB_GATHER_REPLICATES * PARTS; ++task) {
             moments_sum(&parallel->sum[task].half[0], &work.sum[task / PARTS].half[0]); /* a single point */
+            moments_sum(&parallel->sum[task].steady, &work.sum[task / PARTS].steady);
             work.rays[task / PARTS] += parallel->rays[task];
         }
         lmb_sh3_sums sums;

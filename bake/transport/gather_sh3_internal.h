@@ -9,6 +9,7 @@ typedef struct lmb_sh3_sums {
     double replicate[LMB_GATHER_REPLICATES][3][LMB_SH3_COUNT];  /* of polynomials, summed over samples */
     double first_half[LMB_GATHER_REPLICATES][3][LMB_SH3_COUNT]; /* of them, those that start at the first half of the
                                                                    points */
+    double steady[LMB_GATHER_REPLICATES][3][LMB_SH3_COUNT];     /* of them, what is steady (lmb_contributions) */
     uint32_t points;
     bool without_punctual; /* they left out punctual lights, which are known */
     double punctual[3][LMB_SH3_COUNT];

@@ -22,6 +22,7 @@ typedef enum lmb_bake_phase {
     LMB_PHASE_BOUNCES, /* passes over them: each begins anew */
     LMB_PHASE_PROBES,
     LMB_PHASE_LIGHTMAPS,
+    LMB_PHASE_DENOISE, /* of lightmaps */
     LMB_PHASE_WRITE,
     LMB_PHASE_COUNT
 } lmb_bake_phase;

@@ -28,9 +28,10 @@ typedef struct lmb_bake_settings {
     float texels_per_m;
     int32_t max_image_size;
     int32_t padding;
+    bool denoise; /* lambent/denoise.h; never of LMB_ESTIMATOR_REFERENCE */
 } lmb_bake_settings;
 
-/* Medium quality, no lightmaps, the level's own spacing and density; no level. */
+/* Medium quality, no lightmaps, the level's own spacing and density, denoised; no level. */
 lmb_bake_settings lmb_bake_settings_default(void);
 
 /* Samples and tolerance of "draft", "medium" or "high"; false, and nothing is written, for any other name. */

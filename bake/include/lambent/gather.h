@@ -46,6 +46,7 @@ typedef struct lmb_contributions {
     float weight[3][LMB_CONTRIBUTION_BATCH];
     uint32_t count;
     bool second_half; /* of the points, from point_count / 2 on */
+    bool steady;      /* direct light of punctual lights that are all asked: hardly any noise */
 } lmb_contributions;
 
 /* Receives contributions as they are found. */

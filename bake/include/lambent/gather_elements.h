@@ -76,6 +76,9 @@ typedef struct lmb_gather_stats {
     double squared_length;
 } lmb_gather_stats;
 
+/* Sums of errors and lengths over what was gathered, once it has changed. */
+void lmb_gather_stats_renew(lmb_gather_stats *stats, const lmb_gathered *gathered, size_t count);
+
 /* Gathers at the job's elements; gathered[i] is that of the i-th of them. The same for any number of threads.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,

@@ -14,9 +14,12 @@ extern "C" {
  * coefficients; over a hemisphere lmb_sh3_fit_hemisphere turns them into coefficients. */
 typedef struct lmb_gathered {
     lmb_sh3_rgb moments;
-    double squared_error;  /* of the moments' vector: the sum of its components' squared standard errors */
-    double squared_length; /* of the moments' vector */
-    uint32_t samples;      /* that were taken */
+    lmb_sh3_rgb steady;     /* the part of them that has hardly any noise: direct light of few punctual lights */
+    lmb_sh3_rgb difference; /* half of the first replicate less the second, of the rest: one is the rest + difference,
+                               the other the rest - difference */
+    double squared_error;   /* of the moments' vector: the sum of its components' squared standard errors */
+    double squared_length;  /* of the moments' vector */
+    uint32_t samples;       /* that were taken */
     uint64_t rays;
 } lmb_gathered;
 

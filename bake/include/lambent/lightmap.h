@@ -80,12 +80,17 @@ void lmb_texel_list_destroy(lmb_texel_list *list);
 /* To be gathered at. */
 lmb_gather_list lmb_texel_list_elements(const lmb_texel_list *list);
 
+/* Takes noise off what was gathered (lambent/denoise.h), [covered_texel_count] in the list's order.
+ * @return LMB_ERROR_MEMORY, _INTERRUPTED */
+lmb_result lmb_texel_list_denoise(const lmb_texel_list *list, lmb_pool *pool, const lmb_progress *progress,
+                                  lmb_gathered *gathered);
+
 /* Fits SH3 to what was gathered, [covered_texel_count] in the list's order, encodes it by the model into the list's
  * lightmap, and dilates into the padding. @return LMB_ERROR_MEMORY */
 lmb_result lmb_texel_list_finish(const lmb_texel_list *list, const lmb_gathered *gathered, lmb_pool *pool,
                                  lmb_lightmap *lightmap);
 
-/* All of that: gathers with that effort at every covered texel, and finishes.
+/* Gathers with that effort at every covered texel, and finishes: a lightmap without denoising.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transport, const lmb_gather_effort *effort,
                              lmb_pool *pool, const lmb_progress *progress, lmb_gather_stats *stats);

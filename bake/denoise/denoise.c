@@ -1,0 +1,342 @@
+/* Three passes over all points, each of which reads what the last has written:
+ *
+ *     errors_task   what error each radius leaves at the point
+ *     choose_task   the radius of the least error, by the mean of those around, which are less random
+ *     filter_task   the point filtered with the radii that it and those around have chosen */
+#include <lambent/denoise.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lambent/vector.h>
+
+#include "base/vectorised.h"
+#include "denoise/neighbours.h"
+
+/* Radii, in spacings, of the filters; the first is none at all. */
+enum { RADII = 4 };
+static const float RADIUS[RADII] = {0.0f, 2.0f, 4.0f, 8.0f};
+
+/* Noise is averaged this far. */
+#define NOISE_RADIUS 2.5f
+
+/* Errors and choices are averaged this far. */
+#define SMOOTH_RADIUS 6.0f
+
+/* A point's noisy light: 27 coefficients of the mean of its replicates, then of half their difference, each filled up
+ * with zeros to whole vectors. */
+enum { COEFFICIENTS = 3 * LMB_SH3_COUNT, LANES = 8, HALF = 32, ROW = 2 * HALF };
+
+typedef struct denoise_work {
+    lmb_neighbour_cells cells;
+    float (*light)[ROW];          /* [rank] */
+    float *noise;                 /* [rank] squared, of the mean of the replicates */
+    float (*error)[RADII];        /* [rank] estimates of the squared error, each by itself: may be negative */
+    float (*smooth_error)[RADII]; /* [rank] */
+    uint8_t *choice;              /* [rank] radius */
+    lmb_gathered *gathered;       /* [element] */
+} denoise_work;
+
+/* 1 at the middle, 0 at `radius` and beyond. */
+static float biweight(float square, float radius)
+{
+    const float rest = lmb_larger(1.0f - square / (radius * radius), 0.0f);
+    return rest * rest;
+}
+
+/* Weights of a plane's value at the middle, fitted by least squares: the sum of weight x value is that. Where points
+ * lie to one side only, its slope is held back. */
+static void plane_weights(const lmb_neighbour *found, uint32_t count, float radius, float *weight)
+{
+    const double hold = 0.02 * (double)radius * (double)radius;
+    double s = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const double w = (double)biweight(found[i].square, radius), x = (double)found[i].x, y = (double)found[i].y;
+        s += w;
+        sx += w * x;
+        sy += w * y;
+        sxx += w * x * x;
+        sxy += w * x * y;
+        syy += w * y * y;
+        weight[i] = (float)w;
+    }
+    sxx += hold * s;
+    syy += hold * s;
+    const double minor = sxx * syy - sxy * sxy, left = sy * sxy - sx * syy, right = sx * sxy - sy * sxx;
+    const double determinant = s * minor + sx * left + sy * right;
+    for (uint32_t i = 0; i < count; ++i) {
+        const double plane = minor + left * (double)found[i].x + right * (double)found[i].y;
+        weight[i] *= (float)(plane / determinant);
+    }
+}
+
+LMB_VECTORISED
+static void rows_sum(const float (*light)[ROW], const lmb_neighbour *found, const float *weight, uint32_t count,
+                     float sum[ROW])
+{
+    memset(sum, 0, ROW * sizeof *sum);
+    for (uint32_t i = 0; i < count; ++i) {
+        const float *const row = light[found[i].rank];
+        const float w = weight[i];
+        for (int k = 0; k < ROW; ++k) {
+            sum[k] += w * row[k];
+        }
+    }
+}
+
+/* The point's light filtered within a radius. */
+static void point_filter(const denoise_work *work, const lmb_neighbour *found, uint32_t count, float radius,
+                         float sum[ROW])
+{
+    lmb_neighbour near[LMB_NEIGHBOURS_MOST];
+    float weight[LMB_NEIGHBOURS_MOST];
+    uint32_t near_count = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (found[i].square < radius * radius) {
+            near[near_count++] = found[i];
+        }
+    }
+    plane_weights(near, near_count, radius, weight);
+    rows_sum((const float(*)[ROW])work->light, near, weight, near_count, sum);
+}
+
+/* An estimate of the squared error of the filtered light F M of a point, without bias. Its halves are M + D and M - D,
+ * with independent errors; filtered, F M + F D and F M - F D. The mean over both of |one half filtered - other half|^2
+ * has the other half's own variance in it, that of its mean is half of its own:
+ * |F M - M|^2 + 2 F D . D - |D|^2 is what remains. */
+static float filter_error(const float *row, const float *filtered)
+{
+    double sum = 0.0;
+    for (int k = 0; k < COEFFICIENTS; ++k) {
+        const double off = (double)filtered[k] - (double)row[k];
+        const double d = (double)row[HALF + k];
+        sum += off * off + 2.0 * (double)filtered[HALF + k] * d - d * d;
+    }
+    return (float)sum;
+}
+
+/* Light that differs by more than this many times its noise, squared, is other light: beyond an edge, where nothing
+ * needs to be averaged to see that. */
+#define OTHER_LIGHT 16.0f
+
+/* Leaves the neighbours that have the same light as far as its noise tells. */
+LMB_VECTORISED
+static uint32_t alike_keep(const denoise_work *work, uint32_t rank, uint32_t count, lmb_neighbour *found)
+{
+    const float *const row = work->light[rank];
+    uint32_t alike = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const float *const other = work->light[found[i].rank];
+        float lane[LANES] = {0.0f};
+        for (int k = 0; k < HALF; k += LANES) {
+            for (int j = 0; j < LANES; ++j) {
+                const float off = row[k + j] - other[k + j];
+                lane[j] += off * off;
+            }
+        }
+        const float square = ((lane[0] + lane[4]) + (lane[1] + lane[5])) + ((lane[2] + lane[6]) + (lane[3] + lane[7]));
+        if (square <= OTHER_LIGHT * (work->noise[rank] + work->noise[found[i].rank])) {
+            found[alike++] = found[i];
+        }
+    }
+    return alike;
+}
+
+static uint32_t alike_find(const denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank, float radius,
+                           lmb_neighbour found[LMB_NEIGHBOURS_MOST])
+{
+    return alike_keep(work, rank, lmb_neighbours_find(&work->cells, ranges, rank, radius, found), found);
+}
+
+static float squared_difference(const float *row)
+{
+    float sum = 0.0f;
+    for (int k = 0; k < COEFFICIENTS; ++k) {
+        sum += row[HALF + k] * row[HALF + k];
+    }
+    return sum;
+}
+
+/* The mean noise of a point and those beside it: of one with any among those with any, since what is dark beside a lit
+ * edge has none. */
+static void noise_task(void *context, size_t cell, int worker)
+{
+    (void)worker;
+    denoise_work *work = context;
+    lmb_neighbour_ranges ranges;
+    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
+    lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
+    for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
+        const uint32_t count = lmb_neighbours_find(&work->cells, &ranges, rank, NOISE_RADIUS, found);
+        const bool noisy = squared_difference(work->light[rank]) > 0.0f;
+        float sum = 0.0f, noisy_count = 0.0f;
+        for (uint32_t i = 0; i < count; ++i) {
+            const float square = squared_difference(work->light[found[i].rank]);
+            sum += square;
+            noisy_count += square > 0.0f ? 1.0f : 0.0f;
+        }
+        work->noise[rank] = noisy ? sum / noisy_count : 0.0f;
+    }
+}
+
+static void errors_task(void *context, size_t cell, int worker)
+{
+    (void)worker;
+    denoise_work *work = context;
+    lmb_neighbour_ranges ranges;
+    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
+    lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
+    for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
+        const uint32_t count = alike_find(work, &ranges, rank, RADIUS[RADII - 1], found);
+        work->error[rank][0] = filter_error(work->light[rank], work->light[rank]);
+        for (int r = 1; r < RADII; ++r) {
+            float sum[ROW];
+            point_filter(work, found, count, RADIUS[r], sum);
+            work->error[rank][r] = filter_error(work->light[rank], sum);
+        }
+    }
+}
+
+static void choose_task(void *context, size_t cell, int worker)
+{
+    (void)worker;
+    denoise_work *work = context;
+    lmb_neighbour_ranges ranges;
+    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
+    lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
+    for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
+        const uint32_t count = alike_find(work, &ranges, rank, SMOOTH_RADIUS, found);
+        double sum[RADII] = {0.0}, weights = 0.0;
+        for (uint32_t i = 0; i < count; ++i) {
+            const double weight = (double)biweight(found[i].square, SMOOTH_RADIUS);
+            weights += weight;
+            for (int r = 0; r < RADII; ++r) {
+                sum[r] += weight * (double)work->error[found[i].rank][r];
+            }
+        }
+        int best = 0;
+        for (int r = 0; r < RADII; ++r) {
+            best = sum[r] < sum[best] ? r : best;
+            work->smooth_error[rank][r] = (float)(sum[r] / weights);
+        }
+        work->choice[rank] = (uint8_t)best;
+    }
+}
+
+/* How far the points around have chosen each radius. */
+static void choices_share(const denoise_work *work, const lmb_neighbour *found, uint32_t count, float share[RADII])
+{
+    float sum = 0.0f;
+    memset(share, 0, RADII * sizeof *share);
+    for (uint32_t i = 0; i < count; ++i) {
+        const float weight = biweight(found[i].square, SMOOTH_RADIUS);
+        share[work->choice[found[i].rank]] += weight;
+        sum += weight;
+    }
+    for (int r = 0; r < RADII; ++r) {
+        share[r] /= sum;
+    }
+}
+
+/* Of an element's moments only the noisy part is replaced. What the error had beside the replicates' difference, it
+ * keeps. */
+static void element_set(lmb_gathered *gathered, const float *row, const float *light, float error)
+{
+    double differences = 0.0, length = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            const int k = c * LMB_SH3_COUNT + i;
+            const float whole = gathered->steady.channel[c].c[i] + light[k];
+            gathered->moments.channel[c].c[i] = whole;
+            length += (double)whole * (double)whole;
+            differences += (double)row[HALF + k] * (double)row[HALF + k];
+        }
+    }
+    gathered->squared_length = length;
+    gathered->squared_error = fmax(gathered->squared_error - differences, 0.0) + fmax((double)error, 0.0);
+}
+
+static void filter_task(void *context, size_t cell, int worker)
+{
+    (void)worker;
+    denoise_work *work = context;
+    lmb_neighbour_ranges ranges;
+    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
+    lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
+    for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
+        const uint32_t count = alike_find(work, &ranges, rank, RADIUS[RADII - 1], found);
+        float share[RADII], light[COEFFICIENTS], error;
+        choices_share(work, found, count, share);
+        error = share[0] * work->smooth_error[rank][0];
+        for (int k = 0; k < COEFFICIENTS; ++k) {
+            light[k] = share[0] * work->light[rank][k];
+        }
+        for (int r = 1; r < RADII; ++r) {
+            if (share[r] > 0.0f) {
+                float sum[ROW];
+                point_filter(work, found, count, RADIUS[r], sum);
+                error += share[r] * work->smooth_error[rank][r];
+                for (int k = 0; k < COEFFICIENTS; ++k) {
+                    light[k] += share[r] * sum[k];
+                }
+            }
+        }
+        element_set(&work->gathered[work->cells.element[rank]], work->light[rank], light, error);
+    }
+}
+
+static void light_set(denoise_work *work)
+{
+    for (uint32_t rank = 0; rank < work->cells.count; ++rank) {
+        const lmb_gathered *const from = &work->gathered[work->cells.element[rank]];
+        float *const row = work->light[rank];
+        memset(row, 0, sizeof work->light[rank]);
+        for (int c = 0; c < 3; ++c) {
+            for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+                const int k = c * LMB_SH3_COUNT + i;
+                row[k] = from->moments.channel[c].c[i] - from->steady.channel[c].c[i];
+                row[HALF + k] = from->difference.channel[c].c[i];
+            }
+        }
+    }
+}
+
+static lmb_result passes_run(denoise_work *work, lmb_pool *pool, const lmb_progress *progress)
+{
+    const size_t cells = work->cells.cell_count;
+    lmb_result result = lmb_pool_run(pool, cells, noise_task, work, "denoise", NULL);
+    if (result == LMB_OK) {
+        result = lmb_pool_run(pool, cells, errors_task, work, "denoise", progress);
+    }
+    if (result == LMB_OK) {
+        result = lmb_pool_run(pool, cells, choose_task, work, "denoise", NULL);
+    }
+    return result == LMB_OK ? lmb_pool_run(pool, cells, filter_task, work, "denoise", NULL) : result;
+}
+
+lmb_result lmb_denoise(const lmb_denoise_point *points, size_t count, lmb_pool *pool, const lmb_progress *progress,
+                       lmb_gathered *gathered)
+{
+    denoise_work work = {.light = malloc((count + 1) * sizeof *work.light),
+                         .noise = malloc((count + 1) * sizeof *work.noise),
+                         .error = malloc((count + 1) * sizeof *work.error),
+                         .smooth_error = malloc((count + 1) * sizeof *work.smooth_error),
+                         .choice = malloc(count + 1),
+                         .gathered = gathered};
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (work.light && work.noise && work.error && work.smooth_error && work.choice) {
+        result = lmb_neighbour_cells_make(points, (uint32_t)count, RADIUS[RADII - 1], &work.cells);
+    }
+    if (result == LMB_OK) {
+        light_set(&work);
+        result = passes_run(&work, pool, progress);
+    }
+    lmb_neighbour_cells_free(&work.cells);
+    free(work.light);
+    free(work.noise);
+    free(work.error);
+    free(work.smooth_error);
+    free(work.choice);
+    return result;
+}
