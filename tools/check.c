@@ -299,6 +299,17 @@ static lmb_result free_points_run(check_work *work, const lmb_progress *progress
     return result;
 }
 
+/* Of the lightmap as it is stored. */
+static lmb_result seams_report(const check_subject *subject, check_report *report)
+{
+    lmb_seam_steps steps = {.median = missing, .p95 = missing};
+    const lmb_result result =
+        subject->lightmap ? lmb_lightmap_seam_steps(subject->lightmap, subject->transport->tracer, &steps) : LMB_OK;
+    report->seam_step_median = steps.median;
+    report->seam_step_p95 = steps.p95;
+    return result;
+}
+
 static lmb_result work_report(check_work *work, size_t surface_points, check_report *report)
 {
     const bool lightmap = work->subject->lightmap != NULL;
@@ -321,7 +332,7 @@ static lmb_result work_report(check_work *work, size_t surface_points, check_rep
         sum.length_squared += work->coincident[i].length_squared;
     }
     report->coincident_std_error = sum.length_squared > 0.0 ? sqrt(sum.error_squared / sum.length_squared) : missing;
-    return LMB_OK;
+    return seams_report(work->subject, report);
 }
 
 lmb_result check_run(const check_subject *subject, const check_settings *settings, const lmb_progress *progress,

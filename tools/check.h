@@ -49,11 +49,12 @@ typedef struct check_settings {
 check_settings check_settings_default(void);
 
 typedef struct check_report {
-    size_t points;                         /* surface points; 0 when the level has no opaque triangle */
-    size_t free_points;                    /* found in the volume's free space */
-    error_summary error[CHECK_PAIR_COUNT]; /* NaN where a pair has no points or needs lightmaps that are missing */
-    leak_summary leak;                     /* of the probe */
-    double lightmap_leak;                  /* NaN without lightmaps */
+    size_t points;                          /* surface points; 0 when the level has no opaque triangle */
+    size_t free_points;                     /* found in the volume's free space */
+    error_summary error[CHECK_PAIR_COUNT];  /* NaN where a pair has no points or needs lightmaps that are missing */
+    leak_summary leak;                      /* of the probe */
+    double lightmap_leak;                   /* NaN without lightmaps */
+    double seam_step_median, seam_step_p95; /* NaN without lightmaps: across seams (lmb_seam_steps) */
     double coincident_std_error; /* root mean square of the traced SH3's standard error, over its root mean square:
                                     noise that counts as the coincident probe's error */
 } check_report;

@@ -60,6 +60,8 @@ static figure figure_find(const char *name, const check_report *report)
         {"leak", {true, false, from->leak.leak}},
         {"leak_points", {true, false, (double)from->leak.dark_points}},
         {"lightmap_leak", {true, true, from->lightmap_leak}},
+        {"seam_step_median", {true, true, from->seam_step_median}},
+        {"seam_step_p95", {true, true, from->seam_step_p95}},
     };
     for (size_t i = 0; i < sizeof single / sizeof single[0]; ++i) {
         if (strcmp(name, single[i].name) == 0) {

@@ -112,6 +112,11 @@ static void summary_print(const lmb_bake_record *record, const char *directory)
     if (settings->lightmaps && settings->denoise) {
         printf("denoise   %.1f s\n", record->seconds[LMB_PHASE_DENOISE]);
     }
+    if (record->seams_closed.edges > 0) {
+        printf("seams     %zu edges, steps of %.2f %% (95 of 100 below %.1f %%), %.2f (%.1f) before closing\n",
+               record->seams_closed.edges, 100.0 * record->seams_closed.median, 100.0 * record->seams_closed.p95,
+               100.0 * record->seams_open.median, 100.0 * record->seams_open.p95);
+    }
     const double elements = (double)record->placement.probes_valid + (double)record->lightmap.elements;
     printf("samples   %.0f for a probe or texel on average\n",
            (double)(record->gathered.samples + record->lightmap.samples) / (elements > 0.0 ? elements : 1.0));

@@ -36,7 +36,9 @@ static const char usage[] =
     "points, which counts as their error; both are relative root mean squares. leak is the mean of max(0, probe - "
     "reference) at points whose\n"
     "reference is below 1 % of the mean, over the mean; leak_points counts them (leak is 0 when there are none).\n"
-    "denoised says whether the lightmap is.\n";
+    "denoised says whether the lightmap is. seam_step_median and seam_step_p95 are steps of the lightmap's light "
+    "between\n"
+    "charts that meet on a smooth surface, relative to the light there, over points a texel apart.\n";
 
 typedef struct check_options {
     const char *level;
@@ -120,6 +122,8 @@ static lmb_result report_print_json(const check_options *options, const check_re
     json_add_number(object, "leak", report->leak.leak);
     json_add_number(object, "leak_points", (double)report->leak.dark_points);
     json_add_number(object, "lightmap_leak", report->lightmap_leak);
+    json_add_number(object, "seam_step_median", report->seam_step_median);
+    json_add_number(object, "seam_step_p95", report->seam_step_p95);
     cJSON_AddBoolToObject(object, "denoised", denoised);
     char *text = object ? cJSON_Print(object) : NULL;
     cJSON_Delete(object);
@@ -162,6 +166,9 @@ static void report_print_table(const check_options *options, const check_report 
     if (!isnan(report->lightmap_leak)) {
         printf("%-32s", "lightmap_leak");
         print_percent(report->lightmap_leak);
+        printf("\n%-32s", "seam_step (median, p95)");
+        print_percent(report->seam_step_median);
+        print_percent(report->seam_step_p95);
         putchar('\n');
     }
     printf(

@@ -91,6 +91,21 @@ size_t lmb_lightmap_largest_region(const lmb_lightmap *lightmap);
 /* The grid of an instance that has a region. */
 lmb_texel_grid lmb_lightmap_grid(const lmb_lightmap *lightmap, uint32_t instance);
 
+/* The texels that bilinear filtering reads for a point of the surface. */
+enum { LMB_FOOTPRINT = 4 };
+typedef struct lmb_lightmap_footprint {
+    int32_t image;
+    uint32_t pixel[LMB_FOOTPRINT];
+    float weight[LMB_FOOTPRINT];
+} lmb_lightmap_footprint;
+
+/* Those of a hit on an instance that has a region. */
+void lmb_lightmap_footprint_find(const lmb_lightmap *lightmap, const lmb_hit *hit, lmb_lightmap_footprint *footprint);
+
+/* Their mean. */
+void lmb_lightmap_footprint_read(const lmb_lightmap *lightmap, const lmb_lightmap_footprint *footprint,
+                                 float channel[LMB_MODEL_MOST_CHANNELS]);
+
 /* Area of an instance's triangles, in square metres. */
 double lmb_instance_area(const lmb_scene *scene, uint32_t instance);
 

@@ -20,28 +20,46 @@ static void hit_find(const lmb_lightmap *lightmap, const lmb_hit *hit, double *x
     *y = (double)(w * a.y + u * b.y + v * c.y) * grid.density - grid.shift_y + region->y - 0.5;
 }
 
-bool lmb_lightmap_sample(const lmb_lightmap *lightmap, const lmb_hit *hit, float channel[LMB_MODEL_MOST_CHANNELS])
+void lmb_lightmap_footprint_find(const lmb_lightmap *lightmap, const lmb_hit *hit, lmb_lightmap_footprint *footprint)
 {
-    const lmb_lightmap_region *region = &lightmap->region[hit->instance];
-    memset(channel, 0, LMB_MODEL_MOST_CHANNELS * sizeof *channel);
-    if (region->image < 0) {
-        return false;
-    }
-    const lmb_lightmap_image *image = &lightmap->image[region->image];
+    const int32_t number = lightmap->region[hit->instance].image;
+    const lmb_lightmap_image *image = &lightmap->image[number];
     double x, y;
     hit_find(lightmap, hit, &x, &y);
     const double left = floor(x);
     const double top = floor(y);
-    for (int k = 0; k < 4; ++k) {
+    footprint->image = number;
+    for (int k = 0; k < LMB_FOOTPRINT; ++k) {
         const int right = k & 1;
         const int below = k >> 1;
         const double column = fmin(fmax(left + right, 0.0), image->width - 1);
         const double row = fmin(fmax(top + below, 0.0), image->height - 1);
         const double weight = (right ? x - left : 1.0 - (x - left)) * (below ? y - top : 1.0 - (y - top));
-        const size_t pixel = (size_t)row * (size_t)image->width + (size_t)column;
+        footprint->pixel[k] = (uint32_t)row * (uint32_t)image->width + (uint32_t)column;
+        footprint->weight[k] = (float)weight;
+    }
+}
+
+void lmb_lightmap_footprint_read(const lmb_lightmap *lightmap, const lmb_lightmap_footprint *footprint,
+                                 float channel[LMB_MODEL_MOST_CHANNELS])
+{
+    const lmb_lightmap_image *image = &lightmap->image[footprint->image];
+    memset(channel, 0, LMB_MODEL_MOST_CHANNELS * sizeof *channel);
+    for (int k = 0; k < LMB_FOOTPRINT; ++k) {
         for (int c = 0; c < lightmap->model->channel_count; ++c) {
-            channel[c] += (float)weight * lmb_lightmap_plane(image, c)[pixel];
+            channel[c] += footprint->weight[k] * lmb_lightmap_plane(image, c)[footprint->pixel[k]];
         }
     }
+}
+
+bool lmb_lightmap_sample(const lmb_lightmap *lightmap, const lmb_hit *hit, float channel[LMB_MODEL_MOST_CHANNELS])
+{
+    if (lightmap->region[hit->instance].image < 0) {
+        memset(channel, 0, LMB_MODEL_MOST_CHANNELS * sizeof *channel);
+        return false;
+    }
+    lmb_lightmap_footprint footprint;
+    lmb_lightmap_footprint_find(lightmap, hit, &footprint);
+    lmb_lightmap_footprint_read(lightmap, &footprint, channel);
     return true;
 }

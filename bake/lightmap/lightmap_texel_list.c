@@ -8,7 +8,7 @@
 #include <lambent/sequence.h>
 #include <lambent/vector.h>
 
-#include "lightmap/lightmap_internal.h"
+#include "lightmap/lightmap_seams.h"
 #include "trace/surface_internal.h"
 #include "trace/trace_internal.h"
 
@@ -249,6 +249,26 @@ static void encode_task(void *context, size_t task, int worker)
     }
 }
 
+static lmb_result seams_close(lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_pool *pool)
+{
+    lmb_seams seams;
+    lmb_result result = lmb_seams_find(lightmap, tracer, &seams);
+    if (result == LMB_OK) {
+        result = lmb_seams_measure(&seams, lightmap, &lightmap->open);
+    }
+    if (result == LMB_OK) {
+        result = lmb_seams_close(&seams, pool, lightmap);
+    }
+    if (result == LMB_OK) {
+        result = lmb_lightmap_limit(lightmap, tracer, pool);
+    }
+    if (result == LMB_OK) {
+        result = lmb_seams_measure(&seams, lightmap, &lightmap->closed);
+    }
+    lmb_seams_free(&seams);
+    return result;
+}
+
 lmb_result lmb_texel_list_finish(const lmb_texel_list *list, const lmb_gathered *gathered, lmb_pool *pool,
                                  lmb_lightmap *lightmap)
 {
@@ -263,7 +283,7 @@ lmb_result lmb_texel_list_finish(const lmb_texel_list *list, const lmb_gathered 
         result = lmb_lightmap_dilate(lightmap);
     }
     if (result == LMB_OK) {
-        result = lmb_lightmap_limit(lightmap, list->tracer, pool);
+        result = seams_close(lightmap, list->tracer, pool);
     }
     if (result != LMB_OK) {
         images_clear(lightmap);

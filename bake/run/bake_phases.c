@@ -215,6 +215,8 @@ static lmb_result texels_finish(lmb_bake *bake, const lmb_texel_list *list, cons
     const double start = lmb_clock_seconds();
     const lmb_result result = lmb_texel_list_finish(list, gathered, bake->level->pool, bake->lightmap);
     bake->record.seconds[LMB_PHASE_LIGHTMAPS] += lmb_clock_seconds() - start;
+    bake->record.seams_open = bake->lightmap->open;
+    bake->record.seams_closed = bake->lightmap->closed;
     return result;
 }
 

@@ -106,6 +106,21 @@ static void json_add_surface(cJSON *json, const lmb_bake_record *record)
     }
 }
 
+static void json_add_steps(cJSON *json, const char *name, const lmb_seam_steps *steps)
+{
+    cJSON *object = cJSON_AddObjectToObject(json, name);
+    cJSON_AddNumberToObject(object, "median", steps->median);
+    cJSON_AddNumberToObject(object, "p95", steps->p95);
+}
+
+static void json_add_seams(cJSON *json, const lmb_bake_record *record)
+{
+    cJSON *seams = cJSON_AddObjectToObject(json, "seams");
+    cJSON_AddNumberToObject(seams, "edges", (double)record->seams_open.edges);
+    json_add_steps(seams, "open", &record->seams_open);
+    json_add_steps(seams, "closed", &record->seams_closed);
+}
+
 cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files)
 {
     cJSON *json = cJSON_CreateObject();
@@ -115,6 +130,9 @@ cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files)
     cJSON_AddNumberToObject(json, "peak_rss_mb", record->peak_rss_mb);
     cJSON_AddNumberToObject(json, "threads", record->threads);
     json_add_surface(json, record);
+    if (record->settings.lightmaps) {
+        json_add_seams(json, record);
+    }
     cJSON_AddNumberToObject(json, "seed", (double)record->settings.level.seed);
     cJSON *bytes = cJSON_AddObjectToObject(json, "bytes");
     cJSON_AddNumberToObject(bytes, "vdb", (double)record->bytes_vdb);

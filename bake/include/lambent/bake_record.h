@@ -28,7 +28,7 @@ typedef enum lmb_bake_phase {
 } lmb_bake_phase;
 
 /* As progress and bake.json have it: "load", "bvh", "place", "layout", "surface pilot", "surface", "bounces", "probes",
- * "lightmaps", "write". */
+ * "lightmaps", "denoise", "write". */
 const char *lmb_bake_phase_name(lmb_bake_phase phase);
 
 /* The phase of that name, LMB_PHASE_COUNT when there is none. */
@@ -46,6 +46,7 @@ typedef struct lmb_bake_record {
     lmb_gather_stats lightmap; /* of texels */
     int32_t images;
     uint64_t texels_covered;
+    lmb_seam_steps seams_open, seams_closed; /* before and after seams were closed */
     bool surface_solved;             /* false: the estimator was the reference, and what follows is 0 */
     lmb_surface_light_stats surface; /* of the light on surfaces */
     size_t surface_bytes;

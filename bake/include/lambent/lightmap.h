@@ -52,6 +52,14 @@ typedef struct lmb_lightmap_image {
 
 typedef enum lmb_texel_state { LMB_TEXEL_EMPTY, LMB_TEXEL_GATHERED, LMB_TEXEL_DILATED } lmb_texel_state;
 
+/* Steps of light across seams, where charts meet on a smooth surface: relative to the light there, or to 1 % of the
+ * mean where that is more; over points a texel apart. 0 where there are none. */
+typedef struct lmb_seam_steps {
+    size_t edges;
+    double median;
+    double p95;
+} lmb_seam_steps;
+
 typedef struct lmb_lightmap {
     const lmb_scene *scene;
     lmb_lightmap_settings settings;
@@ -62,6 +70,7 @@ typedef struct lmb_lightmap {
     lmb_lightmap_image *image;
     int32_t image_count;
     uint64_t covered_texel_count; /* texels that a triangle touches */
+    lmb_seam_steps open, closed;  /* before and after its seams were closed; once finished */
 } lmb_lightmap;
 
 /* Lays out the lightmap of a scene, without light. The scene must outlive it. @return LMB_ERROR_MEMORY, _ARGUMENT,
@@ -86,7 +95,7 @@ lmb_result lmb_texel_list_denoise(const lmb_texel_list *list, lmb_pool *pool, co
                                   lmb_gathered *gathered);
 
 /* Fits SH3 to what was gathered, [covered_texel_count] in the list's order, encodes it by the model into the list's
- * lightmap, and dilates into the padding. @return LMB_ERROR_MEMORY */
+ * lightmap, dilates into the padding, and closes seams. @return LMB_ERROR_MEMORY */
 lmb_result lmb_texel_list_finish(const lmb_texel_list *list, const lmb_gathered *gathered, lmb_pool *pool,
                                  lmb_lightmap *lightmap);
 
@@ -109,6 +118,9 @@ static inline float *lmb_lightmap_plane(const lmb_lightmap_image *image, int cha
 /* The stored texels at a hit, filtered bilinearly: the model's channels, to be evaluated. All 0, and false, where the
  * instance has none. */
 bool lmb_lightmap_sample(const lmb_lightmap *lightmap, const lmb_hit *hit, float channel[LMB_MODEL_MOST_CHANNELS]);
+
+/* What is left of steps across seams. @return LMB_ERROR_MEMORY */
+lmb_result lmb_lightmap_seam_steps(const lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_seam_steps *steps);
 
 /* Writes lightmap_N.exr for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the
  * new UVs, through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.
