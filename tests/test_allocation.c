@@ -60,7 +60,7 @@ static size_t shared_bytes;
 
 static lmb_result add_probes(void)
 {
-    static const lmb_lattice lattice = {1.0f, {0, 0, 0}, {3, 3, 3}};
+    static const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {3, 3, 3}};
     static const int32_t points[3][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     const int left = allocations_left;
     allocations_left = -1;

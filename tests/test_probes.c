@@ -1,6 +1,7 @@
 /* Probes: what they hold, what the walker finds, and dilation against a version written from its definition. */
 #include "probes_fixture.h"
 #include "harness.h"
+#include "turned_lattice.h"
 
 #include <float.h>
 #include <limits.h>
@@ -41,9 +42,43 @@ static void test_create_limits(void)
     lmb_probes_destroy(NULL);
 }
 
+/* Axes of a level: a rotation, or none told. */
+static void test_axes_limits(void)
+{
+    static const struct {
+        const char *name;
+        lmb_vec3d axis[3];
+        lmb_result expected;
+    } cases[] = {
+        {"none", {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, LMB_OK},
+        {"the world's", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LMB_OK},
+        {"a rotation", {{0.6, 0, -0.8}, {0, 1, 0}, {0.8, 0, 0.6}}, LMB_OK},
+        {"a reflection", {{0.6, 0, -0.8}, {0, -1, 0}, {0.8, 0, 0.6}}, LMB_ERROR_ARGUMENT},
+        {"left-handed", {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, LMB_ERROR_ARGUMENT},
+        {"skewed", {{0.6, 0, -0.8}, {0, 1, 0}, {0, 0, 1}}, LMB_ERROR_ARGUMENT},
+        {"scaled", {{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, LMB_ERROR_ARGUMENT},
+        {"of floats",
+         {{(double)0.6f, 0, (double)-0.8f}, {0, 1, 0}, {(double)0.8f, 0, (double)0.6f}},
+         LMB_ERROR_ARGUMENT},
+        {"one missing", {{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}, LMB_ERROR_ARGUMENT},
+        {"NaN", {{1, 0, 0}, {0, NAN, 0}, {0, 0, 1}}, LMB_ERROR_ARGUMENT},
+        {"all NaN", {{NAN, NAN, NAN}, {NAN, NAN, NAN}, {NAN, NAN, NAN}}, LMB_ERROR_ARGUMENT},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        lmb_probes *grid = NULL;
+        CHECK(lmb_probes_create(&grid) == LMB_OK, "%s: memory", cases[i].name);
+        lmb_lattice lattice = {.spacing = 1.0f, .size = {2, 2, 2}};
+        memcpy(lattice.axis, cases[i].axis, sizeof lattice.axis);
+        const lmb_result result = lmb_probes_add_level(grid, &lattice, NULL, 0);
+        CHECK(result == cases[i].expected, "%s: result %d", cases[i].name, result);
+        CHECK((grid->level_count == 1) == (result == LMB_OK), "%s: output", cases[i].name);
+        lmb_probes_destroy(grid);
+    }
+}
+
 static void test_probes(void)
 {
-    const lmb_lattice lattice = {0.5f, {-3, 5, -1}, {4, 2, 3}};
+    const lmb_lattice lattice = {.spacing = 0.5f, .min = {-3, 5, -1}, .size = {4, 2, 3}};
     static const int32_t points[3][3] = {{-2, 5, -1}, {0, 6, -1}, {0, 6, 1}};
     static const int32_t twice[2][3] = {{-2, 5, 0}, {-2, 5, 0}}, beyond[1][3] = {{-2, 7, 0}};
     lmb_probes *grid = NULL;
@@ -102,6 +137,15 @@ static void break_min(lmb_probes *grid)
 static void break_shift(lmb_probes *grid)
 {
     ++grid->level[0].lattice.min[2];
+}
+static void break_axes(lmb_probes *grid)
+{
+    grid->level[0].lattice.axis[1].z = 0.5;
+}
+static void break_mirror(lmb_probes *grid)
+{
+    grid->level[0].lattice.axis[0].x = grid->level[0].lattice.axis[1].y = 1.0;
+    grid->level[0].lattice.axis[2].z = -1.0;
 }
 /* The n-th entry of the index that holds a probe. */
 static int32_t *entry(lmb_probes *grid, int n)
@@ -185,6 +229,8 @@ static void test_validate(void)
         {"size", break_size, "box"},
         {"min", break_min, "box"},
         {"shifted box", break_shift, "which is at"},
+        {"axes", break_axes, "axes"},
+        {"axes that mirror", break_mirror, "axes"},
         {"a probe without a point", break_count_up, "points with one"},
         {"a point without a probe", break_count_down, "names probe"},
         {"negative count", break_count_negative, "arrays"},
@@ -369,8 +415,8 @@ static void test_sparse(void)
         points[i][1] = (int32_t)(fixture_random(&state) * 9999.0) - 5000;
         points[i][2] = (int32_t)(fixture_random(&state) * 9999.0) - 5000;
     }
-    const lmb_lattice fine = {0.5f, {-5000, -5000, -5000}, {10000, 10000, 10000}};
-    const lmb_lattice coarse = {1.0f, {-5000, -5000, -5000}, {10000, 10000, 10000}};
+    const lmb_lattice fine = {.spacing = 0.5f, .min = {-5000, -5000, -5000}, .size = {10000, 10000, 10000}};
+    const lmb_lattice coarse = {.spacing = 1.0f, .min = {-5000, -5000, -5000}, .size = {10000, 10000, 10000}};
     lmb_probes *probes = NULL;
     CHECK(lmb_probes_create(&probes) == LMB_OK && lmb_probes_add_level(probes, &fine, points, COUNT) == LMB_OK &&
               lmb_probes_add_level(probes, &coarse, points + 1000, 500) == LMB_OK,
@@ -393,9 +439,55 @@ static void test_sparse(void)
     lmb_probes_destroy(probes);
 }
 
+/* Two levels, the second one turned: each finds its probes by their points, and a place of the world by its cell. */
+static void test_turned_level(void)
+{
+    enum { SIDE = 6, COUNT = SIDE * SIDE * SIDE };
+    static int32_t points[COUNT][3];
+    for (int i = 0; i < COUNT; ++i) {
+        points[i][0] = i % SIDE - 3;
+        points[i][1] = i / SIDE % SIDE - 3;
+        points[i][2] = i / SIDE / SIDE - 3;
+    }
+    uint64_t state = 77;
+    rotation turn;
+    const lmb_lattice straight = {.spacing = 0.5f, .min = {-3, -3, -3}, .size = {SIDE, SIDE, SIDE}};
+    const lmb_lattice turned = turned_lattice(&state, 0.75f, &turn);
+    lmb_probes *probes = NULL;
+    CHECK(lmb_probes_create(&probes) == LMB_OK &&
+              lmb_probes_add_level(probes, &straight, (const int32_t(*)[3])points, COUNT) == LMB_OK &&
+              lmb_probes_add_level(probes, &turned, (const int32_t(*)[3])points, COUNT) == LMB_OK,
+          "two levels");
+    probes->origin = (lmb_vec3d){100.0, -20.0, 3.0};
+    CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "valid");
+    for (int i = 0; i < COUNT; ++i) {
+        const int32_t *const at = points[i];
+        CHECK(lmb_probes_find(probes, 0, at[0], at[1], at[2]) == i &&
+                  lmb_probes_find(probes, 1, at[0], at[1], at[2]) == COUNT + i,
+              "point %d", i);
+        const lmb_vec3 found = lmb_probes_position(probes, COUNT + i);
+        const lmb_vec3d expected = rotation_point(&turn, 0.75, at);
+        CHECK_NEAR(found.x, expected.x - 100.0, 1e-5, "probe %d", COUNT + i);
+        CHECK_NEAR(found.y, expected.y + 20.0, 1e-5, "probe %d", COUNT + i);
+        CHECK_NEAR(found.z, expected.z - 3.0, 1e-5, "probe %d", COUNT + i);
+        CHECK(lmb_probes_position(probes, i).x == 0.5f * (float)at[0] - 100.0f, "probe %d", i);
+        /* From the world, at a place within the cell that the point is the first of. */
+        const lmb_vec3d near = {at[0] + 0.2, at[1] + 0.3, at[2] + 0.4};
+        int32_t cell[3] = {0};
+        double fraction[3];
+        CHECK(lmb_lattice_cell(&turned, rotation_place(&turn, 0.75, near), cell, fraction) &&
+                  lmb_probes_find(probes, 1, cell[0], cell[1], cell[2]) == COUNT + i,
+              "point %d: cell (%d, %d, %d)", i, cell[0], cell[1], cell[2]);
+    }
+    CHECK(lmb_probes_footprint(probes, COUNT) == 0.75f, "footprint");
+    lmb_probes_destroy(probes);
+}
+
 static const test_case cases[] = {
     {"a sparse lattice", test_sparse},
     {"limits of a box", test_create_limits},
+    {"limits of axes", test_axes_limits},
+    {"a turned level beside another", test_turned_level},
     {"probes and their places", test_probes},
     {"every broken invariant is found", test_validate},
     {"dilation follows its definition", test_dilation},

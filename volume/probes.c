@@ -10,7 +10,7 @@
 
 #include <lambent/volume_format.h>
 
-static bool lattice_is_valid(const lmb_lattice *lattice)
+static bool box_is_valid(const lmb_lattice *lattice)
 {
     for (int axis = 0; axis < 3; ++axis) {
         if (lattice->size[axis] < 1 || (int64_t)lattice->min[axis] + lattice->size[axis] - 1 > INT32_MAX) {
@@ -18,6 +18,25 @@ static bool lattice_is_valid(const lmb_lattice *lattice)
         }
     }
     return isfinite(lattice->spacing) && lattice->spacing > 0.0f;
+}
+
+/* All zero, or a rotation. */
+static bool axes_are_valid(const lmb_lattice *lattice)
+{
+    const lmb_vec3d *const x = &lattice->axis[0], *const y = &lattice->axis[1], *const z = &lattice->axis[2];
+    bool none = true, orthonormal = true;
+    for (int i = 0; i < 3; ++i) {
+        const lmb_vec3d *const a = &lattice->axis[i];
+        none = none && a->x == 0.0 && a->y == 0.0 && a->z == 0.0;
+        for (int k = 0; k <= i; ++k) {
+            const lmb_vec3d *const b = &lattice->axis[k];
+            const double error = a->x * b->x + a->y * b->y + a->z * b->z - (i == k ? 1.0 : 0.0);
+            orthonormal = orthonormal && fabs(error) <= LMB_LATTICE_AXES_ERROR;
+        }
+    }
+    const double determinant =
+        x->x * (y->y * z->z - y->z * z->y) + x->y * (y->z * z->x - y->x * z->z) + x->z * (y->x * z->y - y->y * z->x);
+    return none || (orthonormal && determinant > 0.0);
 }
 
 /* ---------------------------------------------------------------------------------------- finding probes */
@@ -187,7 +206,7 @@ lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, 
                                 int32_t count)
 {
     assert(probes && lattice && (point || count == 0));
-    if (!lattice_is_valid(lattice) || count < 0 || count > INT32_MAX - probes->count) {
+    if (!box_is_valid(lattice) || !axes_are_valid(lattice) || count < 0 || count > INT32_MAX - probes->count) {
         return LMB_ERROR_ARGUMENT;
     }
     lmb_probe_level added = {.lattice = *lattice, .first = probes->count, .count = count};
@@ -298,11 +317,14 @@ static lmb_result validate_block(const lmb_probes *probes, const lmb_probe_level
 static lmb_result validate_level(const lmb_probes *probes, const lmb_probe_level *level, lmb_error *error)
 {
     const lmb_lattice *lattice = &level->lattice;
-    if (!lattice_is_valid(lattice)) {
+    if (!box_is_valid(lattice)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT,
                              "probes: spacing %g, or box of %d x %d x %d at (%d, %d, %d), is out of range",
                              (double)lattice->spacing, lattice->size[0], lattice->size[1], lattice->size[2],
                              lattice->min[0], lattice->min[1], lattice->min[2]);
+    }
+    if (!axes_are_valid(lattice)) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: axes of a level are not orthonormal and right-handed");
     }
     int64_t found = 0;
     for (uint32_t i = 0; i < level->index.block_count; ++i) {

@@ -1,8 +1,9 @@
 /* Probes while they are being placed, baked, edited or converted.
  *
- * They are flat arrays. Levels, each a lattice of one spacing, are indices over them: a level's probes follow each
- * other in the arrays, and it finds the one at any of its points. Nothing is held for points without a probe. Light is
- * one array for each set of lights. */
+ * They are flat arrays. Levels, each a lattice of one spacing, turned or not, are indices over them: a level's probes
+ * follow each other in the arrays, and it finds the one at any of its points. Nothing is held for points without a
+ * probe. Light is one array for each set of lights, in the world's axes, also on a lattice that is turned. Files hold
+ * one level that is not turned, and one set: writers refuse others. */
 #ifndef LAMBENT_PROBES_H
 #define LAMBENT_PROBES_H
 
@@ -64,9 +65,10 @@ typedef struct lmb_probes {
 /* None yet, of one set of lights. @return LMB_ERROR_MEMORY */
 lmb_result lmb_probes_create(lmb_probes **probes);
 
-/* Adds a level with probes at these points of its lattice, each once, with zero radiance and validity 0, in that order.
- * @return LMB_ERROR_ARGUMENT (spacing or box out of range, a point outside of it or given twice, more than 2^31 - 1
- * probes), _MEMORY; then nothing has changed */
+/* Adds a level with probes at these points of its lattice, each once, with validity 0 and zero radiance in every set,
+ * in that order. Earlier probes keep what they have; the arrays move.
+ * @return LMB_ERROR_ARGUMENT (spacing, box or axes out of range, a point outside of the box or given twice, more than
+ * 2^31 - 1 probes), _MEMORY; then nothing has changed */
 lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, const int32_t (*point)[3],
                                 int32_t count);
 
