@@ -205,6 +205,24 @@ static void break_radiance_infinite(lmb_probes *grid)
 {
     grid->radiance[0][grid->count - 1].channel[2].c[8] = -INFINITY;
 }
+static void break_second_set(lmb_probes *grid)
+{
+    uint32_t set;
+    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
+    grid->radiance[set][3].channel[0].c[2] = NAN;
+}
+static void break_no_set(lmb_probes *grid)
+{
+    free(grid->radiance[0]);
+    grid->set_count = 0;
+}
+static void break_set_missing(lmb_probes *grid)
+{
+    uint32_t set;
+    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
+    free(grid->radiance[set]);
+    grid->radiance[set] = NULL;
+}
 static void break_validity_high(lmb_probes *grid)
 {
     grid->validity[2] = 1.0001f;
@@ -242,6 +260,9 @@ static void test_validate(void)
         {"lattice", break_lattice, "names probe 3"},
         {"NaN", break_radiance_nan, "probe 4: coefficient 7 of channel 1"},
         {"infinity", break_radiance_infinite, "coefficient 8 of channel 2"},
+        {"NaN in another set", break_second_set, "set 1, probe 3: coefficient 2 of channel 0"},
+        {"no set", break_no_set, "arrays"},
+        {"a set without radiance", break_set_missing, "arrays"},
         {"validity above 1", break_validity_high, "probe 2: validity"},
         {"validity below 0", break_validity_low, "probe 2: validity"},
         {"validity NaN", break_validity_nan, "probe 0: validity"},
@@ -439,6 +460,87 @@ static void test_sparse(void)
     lmb_probes_destroy(probes);
 }
 
+/* Another value for every set, probe and coefficient. */
+static float set_value(uint32_t set, int32_t probe, int i)
+{
+    return (float)(100000 * (int32_t)set + 100 * probe + i);
+}
+
+static void set_fill(lmb_probes *probes, uint32_t set)
+{
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        for (int i = 0; i < 27; ++i) {
+            probes->radiance[set][probe].channel[i / 9].c[i % 9] = set_value(set, probe, i);
+        }
+    }
+}
+
+/* Coefficients of probes first .. last - 1 that are not as set_fill left them; 0 * set_value where they are dark. */
+static int set_differences(const lmb_probes *probes, uint32_t set, int32_t first, int32_t last, float factor)
+{
+    int differences = 0;
+    for (int32_t probe = first; probe < last; ++probe) {
+        for (int i = 0; i < 27; ++i) {
+            differences += probes->radiance[set][probe].channel[i / 9].c[i % 9] != factor * set_value(set, probe, i);
+        }
+    }
+    return differences;
+}
+
+/* Sets come before, between and after probes; each keeps what it was given, and new probes are dark in all. */
+static void test_sets(void)
+{
+    const int32_t min[3] = {0, 0, 0}, size[3] = {4, 3, 2};
+    lmb_probes *empty = NULL;
+    uint32_t set = 7;
+    CHECK(lmb_probes_create(&empty) == LMB_OK && lmb_probes_add_set(empty, &set) == LMB_OK, "a set of no probes");
+    CHECK(set == 1 && empty->set_count == 2 && lmb_probes_validate(empty, NULL) == LMB_OK, "set %u of %u", set,
+          empty->set_count);
+    lmb_probes_destroy(empty);
+
+    lmb_probes *const probes = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 1);
+    const int32_t before = probes->count;
+    set_fill(probes, 0);
+    CHECK(lmb_probes_add_set(probes, &set) == LMB_OK && set == 1 && probes->set_count == 2, "set %u", set);
+    CHECK(set_differences(probes, 0, 0, before, 1.0f) == 0 && set_differences(probes, 1, 0, before, 0.0f) == 0,
+          "the first is as it was, the second dark");
+    set_fill(probes, 1);
+    const int32_t points[3][3] = {{5, 5, 5}, {6, 5, 5}, {7, 7, 7}};
+    const lmb_lattice coarse = {.spacing = 2.0f, .size = {8, 8, 8}};
+    CHECK(lmb_probes_add_level(probes, &coarse, points, 3) == LMB_OK && probes->count == before + 3, "more probes");
+    CHECK(lmb_probes_add_set(probes, &set) == LMB_OK && set == 2, "set %u", set);
+    for (uint32_t i = 0; i < 3; ++i) {
+        CHECK(set_differences(probes, i, 0, before, i < 2 ? 1.0f : 0.0f) == 0, "set %u: earlier probes", i);
+        CHECK(set_differences(probes, i, before, before + 3, 0.0f) == 0, "set %u: new probes", i);
+    }
+    CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "valid");
+    lmb_probes_destroy(probes);
+}
+
+/* A set beside another dilates to what it does alone. */
+static void test_dilation_of_sets(void)
+{
+    const int32_t min[3] = {0, 0, 0}, size[3] = {7, 6, 5};
+    lmb_probes *const first = fixture_grid(1.0f, min, size, 0.8, 0.2, 5.0, 5);
+    lmb_probes *const other = fixture_grid(1.0f, min, size, 0.8, 0.2, 5.0, 5);
+    lmb_probes *const both = fixture_grid(1.0f, min, size, 0.8, 0.2, 5.0, 5);
+    uint32_t set = 0;
+    CHECK(lmb_probes_add_set(both, &set) == LMB_OK, "a set");
+    set_fill(other, 0);
+    const size_t bytes = (size_t)both->count * sizeof *both->radiance[0];
+    memcpy(both->radiance[set], other->radiance[0], bytes);
+    CHECK(lmb_probes_dilate(first) == LMB_OK && lmb_probes_dilate(other) == LMB_OK && lmb_probes_dilate(both) == LMB_OK,
+          "dilate");
+    CHECK(memcmp(both->radiance[0], first->radiance[0], bytes) == 0, "the first set");
+    CHECK(memcmp(both->radiance[set], other->radiance[0], bytes) == 0, "the second set");
+    CHECK(set_differences(both, 0, 0, both->count, 1.0f) > 0 &&
+              memcmp(both->radiance[0], both->radiance[1], bytes) != 0,
+          "they differ");
+    lmb_probes_destroy(first);
+    lmb_probes_destroy(other);
+    lmb_probes_destroy(both);
+}
+
 /* Two levels, the second one turned: each finds its probes by their points, and a place of the world by its cell. */
 static void test_turned_level(void)
 {
@@ -488,6 +590,8 @@ static const test_case cases[] = {
     {"limits of a box", test_create_limits},
     {"limits of axes", test_axes_limits},
     {"a turned level beside another", test_turned_level},
+    {"sets of lights", test_sets},
+    {"each set dilates by itself", test_dilation_of_sets},
     {"probes and their places", test_probes},
     {"every broken invariant is found", test_validate},
     {"dilation follows its definition", test_dilation},

@@ -307,6 +307,12 @@ static void test_refused_probes(void)
     CHECK(count_entries() == 0, "%d entries", count_entries());
     grid->level[0].lattice = straight;
     CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_OK, "%s", error.message);
+    remove(PATH);
+    uint32_t set;
+    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
+    CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_ERROR_ARGUMENT, "two sets");
+    CHECK(strstr(error.message, PATH ": ") && strstr(error.message, "one set"), "'%s'", error.message);
+    CHECK(count_entries() == 0, "%d entries", count_entries());
     lmb_probes_destroy(grid);
 }
 

@@ -395,6 +395,16 @@ static void test_pack_refuses(void)
           "turned");
     CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "a turned lattice");
     lmb_probes_destroy(grid);
+    grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
+    uint32_t set;
+    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
+    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "two sets");
+    lmb_probes_destroy(grid);
+    grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
+    const lmb_lattice coarse = {.spacing = 2.0f, .size = {1, 1, 1}};
+    CHECK(lmb_probes_add_level(grid, &coarse, (const int32_t[1][3]){{0, 0, 0}}, 1) == LMB_OK, "a level");
+    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "two levels");
+    lmb_probes_destroy(grid);
     CHECK(!data && bytes == 0, "outputs untouched");
 }
 

@@ -226,6 +226,25 @@ lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, 
     return LMB_OK;
 }
 
+lmb_result lmb_probes_add_set(lmb_probes *probes, uint32_t *set)
+{
+    assert(probes && set);
+    if (probes->set_count == UINT32_MAX) {
+        return LMB_ERROR_ARGUMENT;
+    }
+    lmb_sh3_rgb *const dark = array_grow(NULL, sizeof *dark, 0, (size_t)probes->count);
+    lmb_sh3_rgb **const radiance =
+        dark ? realloc(probes->radiance, ((size_t)probes->set_count + 1) * sizeof *radiance) : NULL;
+    if (!radiance) {
+        free(dark);
+        return LMB_ERROR_MEMORY;
+    }
+    radiance[probes->set_count] = dark;
+    probes->radiance = radiance;
+    *set = probes->set_count++;
+    return LMB_OK;
+}
+
 void lmb_probes_destroy(lmb_probes *probes)
 {
     if (!probes) {
@@ -348,8 +367,9 @@ static lmb_result validate_probe(const lmb_probes *probes, int32_t probe, lmb_er
             const int channel = k / LMB_SH3_COUNT, i = k % LMB_SH3_COUNT;
             const float value = probes->radiance[set][probe].channel[channel].c[i];
             if (!isfinite(value)) {
-                return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: probe %d: coefficient %d of channel %d is %g",
-                                     probe, i, channel, (double)value);
+                return lmb_error_set(error, LMB_ERROR_FORMAT,
+                                     "probes: set %u, probe %d: coefficient %d of channel %d is %g", set, probe, i,
+                                     channel, (double)value);
             }
         }
     }
@@ -361,10 +381,22 @@ static lmb_result validate_probe(const lmb_probes *probes, int32_t probe, lmb_er
     return LMB_OK;
 }
 
+static bool arrays_are_whole(const lmb_probes *probes)
+{
+    bool whole = probes->count >= 0 && probes->set_count > 0 && probes->radiance;
+    if (probes->count > 0) {
+        whole = whole && probes->point && probes->validity;
+        for (uint32_t set = 0; whole && set < probes->set_count; ++set) {
+            whole = probes->radiance[set] != NULL;
+        }
+    }
+    return whole;
+}
+
 lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error)
 {
     assert(probes);
-    if (probes->count < 0 || (probes->count > 0 && !(probes->point && probes->validity && probes->radiance[0]))) {
+    if (!arrays_are_whole(probes)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: %d without all of their arrays", probes->count);
     }
     int64_t next = 0;
