@@ -83,6 +83,10 @@ static void the_worlds_axes_change_nothing(void)
         CHECK(memcmp(&to, &vectors[i], sizeof to) == 0 && memcmp(&from, &vectors[i], sizeof from) == 0, "vector %zu",
               i);
     }
+    /* A place found by a product with 1 / 49 m would miss the point (1, 1, 1). */
+    const lmb_lattice odd = {.spacing = 49.0f, .size = {9, 9, 9}};
+    const lmb_vec3d one = lmb_lattice_coordinates(&odd, (lmb_vec3d){49.0, 49.0, 49.0});
+    CHECK(one.x == 1.0 && one.y == 1.0 && one.z == 1.0, "(%.17g, %.17g, %.17g)", one.x, one.y, one.z);
     uint64_t state = 3;
     for (int i = 0; i < 1000; ++i) {
         int32_t point[3];
@@ -131,7 +135,7 @@ static void turns_that_are_none(void)
     } cases[] = {
         {{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, false},      {{1.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, false},
         {{1.0, 2.0, 3.0}, {-2.0, -4.0, -6.0}, false},   {{1.0, 0.0, 0.0}, {1.0, 1e-7, 0.0}, false},
-        {{1.0, 0.0, 0.0}, {1.0, 1e-5, 0.0}, true},      {{NAN, 0.0, 0.0}, {0.0, 1.0, 0.0}, false},
+        {{1.0, 2.0, 3.0}, {1.0, 2.00001, 3.0}, true},   {{NAN, 0.0, 0.0}, {0.0, 1.0, 0.0}, false},
         {{1.0, 0.0, 0.0}, {0.0, INFINITY, 0.0}, false}, {{1e-101, 0.0, 0.0}, {0.0, 1.0, 0.0}, false},
         {{1.0, 0.0, 0.0}, {0.0, 1e101, 0.0}, false},    {{1e-99, 0.0, 1e-99}, {0.0, 1e99, 0.0}, true},
     };
