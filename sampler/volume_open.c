@@ -95,9 +95,9 @@ lmb_volume_info lmb_volume_get_info(const lmb_volume *volume)
 {
     assert(volume);
     const lmb_volume_header *const header = &volume->header;
-    const lmb_lattice lattice = {header->spacing,
-                                 {header->min[0], header->min[1], header->min[2]},
-                                 {header->size[0], header->size[1], header->size[2]}};
+    const lmb_lattice lattice = {.spacing = header->spacing,
+                                 .min = {header->min[0], header->min[1], header->min[2]},
+                                 .size = {header->size[0], header->size[1], header->size[2]}};
     const int32_t last[3] = {header->min[0] + (header->size[0] - 1), header->min[1] + (header->size[1] - 1),
                              header->min[2] + (header->size[2] - 1)};
     return (lmb_volume_info){

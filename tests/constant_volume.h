@@ -33,7 +33,7 @@ static inline bool constant_volume_make(const lmb_scene *scene, lmb_rgb radiance
         min[i] = (int32_t)floorf(low[i]) - 1;
         size[i] = (int32_t)ceilf(high[i]) + 2 - min[i];
     }
-    const lmb_lattice lattice = {1.0f, {min[0], min[1], min[2]}, {size[0], size[1], size[2]}};
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {min[0], min[1], min[2]}, .size = {size[0], size[1], size[2]}};
     lmb_probes *grid = fixture_probes(&lattice, NULL);
     bool good = grid != NULL;
     for (int32_t i = 0; good && i < grid->count; ++i) {

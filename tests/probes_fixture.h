@@ -56,7 +56,8 @@ static inline lmb_probes *fixture_grid(float spacing, const int32_t min[3], cons
     for (size_t i = 0; i < points; ++i) {
         wanted[i] = fixture_random(&state) < density;
     }
-    const lmb_lattice lattice = {spacing, {min[0], min[1], min[2]}, {size[0], size[1], size[2]}};
+    const lmb_lattice lattice = {
+        .spacing = spacing, .min = {min[0], min[1], min[2]}, .size = {size[0], size[1], size[2]}};
     lmb_probes *const grid = fixture_probes(&lattice, wanted);
     if (!grid) {
         abort();

@@ -60,7 +60,7 @@ static size_t shared_bytes;
 
 static lmb_result add_probes(void)
 {
-    static const lmb_lattice lattice = {1.0f, {0, 0, 0}, {3, 3, 3}};
+    static const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {3, 3, 3}};
     static const int32_t points[3][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     const int left = allocations_left;
     allocations_left = -1;
@@ -70,6 +70,21 @@ static lmb_result add_probes(void)
     const lmb_result result = lmb_probes_add_level(grid, &lattice, points, 3);
     CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "the probes are whole");
     CHECK(grid->count == (result == LMB_OK ? 3 : 0), "%d probes", grid->count);
+    lmb_probes_destroy(grid);
+    return result;
+}
+
+static lmb_result add_set(void)
+{
+    const int left = allocations_left;
+    allocations_left = -1;
+    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 0.5, 1.0, 3);
+    allocations_left = left;
+    uint32_t set = 7;
+    const lmb_result result = lmb_probes_add_set(grid, &set);
+    CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "the probes are whole");
+    CHECK(grid->set_count == (result == LMB_OK ? 2 : 1) && set == (result == LMB_OK ? 1 : 7), "set %u of %u", set,
+          grid->set_count);
     lmb_probes_destroy(grid);
     return result;
 }
@@ -159,6 +174,7 @@ static void test_each(void)
     } runs[] = {
         {"create", create_probes, 2},
         {"add probes", add_probes, 6},
+        {"add a set", add_set, 2},
         {"dilate", dilate, 2},
         {"pack", pack, 4},
         {"open", open_volume, 1},

@@ -94,6 +94,14 @@ static void probes_in_parts(void)
                   lmb_probe_list_finish(&list, gathered, grid) == LMB_OK &&
                   memcmp(whole, grid->radiance[0], bytes) == 0,
               "%zu probes", list.count);
+        memset(grid->radiance[0], 0, bytes);
+        list.set = 1;
+        CHECK(lmb_probe_list_finish(&list, gathered, grid) == LMB_ERROR_ARGUMENT, "a set that is not there");
+        uint32_t set = 0;
+        CHECK(lmb_probes_add_set(grid, &set) == LMB_OK && set == 1, "a set");
+        CHECK(lmb_probe_list_finish(&list, gathered, grid) == LMB_OK && memcmp(whole, grid->radiance[1], bytes) == 0 &&
+                  grid->radiance[0][list.probe[0]].channel[0].c[0] == 0.0f,
+              "another set, and no other");
         lmb_probe_list_free(&list);
         free(gathered);
         free(whole);

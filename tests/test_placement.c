@@ -5,8 +5,10 @@
 #include <lambent/placement.h>
 
 #include "level_fixture.h"
+#include "probes/placement_internal.h"
 #include "scenes/level_builder.h"
 #include "scenes/levels.h"
+#include "turned_lattice.h"
 
 #define PI 3.14159265358979323846
 
@@ -244,6 +246,63 @@ static void crossed_cells_are_counted(void)
     level_fixture_close(&level);
 }
 
+/* A wall in a lattice's axes: y = x - 0.1 from x = 0.6 to 2.9, in five columns of cells, z from 0.25 to 2.75. */
+static lmb_result turned_wall_write(const char *path, const lmb_lattice *lattice, const rotation *turn,
+                                    lmb_error *error)
+{
+    static const lmb_vec3d local[3] = {{0.6, 0.5, 0.25}, {2.3, 2.3, 0.0}, {0.0, 0.0, 2.5}};
+    lmb_vec3 world[3];
+    for (int i = 0; i < 3; ++i) {
+        const lmb_vec3d at = rotation_place(turn, (double)lattice->spacing, local[i]);
+        world[i] = (lmb_vec3){(float)at.x, (float)at.y, (float)at.z};
+    }
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    const lmb_level_material grey = lmb_level_material_default();
+    const int material = lmb_level_builder_add_material(builder, &grey);
+    const int wall = lmb_level_builder_add_mesh(builder, "wall");
+    lmb_level_builder_add_quad(builder, wall, material, world[0], world[1], world[2]);
+    lmb_level_builder_place(builder, "wall", wall, (lmb_vec3){0, 0, 0});
+    const lmb_result result = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+/* On a turned lattice too, whose own cells they are. Among all probes of 9 x 9 x 9 cells, and where there are fewer
+ * than the wall's box has cells, so that both ways of looking are taken. */
+static void crossed_cells_of_a_turned_lattice(void)
+{
+    enum { SIDE = 10 };
+    uint64_t state = 21;
+    for (int round = 0; round < 6; ++round) {
+        const bool few = round % 2 == 1;
+        rotation turn;
+        lmb_lattice lattice = turned_lattice(&state, 0.5f, &turn);
+        static uint8_t wanted[SIDE * SIDE * SIDE];
+        for (int i = 0; i < SIDE * SIDE * SIDE; ++i) { /* the corners of cell (0, 0, 0), 4 from the first */
+            const int x = i % SIDE - 4, y = i / SIDE % SIDE - 4, z = i / SIDE / SIDE - 4;
+            wanted[i] = !few || (x / 2 == 0 && y / 2 == 0 && z / 2 == 0 && x >= 0 && y >= 0 && z >= 0);
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            lattice.min[axis] = -4;
+            lattice.size[axis] = SIDE;
+        }
+        lmb_error error = {{0}};
+        level_fixture level;
+        const char *path = output_path("turned");
+        if (!level_fixture_open(&level, path, turned_wall_write(path, &lattice, &turn, &error), &error, 1)) {
+            return;
+        }
+        lmb_probes *grid = fixture_probes(&lattice, wanted);
+        grid->origin = level.scene->origin;
+        int64_t cells = 0, crossed = 0;
+        CHECK(lmb_placement_count_cells(grid, 0, level.tracer, &cells, &crossed) == LMB_OK, "memory");
+        CHECK(cells == (few ? 1 : 729) && crossed == (few ? 1 : 15), "round %d: %lld cells, %lld crossed", round,
+              (long long)cells, (long long)crossed);
+        lmb_probes_destroy(grid);
+        level_fixture_close(&level);
+    }
+}
+
 static const test_case cases[] = {
     {"probes_on_walls_see_the_room", probes_on_walls_see_the_room},
     {"relocation_is_small_and_inward", relocation_is_small_and_inward},
@@ -252,6 +311,7 @@ static const test_case cases[] = {
     {"seeds_choose_the_space", seeds_choose_the_space},
     {"rooms_in_vast_bounds", rooms_in_vast_bounds},
     {"crossed_cells_are_counted", crossed_cells_are_counted},
+    {"crossed_cells_of_a_turned_lattice", crossed_cells_of_a_turned_lattice},
 };
 
 TEST_MAIN(cases)

@@ -1,6 +1,7 @@
 /* Probes: what they hold, what the walker finds, and dilation against a version written from its definition. */
 #include "probes_fixture.h"
 #include "harness.h"
+#include "turned_lattice.h"
 
 #include <float.h>
 #include <limits.h>
@@ -41,9 +42,43 @@ static void test_create_limits(void)
     lmb_probes_destroy(NULL);
 }
 
+/* Axes of a level: a rotation, or none told. */
+static void test_axes_limits(void)
+{
+    static const struct {
+        const char *name;
+        lmb_vec3d axis[3];
+        lmb_result expected;
+    } cases[] = {
+        {"none", {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, LMB_OK},
+        {"the world's", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LMB_OK},
+        {"a rotation", {{0.6, 0, -0.8}, {0, 1, 0}, {0.8, 0, 0.6}}, LMB_OK},
+        {"a reflection", {{0.6, 0, -0.8}, {0, -1, 0}, {0.8, 0, 0.6}}, LMB_ERROR_ARGUMENT},
+        {"left-handed", {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, LMB_ERROR_ARGUMENT},
+        {"skewed", {{0.6, 0, -0.8}, {0, 1, 0}, {0, 0, 1}}, LMB_ERROR_ARGUMENT},
+        {"scaled", {{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, LMB_ERROR_ARGUMENT},
+        {"of floats",
+         {{(double)0.6f, 0, (double)-0.8f}, {0, 1, 0}, {(double)0.8f, 0, (double)0.6f}},
+         LMB_ERROR_ARGUMENT},
+        {"one missing", {{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}, LMB_ERROR_ARGUMENT},
+        {"NaN", {{1, 0, 0}, {0, NAN, 0}, {0, 0, 1}}, LMB_ERROR_ARGUMENT},
+        {"all NaN", {{NAN, NAN, NAN}, {NAN, NAN, NAN}, {NAN, NAN, NAN}}, LMB_ERROR_ARGUMENT},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        lmb_probes *grid = NULL;
+        CHECK(lmb_probes_create(&grid) == LMB_OK, "%s: memory", cases[i].name);
+        lmb_lattice lattice = {.spacing = 1.0f, .size = {2, 2, 2}};
+        memcpy(lattice.axis, cases[i].axis, sizeof lattice.axis);
+        const lmb_result result = lmb_probes_add_level(grid, &lattice, NULL, 0);
+        CHECK(result == cases[i].expected, "%s: result %d", cases[i].name, result);
+        CHECK((grid->level_count == 1) == (result == LMB_OK), "%s: output", cases[i].name);
+        lmb_probes_destroy(grid);
+    }
+}
+
 static void test_probes(void)
 {
-    const lmb_lattice lattice = {0.5f, {-3, 5, -1}, {4, 2, 3}};
+    const lmb_lattice lattice = {.spacing = 0.5f, .min = {-3, 5, -1}, .size = {4, 2, 3}};
     static const int32_t points[3][3] = {{-2, 5, -1}, {0, 6, -1}, {0, 6, 1}};
     static const int32_t twice[2][3] = {{-2, 5, 0}, {-2, 5, 0}}, beyond[1][3] = {{-2, 7, 0}};
     lmb_probes *grid = NULL;
@@ -103,6 +138,15 @@ static void break_shift(lmb_probes *grid)
 {
     ++grid->level[0].lattice.min[2];
 }
+static void break_axes(lmb_probes *grid)
+{
+    grid->level[0].lattice.axis[1].z = 0.5;
+}
+static void break_mirror(lmb_probes *grid)
+{
+    grid->level[0].lattice.axis[0].x = grid->level[0].lattice.axis[1].y = 1.0;
+    grid->level[0].lattice.axis[2].z = -1.0;
+}
 /* The n-th entry of the index that holds a probe. */
 static int32_t *entry(lmb_probes *grid, int n)
 {
@@ -161,6 +205,24 @@ static void break_radiance_infinite(lmb_probes *grid)
 {
     grid->radiance[0][grid->count - 1].channel[2].c[8] = -INFINITY;
 }
+static void break_second_set(lmb_probes *grid)
+{
+    uint32_t set;
+    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
+    grid->radiance[set][3].channel[0].c[2] = NAN;
+}
+static void break_no_set(lmb_probes *grid)
+{
+    free(grid->radiance[0]);
+    grid->set_count = 0;
+}
+static void break_set_missing(lmb_probes *grid)
+{
+    uint32_t set;
+    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
+    free(grid->radiance[set]);
+    grid->radiance[set] = NULL;
+}
 static void break_validity_high(lmb_probes *grid)
 {
     grid->validity[2] = 1.0001f;
@@ -185,6 +247,8 @@ static void test_validate(void)
         {"size", break_size, "box"},
         {"min", break_min, "box"},
         {"shifted box", break_shift, "which is at"},
+        {"axes", break_axes, "axes"},
+        {"axes that mirror", break_mirror, "axes"},
         {"a probe without a point", break_count_up, "points with one"},
         {"a point without a probe", break_count_down, "names probe"},
         {"negative count", break_count_negative, "arrays"},
@@ -196,6 +260,9 @@ static void test_validate(void)
         {"lattice", break_lattice, "names probe 3"},
         {"NaN", break_radiance_nan, "probe 4: coefficient 7 of channel 1"},
         {"infinity", break_radiance_infinite, "coefficient 8 of channel 2"},
+        {"NaN in another set", break_second_set, "set 1, probe 3: coefficient 2 of channel 0"},
+        {"no set", break_no_set, "arrays"},
+        {"a set without radiance", break_set_missing, "arrays"},
         {"validity above 1", break_validity_high, "probe 2: validity"},
         {"validity below 0", break_validity_low, "probe 2: validity"},
         {"validity NaN", break_validity_nan, "probe 0: validity"},
@@ -369,8 +436,8 @@ static void test_sparse(void)
         points[i][1] = (int32_t)(fixture_random(&state) * 9999.0) - 5000;
         points[i][2] = (int32_t)(fixture_random(&state) * 9999.0) - 5000;
     }
-    const lmb_lattice fine = {0.5f, {-5000, -5000, -5000}, {10000, 10000, 10000}};
-    const lmb_lattice coarse = {1.0f, {-5000, -5000, -5000}, {10000, 10000, 10000}};
+    const lmb_lattice fine = {.spacing = 0.5f, .min = {-5000, -5000, -5000}, .size = {10000, 10000, 10000}};
+    const lmb_lattice coarse = {.spacing = 1.0f, .min = {-5000, -5000, -5000}, .size = {10000, 10000, 10000}};
     lmb_probes *probes = NULL;
     CHECK(lmb_probes_create(&probes) == LMB_OK && lmb_probes_add_level(probes, &fine, points, COUNT) == LMB_OK &&
               lmb_probes_add_level(probes, &coarse, points + 1000, 500) == LMB_OK,
@@ -393,9 +460,138 @@ static void test_sparse(void)
     lmb_probes_destroy(probes);
 }
 
+/* Another value for every set, probe and coefficient. */
+static float set_value(uint32_t set, int32_t probe, int i)
+{
+    return (float)(100000 * (int32_t)set + 100 * probe + i);
+}
+
+static void set_fill(lmb_probes *probes, uint32_t set)
+{
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        for (int i = 0; i < 27; ++i) {
+            probes->radiance[set][probe].channel[i / 9].c[i % 9] = set_value(set, probe, i);
+        }
+    }
+}
+
+/* Coefficients of probes first .. last - 1 that are not as set_fill left them; 0 * set_value where they are dark. */
+static int set_differences(const lmb_probes *probes, uint32_t set, int32_t first, int32_t last, float factor)
+{
+    int differences = 0;
+    for (int32_t probe = first; probe < last; ++probe) {
+        for (int i = 0; i < 27; ++i) {
+            differences += probes->radiance[set][probe].channel[i / 9].c[i % 9] != factor * set_value(set, probe, i);
+        }
+    }
+    return differences;
+}
+
+/* Sets come before, between and after probes; each keeps what it was given, and new probes are dark in all. */
+static void test_sets(void)
+{
+    const int32_t min[3] = {0, 0, 0}, size[3] = {4, 3, 2};
+    lmb_probes *empty = NULL;
+    uint32_t set = 7;
+    CHECK(lmb_probes_create(&empty) == LMB_OK && lmb_probes_add_set(empty, &set) == LMB_OK, "a set of no probes");
+    CHECK(set == 1 && empty->set_count == 2 && lmb_probes_validate(empty, NULL) == LMB_OK, "set %u of %u", set,
+          empty->set_count);
+    lmb_probes_destroy(empty);
+
+    lmb_probes *const probes = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 1);
+    const int32_t before = probes->count;
+    set_fill(probes, 0);
+    CHECK(lmb_probes_add_set(probes, &set) == LMB_OK && set == 1 && probes->set_count == 2, "set %u", set);
+    CHECK(set_differences(probes, 0, 0, before, 1.0f) == 0 && set_differences(probes, 1, 0, before, 0.0f) == 0,
+          "the first is as it was, the second dark");
+    set_fill(probes, 1);
+    const int32_t points[3][3] = {{5, 5, 5}, {6, 5, 5}, {7, 7, 7}};
+    const lmb_lattice coarse = {.spacing = 2.0f, .size = {8, 8, 8}};
+    CHECK(lmb_probes_add_level(probes, &coarse, points, 3) == LMB_OK && probes->count == before + 3, "more probes");
+    CHECK(lmb_probes_add_set(probes, &set) == LMB_OK && set == 2, "set %u", set);
+    for (uint32_t i = 0; i < 3; ++i) {
+        CHECK(set_differences(probes, i, 0, before, i < 2 ? 1.0f : 0.0f) == 0, "set %u: earlier probes", i);
+        CHECK(set_differences(probes, i, before, before + 3, 0.0f) == 0, "set %u: new probes", i);
+    }
+    CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "valid");
+    lmb_probes_destroy(probes);
+}
+
+/* A set beside another dilates to what it does alone. */
+static void test_dilation_of_sets(void)
+{
+    const int32_t min[3] = {0, 0, 0}, size[3] = {7, 6, 5};
+    lmb_probes *const first = fixture_grid(1.0f, min, size, 0.8, 0.2, 5.0, 5);
+    lmb_probes *const other = fixture_grid(1.0f, min, size, 0.8, 0.2, 5.0, 5);
+    lmb_probes *const both = fixture_grid(1.0f, min, size, 0.8, 0.2, 5.0, 5);
+    uint32_t set = 0;
+    CHECK(lmb_probes_add_set(both, &set) == LMB_OK, "a set");
+    set_fill(other, 0);
+    const size_t bytes = (size_t)both->count * sizeof *both->radiance[0];
+    memcpy(both->radiance[set], other->radiance[0], bytes);
+    CHECK(lmb_probes_dilate(first) == LMB_OK && lmb_probes_dilate(other) == LMB_OK && lmb_probes_dilate(both) == LMB_OK,
+          "dilate");
+    CHECK(memcmp(both->radiance[0], first->radiance[0], bytes) == 0, "the first set");
+    CHECK(memcmp(both->radiance[set], other->radiance[0], bytes) == 0, "the second set");
+    CHECK(set_differences(both, 0, 0, both->count, 1.0f) > 0 &&
+              memcmp(both->radiance[0], both->radiance[1], bytes) != 0,
+          "they differ");
+    lmb_probes_destroy(first);
+    lmb_probes_destroy(other);
+    lmb_probes_destroy(both);
+}
+
+/* Two levels, the second one turned: each finds its probes by their points, and a place of the world by its cell. */
+static void test_turned_level(void)
+{
+    enum { SIDE = 6, COUNT = SIDE * SIDE * SIDE };
+    static int32_t points[COUNT][3];
+    for (int i = 0; i < COUNT; ++i) {
+        points[i][0] = i % SIDE - 3;
+        points[i][1] = i / SIDE % SIDE - 3;
+        points[i][2] = i / SIDE / SIDE - 3;
+    }
+    uint64_t state = 77;
+    rotation turn;
+    const lmb_lattice straight = {.spacing = 0.5f, .min = {-3, -3, -3}, .size = {SIDE, SIDE, SIDE}};
+    const lmb_lattice turned = turned_lattice(&state, 0.75f, &turn);
+    lmb_probes *probes = NULL;
+    CHECK(lmb_probes_create(&probes) == LMB_OK &&
+              lmb_probes_add_level(probes, &straight, (const int32_t(*)[3])points, COUNT) == LMB_OK &&
+              lmb_probes_add_level(probes, &turned, (const int32_t(*)[3])points, COUNT) == LMB_OK,
+          "two levels");
+    probes->origin = (lmb_vec3d){100.0, -20.0, 3.0};
+    CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "valid");
+    for (int i = 0; i < COUNT; ++i) {
+        const int32_t *const at = points[i];
+        CHECK(lmb_probes_find(probes, 0, at[0], at[1], at[2]) == i &&
+                  lmb_probes_find(probes, 1, at[0], at[1], at[2]) == COUNT + i,
+              "point %d", i);
+        const lmb_vec3 found = lmb_probes_position(probes, COUNT + i);
+        const lmb_vec3d expected = rotation_point(&turn, 0.75, at);
+        CHECK_NEAR(found.x, expected.x - 100.0, 1e-5, "probe %d", COUNT + i);
+        CHECK_NEAR(found.y, expected.y + 20.0, 1e-5, "probe %d", COUNT + i);
+        CHECK_NEAR(found.z, expected.z - 3.0, 1e-5, "probe %d", COUNT + i);
+        CHECK(lmb_probes_position(probes, i).x == 0.5f * (float)at[0] - 100.0f, "probe %d", i);
+        /* From the world, at a place within the cell that the point is the first of. */
+        const lmb_vec3d near = {at[0] + 0.2, at[1] + 0.3, at[2] + 0.4};
+        int32_t cell[3] = {0};
+        double fraction[3];
+        CHECK(lmb_lattice_cell(&turned, rotation_place(&turn, 0.75, near), cell, fraction) &&
+                  lmb_probes_find(probes, 1, cell[0], cell[1], cell[2]) == COUNT + i,
+              "point %d: cell (%d, %d, %d)", i, cell[0], cell[1], cell[2]);
+    }
+    CHECK(lmb_probes_footprint(probes, COUNT) == 0.75f, "footprint");
+    lmb_probes_destroy(probes);
+}
+
 static const test_case cases[] = {
     {"a sparse lattice", test_sparse},
     {"limits of a box", test_create_limits},
+    {"limits of axes", test_axes_limits},
+    {"a turned level beside another", test_turned_level},
+    {"sets of lights", test_sets},
+    {"each set dilates by itself", test_dilation_of_sets},
     {"probes and their places", test_probes},
     {"every broken invariant is found", test_validate},
     {"dilation follows its definition", test_dilation},

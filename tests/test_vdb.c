@@ -291,6 +291,31 @@ static void test_failed_writes(void)
     lmb_probes_destroy(grid);
 }
 
+/* What the format does not hold is refused, and leaves no file. */
+static void test_refused_probes(void)
+{
+    start_folder();
+    const int32_t min[3] = {0, 0, 0}, size[3] = {3, 3, 3};
+    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 7);
+    const lmb_lattice straight = grid->level[0].lattice;
+    lmb_error error = {""};
+    CHECK(lmb_lattice_turn(&grid->level[0].lattice, (lmb_vec3d){0.0, 0.0, 1.0}, (lmb_vec3d){0.0, 1.0, 0.0}) &&
+              lmb_probes_validate(grid, NULL) == LMB_OK,
+          "turned");
+    CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_ERROR_ARGUMENT, "a turned lattice");
+    CHECK(strstr(error.message, PATH ": ") && strstr(error.message, "turned"), "'%s'", error.message);
+    CHECK(count_entries() == 0, "%d entries", count_entries());
+    grid->level[0].lattice = straight;
+    CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_OK, "%s", error.message);
+    remove(PATH);
+    uint32_t set;
+    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
+    CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_ERROR_ARGUMENT, "two sets");
+    CHECK(strstr(error.message, PATH ": ") && strstr(error.message, "one set"), "'%s'", error.message);
+    CHECK(count_entries() == 0, "%d entries", count_entries());
+    lmb_probes_destroy(grid);
+}
+
 /* What OpenVDB's own tool reads from the file. */
 static void test_vdb_print(void)
 {
@@ -343,6 +368,7 @@ static const test_case cases[] = {
     {"other kinds of file", test_wrong_kind},
     {"other people's volumes", test_foreign},
     {"writes that fail", test_failed_writes},
+    {"what the format does not hold is refused", test_refused_probes},
     {"vdb_print shows names and metadata", test_vdb_print},
 };
 TEST_MAIN(cases)

@@ -315,7 +315,7 @@ static void test_positions_in_double(void)
 /* Packing looks at probes, not at the bricks of the box: eight million here, of which the ends hold light. */
 static void test_few_in_a_large_box(void)
 {
-    const lmb_lattice lattice = {1.0f, {-400, -400, -400}, {801, 801, 801}};
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {-400, -400, -400}, .size = {801, 801, 801}};
     /* The second lies where eight bricks meet, the last in the last brick's last corner. */
     static const int32_t points[3][3] = {{-400, -400, -400}, {0, 0, 0}, {400, 400, 400}};
     lmb_probes *probes = NULL;
@@ -388,6 +388,22 @@ static void test_pack_refuses(void)
     CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "NaN");
     grid->radiance[0][26].channel[2].c[8] = INFINITY;
     CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "infinity");
+    lmb_probes_destroy(grid);
+    grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
+    CHECK(lmb_lattice_turn(&grid->level[0].lattice, (lmb_vec3d){-1.0, 0.0, 0.0}, (lmb_vec3d){0.0, 1.0, 0.0}) &&
+              lmb_probes_validate(grid, NULL) == LMB_OK,
+          "turned");
+    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "a turned lattice");
+    lmb_probes_destroy(grid);
+    grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
+    uint32_t set;
+    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
+    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "two sets");
+    lmb_probes_destroy(grid);
+    grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
+    const lmb_lattice coarse = {.spacing = 2.0f, .size = {1, 1, 1}};
+    CHECK(lmb_probes_add_level(grid, &coarse, (const int32_t[1][3]){{0, 0, 0}}, 1) == LMB_OK, "a level");
+    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "two levels");
     lmb_probes_destroy(grid);
     CHECK(!data && bytes == 0, "outputs untouched");
 }

@@ -241,7 +241,8 @@ lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size
 {
     assert(probes && data && size);
     layout at;
-    if (probes->count == 0 || probes->level_count != 1 || probes->set_count != 1 || !radiance_is_finite(probes) ||
+    if (probes->count == 0 || probes->level_count != 1 || probes->set_count != 1 ||
+        lmb_lattice_is_turned(&probes->level[0].lattice) || !radiance_is_finite(probes) ||
         !plan_directory(&probes->level[0].lattice, &at)) {
         return LMB_ERROR_ARGUMENT;
     }

@@ -10,7 +10,7 @@
 
 #include <lambent/volume_format.h>
 
-static bool lattice_is_valid(const lmb_lattice *lattice)
+static bool box_is_valid(const lmb_lattice *lattice)
 {
     for (int axis = 0; axis < 3; ++axis) {
         if (lattice->size[axis] < 1 || (int64_t)lattice->min[axis] + lattice->size[axis] - 1 > INT32_MAX) {
@@ -18,6 +18,25 @@ static bool lattice_is_valid(const lmb_lattice *lattice)
         }
     }
     return isfinite(lattice->spacing) && lattice->spacing > 0.0f;
+}
+
+/* All zero, or a rotation. */
+static bool axes_are_valid(const lmb_lattice *lattice)
+{
+    const lmb_vec3d *const x = &lattice->axis[0], *const y = &lattice->axis[1], *const z = &lattice->axis[2];
+    bool none = true, orthonormal = true;
+    for (int i = 0; i < 3; ++i) {
+        const lmb_vec3d *const a = &lattice->axis[i];
+        none = none && a->x == 0.0 && a->y == 0.0 && a->z == 0.0;
+        for (int k = 0; k <= i; ++k) {
+            const lmb_vec3d *const b = &lattice->axis[k];
+            const double error = a->x * b->x + a->y * b->y + a->z * b->z - (i == k ? 1.0 : 0.0);
+            orthonormal = orthonormal && fabs(error) <= LMB_LATTICE_AXES_ERROR;
+        }
+    }
+    const double determinant =
+        x->x * (y->y * z->z - y->z * z->y) + x->y * (y->z * z->x - y->x * z->z) + x->z * (y->x * z->y - y->y * z->x);
+    return none || (orthonormal && determinant > 0.0);
 }
 
 /* ---------------------------------------------------------------------------------------- finding probes */
@@ -187,7 +206,7 @@ lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, 
                                 int32_t count)
 {
     assert(probes && lattice && (point || count == 0));
-    if (!lattice_is_valid(lattice) || count < 0 || count > INT32_MAX - probes->count) {
+    if (!box_is_valid(lattice) || !axes_are_valid(lattice) || count < 0 || count > INT32_MAX - probes->count) {
         return LMB_ERROR_ARGUMENT;
     }
     lmb_probe_level added = {.lattice = *lattice, .first = probes->count, .count = count};
@@ -204,6 +223,25 @@ lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, 
     }
     probes->count += count;
     probes->level[probes->level_count++] = added;
+    return LMB_OK;
+}
+
+lmb_result lmb_probes_add_set(lmb_probes *probes, uint32_t *set)
+{
+    assert(probes && set);
+    if (probes->set_count == UINT32_MAX) {
+        return LMB_ERROR_ARGUMENT;
+    }
+    lmb_sh3_rgb *const dark = array_grow(NULL, sizeof *dark, 0, (size_t)probes->count);
+    lmb_sh3_rgb **const radiance =
+        dark ? realloc(probes->radiance, ((size_t)probes->set_count + 1) * sizeof *radiance) : NULL;
+    if (!radiance) {
+        free(dark);
+        return LMB_ERROR_MEMORY;
+    }
+    radiance[probes->set_count] = dark;
+    probes->radiance = radiance;
+    *set = probes->set_count++;
     return LMB_OK;
 }
 
@@ -298,11 +336,14 @@ static lmb_result validate_block(const lmb_probes *probes, const lmb_probe_level
 static lmb_result validate_level(const lmb_probes *probes, const lmb_probe_level *level, lmb_error *error)
 {
     const lmb_lattice *lattice = &level->lattice;
-    if (!lattice_is_valid(lattice)) {
+    if (!box_is_valid(lattice)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT,
                              "probes: spacing %g, or box of %d x %d x %d at (%d, %d, %d), is out of range",
                              (double)lattice->spacing, lattice->size[0], lattice->size[1], lattice->size[2],
                              lattice->min[0], lattice->min[1], lattice->min[2]);
+    }
+    if (!axes_are_valid(lattice)) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: axes of a level are not orthonormal and right-handed");
     }
     int64_t found = 0;
     for (uint32_t i = 0; i < level->index.block_count; ++i) {
@@ -326,8 +367,9 @@ static lmb_result validate_probe(const lmb_probes *probes, int32_t probe, lmb_er
             const int channel = k / LMB_SH3_COUNT, i = k % LMB_SH3_COUNT;
             const float value = probes->radiance[set][probe].channel[channel].c[i];
             if (!isfinite(value)) {
-                return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: probe %d: coefficient %d of channel %d is %g",
-                                     probe, i, channel, (double)value);
+                return lmb_error_set(error, LMB_ERROR_FORMAT,
+                                     "probes: set %u, probe %d: coefficient %d of channel %d is %g", set, probe, i,
+                                     channel, (double)value);
             }
         }
     }
@@ -339,10 +381,22 @@ static lmb_result validate_probe(const lmb_probes *probes, int32_t probe, lmb_er
     return LMB_OK;
 }
 
+static bool arrays_are_whole(const lmb_probes *probes)
+{
+    bool whole = probes->count >= 0 && probes->set_count > 0 && probes->radiance;
+    if (probes->count > 0) {
+        whole = whole && probes->point && probes->validity;
+        for (uint32_t set = 0; whole && set < probes->set_count; ++set) {
+            whole = probes->radiance[set] != NULL;
+        }
+    }
+    return whole;
+}
+
 lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error)
 {
     assert(probes);
-    if (probes->count < 0 || (probes->count > 0 && !(probes->point && probes->validity && probes->radiance[0]))) {
+    if (!arrays_are_whole(probes)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: %d without all of their arrays", probes->count);
     }
     int64_t next = 0;

@@ -44,13 +44,20 @@ typedef struct cell_range {
 static bool cells_find(const lmb_probes *probes, const lmb_lattice *lattice, const lmb_vec3 corner[3],
                        cell_range *range)
 {
-    const double origin[3] = {probes->origin.x, probes->origin.y, probes->origin.z};
-    const double scale = 1.0 / (double)lattice->spacing;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (int k = 0; k < 3; ++k) {
+        const lmb_vec3d world = {(double)corner[k].x + probes->origin.x, (double)corner[k].y + probes->origin.y,
+                                 (double)corner[k].z + probes->origin.z};
+        const lmb_vec3d local = lmb_lattice_coordinates(lattice, world);
+        const double at[3] = {local.x, local.y, local.z};
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = fmin(low[axis], at[axis]);
+            high[axis] = fmax(high[axis], at[axis]);
+        }
+    }
     for (int axis = 0; axis < 3; ++axis) {
-        const float a = (&corner[0].x)[axis], b = (&corner[1].x)[axis], c = (&corner[2].x)[axis];
-        const float low = lmb_smaller(a, lmb_smaller(b, c)), high = lmb_larger(a, lmb_larger(b, c));
-        const double from = floor(((double)low + origin[axis]) * scale) - (double)lattice->min[axis];
-        const double to = floor(((double)high + origin[axis]) * scale) - (double)lattice->min[axis];
+        const double from = floor(low[axis]) - (double)lattice->min[axis];
+        const double to = floor(high[axis]) - (double)lattice->min[axis];
         const double cells = (double)lattice->size[axis] - 1.0;
         if (!(to >= 0.0) || !(from < cells)) {
             return false;
@@ -75,6 +82,13 @@ static bool cell_is_complete(const lmb_probes *probes, uint32_t level, const int
     return true;
 }
 
+/* The same vector in the lattice's axes. */
+static lmb_vec3 vector_to_lattice(const lmb_lattice *lattice, lmb_vec3 v)
+{
+    const lmb_vec3d local = lmb_lattice_vector_from_world(lattice, (lmb_vec3d){(double)v.x, (double)v.y, (double)v.z});
+    return lmb_vec3_of((float)local.x, (float)local.y, (float)local.z);
+}
+
 /* Marks the cell whose first corner is a probe's point when a triangle touches it. */
 static void cell_mark(const lmb_probes *probes, const lmb_lattice *lattice, int32_t probe, const lmb_vec3 corner[3],
                       uint8_t *crossed)
@@ -84,12 +98,14 @@ static void cell_mark(const lmb_probes *probes, const lmb_lattice *lattice, int3
     }
     const float half = 0.5f * lattice->spacing;
     const lmb_vec3d first = lmb_lattice_position(lattice, probes->point[probe]);
-    const lmb_vec3 centre =
-        lmb_vec3_of((float)(first.x - probes->origin.x) + half, (float)(first.y - probes->origin.y) + half,
-                    (float)(first.z - probes->origin.z) + half);
+    const lmb_vec3d inwards =
+        lmb_lattice_vector_to_world(lattice, (lmb_vec3d){(double)half, (double)half, (double)half});
+    const lmb_vec3 centre = lmb_vec3_of((float)(first.x - probes->origin.x) + (float)inwards.x,
+                                        (float)(first.y - probes->origin.y) + (float)inwards.y,
+                                        (float)(first.z - probes->origin.z) + (float)inwards.z);
     lmb_vec3 local[3];
     for (int k = 0; k < 3; ++k) {
-        local[k] = lmb_vec3_scale(lmb_vec3_sub(corner[k], centre), 1.0f / half);
+        local[k] = lmb_vec3_scale(vector_to_lattice(lattice, lmb_vec3_sub(corner[k], centre)), 1.0f / half);
     }
     crossed[probe] = triangle_touches_cube(local);
 }

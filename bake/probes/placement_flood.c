@@ -3,7 +3,6 @@
 #include "probes/placement_internal.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 
 #include <lambent/vector.h>
@@ -20,17 +19,10 @@ typedef struct lmb_flood {
 /* The first point of a seed's cell. @return false outside of the box */
 static bool seed_cell(const lmb_survey *survey, lmb_vec3 seed, int32_t cell[3])
 {
-    const double world[3] = {(double)seed.x + survey->origin.x, (double)seed.y + survey->origin.y,
+    const lmb_vec3d world = {(double)seed.x + survey->origin.x, (double)seed.y + survey->origin.y,
                              (double)seed.z + survey->origin.z};
-    for (int axis = 0; axis < 3; ++axis) {
-        const double at = floor(world[axis] / (double)survey->box.spacing);
-        const double local = at - (double)survey->box.min[axis];
-        if (!(local >= 0.0 && local + 1.0 < (double)survey->box.size[axis])) {
-            return false;
-        }
-        cell[axis] = (int32_t)at;
-    }
-    return true;
+    double fraction[3];
+    return lmb_lattice_cell(&survey->box, world, cell, fraction);
 }
 
 static void cell_corner(const int32_t cell[3], int corner, int32_t point[3])

@@ -9,7 +9,8 @@
 
 lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_tracer *tracer, lmb_probe_list *list)
 {
-    *list = (lmb_probe_list){probes, tracer, 0, malloc(((size_t)probes->count + 1) * sizeof *list->probe)};
+    *list = (lmb_probe_list){
+        .probes = probes, .tracer = tracer, .probe = malloc(((size_t)probes->count + 1) * sizeof *list->probe)};
     if (!list->probe) {
         return LMB_ERROR_MEMORY;
     }
@@ -47,8 +48,11 @@ lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list)
 
 lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes)
 {
+    if (list->set >= probes->set_count) {
+        return LMB_ERROR_ARGUMENT;
+    }
     for (size_t i = 0; i < list->count; ++i) {
-        probes->radiance[0][list->probe[i]] = gathered[i].moments;
+        probes->radiance[list->set][list->probe[i]] = gathered[i].moments;
     }
     return lmb_probes_dilate(probes);
 }

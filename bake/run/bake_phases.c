@@ -9,14 +9,18 @@
 /* Probes farther apart than so many steps between floats are told apart well enough. */
 #define STEPS_OF_SPACING 8.0
 
-/* The grid's largest coordinate in the world. */
+/* The grid's largest coordinate in the world: a corner of its box has it. */
 static double grid_reach(const lmb_probes *grid)
 {
+    const lmb_lattice *lattice = &grid->level[0].lattice;
     double reach = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double first = (double)grid->level[0].lattice.min[axis],
-                     last = first + (grid->level[0].lattice.size[axis] - 1);
-        reach = fmax(reach, fmax(fabs(first), fabs(last)) * (double)grid->level[0].lattice.spacing);
+    for (int corner = 0; corner < 8; ++corner) {
+        int32_t point[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            point[axis] = lattice->min[axis] + ((corner >> axis & 1) != 0 ? lattice->size[axis] - 1 : 0);
+        }
+        const lmb_vec3d at = lmb_lattice_position(lattice, point);
+        reach = fmax(reach, fmax(fabs(at.x), fmax(fabs(at.y), fabs(at.z))));
     }
     return reach;
 }

@@ -10,7 +10,7 @@
 
 int main(void)
 {
-    const lmb_lattice lattice = {1.0f, {0, 0, 0}, {2, 2, 2}};
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {2, 2, 2}};
     const int32_t points[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0},
                                   {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}};
     lmb_probes *probes = NULL;

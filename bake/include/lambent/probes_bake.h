@@ -16,6 +16,7 @@ typedef struct lmb_probe_list {
     const lmb_tracer *tracer;
     size_t count;
     int32_t *probe; /* these, in their order, in which neighbours follow each other */
+    uint32_t set; /* of lights, that lmb_probe_list_finish fills: 0, unless the caller says another after creating it */
 } lmb_probe_list;
 
 /* @return LMB_ERROR_MEMORY */
@@ -25,10 +26,11 @@ void lmb_probe_list_free(lmb_probe_list *list);
 /* To be gathered at. */
 lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list);
 
-/* Puts into the list's probes what was gathered, [count], and dilates the rest. @return LMB_ERROR_MEMORY */
+/* Puts into the list's probes and set what was gathered, [count], and dilates the rest, in every set.
+ * @return LMB_ERROR_ARGUMENT (the probes have no such set; nothing has changed), _MEMORY */
 lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes);
 
-/* All of that: gathers at the probes with that effort, and finishes.
+/* All of that for set 0: gathers at the probes with that effort, and finishes.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_probes_bake(lmb_probes *probes, const lmb_transport *transport, const lmb_gather_effort *effort,
                            lmb_pool *pool, const lmb_progress *progress, lmb_gather_stats *stats);

@@ -15,10 +15,10 @@ typedef struct lmb_pack_stats {
     uint64_t bytes;
 } lmb_pack_stats;
 
-/* The .lmb image of probes, of one level and one set of lights, in malloc'ed memory, 16-byte aligned; the caller frees
- * `*data`. `stats` may be NULL.
- * @return LMB_ERROR_MEMORY, _ARGUMENT (no probes, several levels or sets, a box of too many bricks for the format's
- * directory, or non-finite radiance) */
+/* The .lmb image of probes, of one level whose lattice is not turned and one set of lights, in malloc'ed memory,
+ * 16-byte aligned; the caller frees `*data`. `stats` may be NULL.
+ * @return LMB_ERROR_MEMORY, _ARGUMENT (no probes, several levels or sets, a lattice that is turned, a box of too many
+ * bricks for the format's directory, or non-finite radiance); then no output is touched */
 lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size, lmb_pack_stats *stats);
 
 #ifdef __cplusplus

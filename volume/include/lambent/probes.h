@@ -1,8 +1,9 @@
 /* Probes while they are being placed, baked, edited or converted.
  *
- * They are flat arrays. Levels, each a lattice of one spacing, are indices over them: a level's probes follow each
- * other in the arrays, and it finds the one at any of its points. Nothing is held for points without a probe. Light is
- * one array for each set of lights. */
+ * They are flat arrays. Levels, each a lattice of one spacing, turned or not, are indices over them: a level's probes
+ * follow each other in the arrays, and it finds the one at any of its points. Nothing is held for points without a
+ * probe. Light is one array for each set of lights, in the world's axes, also on a lattice that is turned. Files hold
+ * one level that is not turned, and one set: writers refuse others. */
 #ifndef LAMBENT_PROBES_H
 #define LAMBENT_PROBES_H
 
@@ -49,11 +50,11 @@ typedef struct lmb_probe_level {
 
 typedef struct lmb_probes {
     int32_t count;
-    int32_t (*point)[3]; /* [probe] on its level's lattice */
-    float *validity;     /* [probe] share of rays that see no back face: 1 in the open, 0 in a solid. A probe below
-                            LMB_PROBES_MIN_VALIDITY was not baked: its radiance is dilated from its neighbours */
-    uint32_t set_count;
-    lmb_sh3_rgb **radiance; /* [set][probe] */
+    int32_t (*point)[3];    /* [probe] on its level's lattice */
+    float *validity;        /* [probe] share of rays that see no back face: 1 in the open, 0 in a solid. A probe below
+                               LMB_PROBES_MIN_VALIDITY was not baked: its radiance is dilated from its neighbours */
+    uint32_t set_count;     /* of lights, >= 1 */
+    lmb_sh3_rgb **radiance; /* [set][probe] callers fill it. A set's may be NULL while there are no probes */
     uint32_t level_count;
     lmb_probe_level *level; /* the finest first */
     lmb_vec3d origin;       /* world place that lmb_probes_position counts from; no file holds it */
@@ -64,11 +65,17 @@ typedef struct lmb_probes {
 /* None yet, of one set of lights. @return LMB_ERROR_MEMORY */
 lmb_result lmb_probes_create(lmb_probes **probes);
 
-/* Adds a level with probes at these points of its lattice, each once, with zero radiance and validity 0, in that order.
- * @return LMB_ERROR_ARGUMENT (spacing or box out of range, a point outside of it or given twice, more than 2^31 - 1
- * probes), _MEMORY; then nothing has changed */
+/* Adds a level with probes at these points of its lattice, each once, with validity 0 and zero radiance in every set,
+ * in that order. Earlier probes keep what they have; the arrays move.
+ * @return LMB_ERROR_ARGUMENT (spacing, box or axes out of range, a point outside of the box or given twice, more than
+ * 2^31 - 1 probes), _MEMORY; then nothing has changed */
 lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, const int32_t (*point)[3],
                                 int32_t count);
+
+/* Adds a set of lights, in which every probe has zero radiance. `*set` is its number: the first is 0, others follow.
+ * `radiance` moves, the sets' arrays do not.
+ * @return LMB_ERROR_ARGUMENT (2^32 - 1 sets), _MEMORY; then nothing has changed */
+lmb_result lmb_probes_add_set(lmb_probes *probes, uint32_t *set);
 
 /* NULL is allowed. */
 void lmb_probes_destroy(lmb_probes *probes);
@@ -90,7 +97,8 @@ lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error);
 
 /* Gives every probe with validity below LMB_PROBES_MIN_VALIDITY the mean radiance of its 26 neighbours on its level
  * that have light (valid, or filled by an earlier pass), nearer ones weighing more, pass after pass until nothing
- * changes. Probes that no valid one reaches keep zero radiance. The result does not depend on the order of probes.
+ * changes, in each set by itself. Probes that no valid one reaches keep zero radiance. The result does not depend on
+ * the order of probes.
  * @return LMB_ERROR_MEMORY */
 lmb_result lmb_probes_dilate(lmb_probes *probes);
 
