@@ -115,8 +115,9 @@ lmb_result lmb_lightmap_dilate(lmb_lightmap *lightmap);
 
 /* Shortens d, or lowers the directional share, of texels where filtering would make light: wherever those around a
  * point of the surface, filtered and decoded at the point's own normal, would give more light than they hold. Texels
- * around which none does keep their bits. @return LMB_ERROR_MEMORY */
-lmb_result lmb_lightmap_limit(lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_pool *pool);
+ * around which none does keep their bits. Light was gathered as held[image][pixel] says, in luminance: a texel that has
+ * been made brighter since shines no brighter than that in any direction. @return LMB_ERROR_MEMORY */
+lmb_result lmb_lightmap_limit(lmb_lightmap *lightmap, float *const *held, const lmb_tracer *tracer, lmb_pool *pool);
 
 /* Sets the states that a bake leaves, without its light. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_mark(lmb_lightmap *lightmap);

@@ -40,6 +40,7 @@ typedef enum limit_stage { LIMIT_LENGTHS, LIMIT_LENGTHS_AGAIN, LIMIT_WEIGHTS } l
 typedef struct limit_area {
     const lmb_tracer *tracer;
     const lmb_lightmap_image *image;
+    const float *held; /* [pixel] */
     const lmb_model *model;
     const lmb_lightmap_region *region;
     uint32_t instance;
@@ -389,12 +390,17 @@ static bool has_direction(lmb_vec3 a)
     return lmb_vec3_dot(a, a) > 0.0f;
 }
 
-/* What is known of a covered texel by itself. */
+/* What is known of a covered texel by itself. Its brightest direction is that of the light that it held. */
 static void covered_start(const limit_area *area, int32_t x, int32_t y, lmb_vec3 normal)
 {
     const unit_light light = texel_decode(area, x, y, normal);
+    const size_t pixel = (size_t)(area->region->y + y) * (size_t)area->image->width + (size_t)(area->region->x + x);
+    const float now = lmb_luminance(area_light(area, x, y)), held = area->held[pixel];
     area_limit(area, x, y)->height = light.height;
     area_limit(area, x, y)->peak = unit_light_peak(&light);
+    if (now != held && now > 0.0f) {
+        area_limit(area, x, y)->peak = lmb_larger(unit_light_peak(&light) * held / now, 1.0f);
+    }
 }
 
 /* The same of a dilated one: for the mean normal of the covered texels around it, and no brighter than they. */
@@ -464,6 +470,7 @@ static void area_change(const limit_area *area)
 typedef struct limit_work {
     lmb_lightmap *lightmap;
     const lmb_tracer *tracer;
+    float *const *held;     /* [image][pixel] */
     uint8_t *out_of_memory; /* [instance] */
 } limit_work;
 
@@ -481,6 +488,7 @@ static void limit_task(void *context, size_t task, int worker)
     const lmb_texel_grid grid = lmb_lightmap_grid(lightmap, (uint32_t)task);
     limit_area area = {.tracer = work->tracer,
                        .image = &lightmap->image[region->image],
+                       .held = work->held[region->image],
                        .model = lightmap->model,
                        .region = region,
                        .instance = (uint32_t)task,
@@ -506,13 +514,13 @@ static void limit_task(void *context, size_t task, int worker)
     free(area.texel);
 }
 
-lmb_result lmb_lightmap_limit(lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_pool *pool)
+lmb_result lmb_lightmap_limit(lmb_lightmap *lightmap, float *const *held, const lmb_tracer *tracer, lmb_pool *pool)
 {
     if (!lightmap->model->direction) {
         return LMB_OK;
     }
     const size_t instances = lightmap->scene->instance_count;
-    limit_work work = {lightmap, tracer, calloc(instances + 1u, 1)};
+    limit_work work = {lightmap, tracer, held, calloc(instances + 1u, 1)};
     if (!work.out_of_memory) {
         return LMB_ERROR_MEMORY;
     }

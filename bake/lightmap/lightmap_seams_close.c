@@ -201,7 +201,9 @@ static void channel_task(void *context, size_t channel, int worker)
 
 lmb_result lmb_seams_close(const lmb_seams *seams, lmb_pool *pool, lmb_lightmap *lightmap)
 {
-    const size_t channels = (size_t)lightmap->model->channel_count;
+    /* Where light has a direction, that of a texel is right for its own normal alone: moved, it would shine. */
+    const lmb_model *model = lightmap->model;
+    const size_t channels = (size_t)(model->direction ? model->light_count : model->channel_count);
     uint8_t out_of_memory[LMB_MODEL_MOST_CHANNELS] = {0};
     close_work work = {.seams = seams, .lightmap = lightmap, .out_of_memory = out_of_memory};
     lmb_result result = texels_find(&work);

@@ -249,23 +249,56 @@ static void encode_task(void *context, size_t task, int worker)
     }
 }
 
+/* The luminance of all texels, [image][pixel]; NULL: no memory. */
+static float **luminance_keep(const lmb_lightmap *lightmap)
+{
+    size_t texels = 0;
+    for (int32_t i = 0; i < lightmap->image_count; ++i) {
+        texels += (size_t)lightmap->image[i].width * (size_t)lightmap->image[i].height;
+    }
+    float **const kept = malloc(((size_t)lightmap->image_count + 1) * sizeof *kept);
+    float *next = kept ? malloc((texels + 1) * sizeof *next) : NULL;
+    if (!next) {
+        free(kept);
+        return NULL;
+    }
+    kept[0] = next;
+    for (int32_t i = 0; i < lightmap->image_count; ++i) {
+        const lmb_lightmap_image *image = &lightmap->image[i];
+        const size_t count = (size_t)image->width * (size_t)image->height;
+        const float *const r = lmb_lightmap_plane(image, 0), *const g = lmb_lightmap_plane(image, 1);
+        const float *const b = lmb_lightmap_plane(image, 2);
+        kept[i] = next;
+        for (size_t k = 0; k < count; ++k) {
+            *next++ = lmb_luminance(lmb_rgb_of(r[k], g[k], b[k]));
+        }
+    }
+    return kept;
+}
+
+/* Closes seams, and sees that neither this nor filtering makes light. */
 static lmb_result seams_close(lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_pool *pool)
 {
     lmb_seams seams;
-    lmb_result result = lmb_seams_find(lightmap, tracer, &seams);
+    float **const held = luminance_keep(lightmap);
+    lmb_result result = held ? lmb_seams_find(lightmap, tracer, &seams) : LMB_ERROR_MEMORY;
     if (result == LMB_OK) {
         result = lmb_seams_measure(&seams, lightmap, &lightmap->open);
+        if (result == LMB_OK) {
+            result = lmb_seams_close(&seams, pool, lightmap);
+        }
+        if (result == LMB_OK) {
+            result = lmb_lightmap_limit(lightmap, held, tracer, pool);
+        }
+        if (result == LMB_OK) {
+            result = lmb_seams_measure(&seams, lightmap, &lightmap->closed);
+        }
+        lmb_seams_free(&seams);
     }
-    if (result == LMB_OK) {
-        result = lmb_seams_close(&seams, pool, lightmap);
+    if (held) {
+        free(held[0]);
     }
-    if (result == LMB_OK) {
-        result = lmb_lightmap_limit(lightmap, tracer, pool);
-    }
-    if (result == LMB_OK) {
-        result = lmb_seams_measure(&seams, lightmap, &lightmap->closed);
-    }
-    lmb_seams_free(&seams);
+    free(held);
     return result;
 }
 
