@@ -210,7 +210,8 @@ static void surfaces_are_kept_apart(void)
         bool upright;
     } others[] = {{"a wall in the corner", {0, 0, 0}, {1, 0, 0}, true},
                   {"the other side of a thin floor", {0, -0.02f, 0}, {0, -1, 0}, false},
-                  {"a shelf above", {0, 0.15f, 0}, {0, 1, 0}, false}};
+                  {"a shelf above", {0, 0.15f, 0}, {0, 1, 0}, false},
+                  {"a lamp close under a ceiling", {0, 0.02f, 0}, {0, 1, 0}, false}};
     for (size_t k = 0; k < sizeof others / sizeof others[0]; ++k) {
         points one = floor_make((lmb_vec3){0, 0, 0});
         points p = points_make(2 * COUNT);

@@ -5,6 +5,7 @@
  *     filter_task   the point filtered with the radii that it and those around have chosen */
 #include <lambent/denoise.h>
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,8 +19,9 @@
 enum { RADII = 4 };
 static const float RADIUS[RADII] = {0.0f, 2.0f, 4.0f, 8.0f};
 
-/* Noise is averaged this far. */
+/* Noise is averaged this far, and light this far. */
 #define NOISE_RADIUS 2.5f
+#define LEVEL_RADIUS 4.0f
 
 /* Errors and choices are averaged this far. */
 #define SMOOTH_RADIUS 6.0f
@@ -32,6 +34,8 @@ typedef struct denoise_work {
     lmb_neighbour_cells cells;
     float (*light)[ROW];          /* [rank] */
     float *noise;                 /* [rank] squared, of the mean of the replicates */
+    float *level;                 /* [rank] squared length of the mean light around */
+    float dark;                   /* least level that errors are relative to */
     float (*error)[RADII];        /* [rank] estimates of the squared error, each by itself: may be negative */
     float (*smooth_error)[RADII]; /* [rank] */
     uint8_t *choice;              /* [rank] radius */
@@ -149,13 +153,28 @@ static uint32_t alike_find(const denoise_work *work, const lmb_neighbour_ranges 
     return alike_keep(work, rank, lmb_neighbours_find(&work->cells, ranges, rank, radius, found), found);
 }
 
-static float squared_difference(const float *row)
+static float squared_length(const float *half)
 {
     float sum = 0.0f;
     for (int k = 0; k < COEFFICIENTS; ++k) {
-        sum += row[HALF + k] * row[HALF + k];
+        sum += half[k] * half[k];
     }
     return sum;
+}
+
+static float squared_difference(const float *row)
+{
+    return squared_length(row + HALF);
+}
+
+static float level_find(const denoise_work *work, const lmb_neighbour *found, uint32_t count)
+{
+    float weight[LMB_NEIGHBOURS_MOST], sum[ROW];
+    for (uint32_t i = 0; i < count; ++i) {
+        weight[i] = 1.0f / (float)count;
+    }
+    rows_sum((const float(*)[ROW])work->light, found, weight, count, sum);
+    return squared_length(sum);
 }
 
 /* The mean noise of a point and those beside it: of one with any among those with any, since what is dark beside a lit
@@ -168,15 +187,19 @@ static void noise_task(void *context, size_t cell, int worker)
     lmb_neighbour found[LMB_NEIGHBOURS_MOST];
     lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
     for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
-        const uint32_t count = lmb_neighbours_find(&work->cells, &ranges, rank, NOISE_RADIUS, found);
+        const uint32_t count = lmb_neighbours_find(&work->cells, &ranges, rank, LEVEL_RADIUS, found);
         const bool noisy = squared_difference(work->light[rank]) > 0.0f;
         float sum = 0.0f, noisy_count = 0.0f;
         for (uint32_t i = 0; i < count; ++i) {
+            if (found[i].square >= NOISE_RADIUS * NOISE_RADIUS) {
+                continue;
+            }
             const float square = squared_difference(work->light[found[i].rank]);
             sum += square;
             noisy_count += square > 0.0f ? 1.0f : 0.0f;
         }
         work->noise[rank] = noisy ? sum / noisy_count : 0.0f;
+        work->level[rank] = level_find(work, found, count);
     }
 }
 
@@ -207,17 +230,20 @@ static void choose_task(void *context, size_t cell, int worker)
     lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
     for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
         const uint32_t count = alike_find(work, &ranges, rank, SMOOTH_RADIUS, found);
-        double sum[RADII] = {0.0}, weights = 0.0;
+        double relative[RADII] = {0.0}, sum[RADII] = {0.0}, weights = 0.0;
         for (uint32_t i = 0; i < count; ++i) {
+            const uint32_t other = found[i].rank;
             const double weight = (double)biweight(found[i].square, SMOOTH_RADIUS);
+            const double level = (double)lmb_larger(work->level[other], work->dark);
             weights += weight;
             for (int r = 0; r < RADII; ++r) {
-                sum[r] += weight * (double)work->error[found[i].rank][r];
+                sum[r] += weight * (double)work->error[other][r];
+                relative[r] += weight * (double)work->error[other][r] / level;
             }
         }
         int best = 0;
         for (int r = 0; r < RADII; ++r) {
-            best = sum[r] < sum[best] ? r : best;
+            best = relative[r] < relative[best] ? r : best;
             work->smooth_error[rank][r] = (float)(sum[r] / weights);
         }
         work->choice[rank] = (uint8_t)best;
@@ -302,10 +328,25 @@ static void light_set(denoise_work *work)
     }
 }
 
+/* Errors count relative to the light around, or to DARK of the mean light where that is more: a lamp beside a dark wall
+ * does not decide for the wall. */
+#define DARK 0.01
+
+static void dark_set(denoise_work *work)
+{
+    double sum = 0.0;
+    for (uint32_t rank = 0; rank < work->cells.count; ++rank) {
+        sum += (double)sqrtf(work->level[rank]);
+    }
+    const double dark = DARK * sum / (work->cells.count > 0 ? work->cells.count : 1);
+    work->dark = (float)fmax(dark * dark, (double)FLT_MIN);
+}
+
 static lmb_result passes_run(denoise_work *work, lmb_pool *pool, const lmb_progress *progress)
 {
     const size_t cells = work->cells.cell_count;
     lmb_result result = lmb_pool_run(pool, cells, noise_task, work, "denoise", NULL);
+    dark_set(work);
     if (result == LMB_OK) {
         result = lmb_pool_run(pool, cells, errors_task, work, "denoise", progress);
     }
@@ -320,12 +361,13 @@ lmb_result lmb_denoise(const lmb_denoise_point *points, size_t count, lmb_pool *
 {
     denoise_work work = {.light = malloc((count + 1) * sizeof *work.light),
                          .noise = malloc((count + 1) * sizeof *work.noise),
+                         .level = calloc(count + 1, sizeof *work.level),
                          .error = malloc((count + 1) * sizeof *work.error),
                          .smooth_error = malloc((count + 1) * sizeof *work.smooth_error),
                          .choice = malloc(count + 1),
                          .gathered = gathered};
     lmb_result result = LMB_ERROR_MEMORY;
-    if (work.light && work.noise && work.error && work.smooth_error && work.choice) {
+    if (work.light && work.noise && work.level && work.error && work.smooth_error && work.choice) {
         result = lmb_neighbour_cells_make(points, (uint32_t)count, RADIUS[RADII - 1], &work.cells);
     }
     if (result == LMB_OK) {
@@ -335,6 +377,7 @@ lmb_result lmb_denoise(const lmb_denoise_point *points, size_t count, lmb_pool *
     lmb_neighbour_cells_free(&work.cells);
     free(work.light);
     free(work.noise);
+    free(work.level);
     free(work.error);
     free(work.smooth_error);
     free(work.choice);

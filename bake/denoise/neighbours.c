@@ -15,8 +15,8 @@ enum { AXIS_BITS = 20, OCTAVES = 16 };
 /* Neighbours lie on one surface: their normals differ by less than 26 degrees, and they are no farther off each other's
  * plane than a bend between those normals explains. */
 #define LEAST_COSINE 0.9f
-#define OFF_PLANE_SPACINGS 0.25f
-#define OFF_PLANE_SLOPE 0.05f
+#define OFF_PLANE_SPACINGS 0.02f
+#define OFF_PLANE_SLOPE 0.01f
 #define OFF_PLANE_BEND 0.6f
 
 enum { TESTED_AT_ONCE = 256 };
