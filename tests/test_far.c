@@ -52,13 +52,14 @@ static void same_bytes_wherever_it_is(void)
         }
         const lmb_lightmap_image *a = first.lightmap->image, *b = level.lightmap->image;
         CHECK(images_equal(level.lightmap->model, a, b), "lightmap at %g", at[0]);
-        CHECK(first.grid->count == level.grid->count &&
-                  memcmp(first.grid->radiance[0], level.grid->radiance[0],
-                         (size_t)level.grid->count * sizeof *level.grid->radiance[0]) == 0,
+        CHECK(first.probes->count == level.probes->count &&
+                  memcmp(first.probes->radiance[0], level.probes->radiance[0],
+                         (size_t)level.probes->count * sizeof *level.probes->radiance[0]) == 0,
               "probes at %g", at[0]);
         for (int axis = 0; axis < 3; ++axis) {
-            CHECK(level.grid->level[0].lattice.min[axis] == first.grid->level[0].lattice.min[axis] + (int32_t)at[axis],
-                  "at %g: axis %d from %d", at[0], axis, level.grid->level[0].lattice.min[axis]);
+            CHECK(level.probes->level[0].lattice.min[axis] ==
+                      first.probes->level[0].lattice.min[axis] + (int32_t)at[axis],
+                  "at %g: axis %d from %d", at[0], axis, level.probes->level[0].lattice.min[axis]);
         }
         CHECK_NEAR(above, volume_at(&first, (lmb_vec3d){1.3, 0.25, -2.2}, &inside), 1e-6, "at %g", at[0]);
         hard_close(&level);
@@ -267,22 +268,22 @@ static void lattices_line_up(void)
         lmb_placement_settings settings = lmb_placement_settings_default();
         settings.spacing = spacing;
         lmb_placement_stats stats;
-        lmb_probes *grid = NULL, *read = NULL;
-        CHECK(lmb_placement_make(level.tracer, &settings, level.pool, &grid, &stats, &error) == LMB_OK, "%s",
+        lmb_probes *probes = NULL, *read = NULL;
+        CHECK(lmb_placement_make(level.tracer, &settings, level.pool, &probes, &stats, &error) == LMB_OK, "%s",
               error.message);
         const char *const file = FOLDER "/lattice.vdb";
-        if (grid) {
-            CHECK(lmb_vdb_write(file, grid, &(lmb_vdb_metadata){"{}", "0"}, &error) == LMB_OK &&
+        if (probes) {
+            CHECK(lmb_vdb_write(file, probes, &(lmb_vdb_metadata){"{}", "0"}, &error) == LMB_OK &&
                       lmb_vdb_read(file, &read, NULL, NULL, &error) == LMB_OK,
                   "%s", error.message);
-            CHECK_NEAR(grid->level[0].lattice.min[0] * (double)spacing, places[i] - 4.0, (double)spacing + 1e-6,
+            CHECK_NEAR(probes->level[0].lattice.min[0] * (double)spacing, places[i] - 4.0, (double)spacing + 1e-6,
                        "the first probe");
         }
         double farthest_off = 0.0;
         int32_t lost = 0;
-        for (int32_t p = 0; read && p < grid->count; ++p) {
-            const int32_t *const at = grid->point[p];
-            const lmb_vec3d world = lmb_scene_to_world(level.scene, lmb_probes_position(grid, p));
+        for (int32_t p = 0; read && p < probes->count; ++p) {
+            const int32_t *const at = probes->point[p];
+            const lmb_vec3d world = lmb_scene_to_world(level.scene, lmb_probes_position(probes, p));
             farthest_off = fmax(farthest_off, fabs(world.x - at[0] * (double)spacing));
             farthest_off = fmax(farthest_off, fabs(world.z - at[2] * (double)spacing));
             lost += lmb_probes_find(read, 0, at[0], at[1], at[2]) < 0;
@@ -292,7 +293,7 @@ static void lattices_line_up(void)
               "%d probes are not where they were written to", (int)lost);
         CHECK(!read || read->origin.x == 0.0, "files count from the world's origin");
         lmb_probes_destroy(read);
-        lmb_probes_destroy(grid);
+        lmb_probes_destroy(probes);
         level_fixture_close(&level);
     }
 }
@@ -316,10 +317,10 @@ static void seeds_are_places_in_the_world(void)
         settings.seeds = &seed;
         settings.seed_count = 1;
         lmb_placement_stats stats;
-        lmb_probes *grid = NULL;
-        const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &grid, &stats, &error);
+        lmb_probes *probes = NULL;
+        const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &probes, &stats, &error);
         CHECK((result == LMB_OK) == seeds[i].reached, "seed at %g: %s", seeds[i].x, error.message);
-        lmb_probes_destroy(grid);
+        lmb_probes_destroy(probes);
     }
     level_fixture_close(&level);
 }

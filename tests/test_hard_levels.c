@@ -29,8 +29,8 @@ static void empty_scene(void)
     }
     const lmb_placement_settings settings = lmb_placement_settings_default();
     const lmb_result result =
-        lmb_placement_make(level.traced.tracer, &settings, level.traced.pool, &level.grid, &level.placement, &error);
-    CHECK(result == LMB_ERROR_UNSUPPORTED && !level.grid, "%s", lmb_result_text(result));
+        lmb_placement_make(level.traced.tracer, &settings, level.traced.pool, &level.probes, &level.placement, &error);
+    CHECK(result == LMB_ERROR_UNSUPPORTED && !level.probes, "%s", lmb_result_text(result));
     CHECK(strstr(error.message, "hard_empty.gltf") && strstr(error.message, "no static triangles"), "%s",
           error.message);
     const lmb_lightmap_settings fallback = lmb_lightmap_settings_default(level.traced.scene);
@@ -90,10 +90,10 @@ static void sealed_dark_room(void)
                   (double)position.z);
         }
     }
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        const lmb_vec3 position = lmb_probes_position(level.grid, i);
-        const bool valid = level.grid->validity[i] >= LMB_PROBES_MIN_VALIDITY;
-        const float light = level.grid->radiance[0][i].channel[1].c[0];
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        const lmb_vec3 position = lmb_probes_position(level.probes, i);
+        const bool valid = level.probes->validity[i] >= LMB_PROBES_MIN_VALIDITY;
+        const float light = level.probes->radiance[0][i].channel[1].c[0];
         CHECK(!valid || position.x >= 0.0f || light == 0.0f, "%g %g %g: %g", (double)position.x, (double)position.y,
               (double)position.z, (double)light);
         const bool in_wall = position.x == 0.0f && position.y > 0.0f && position.y < 3.0f && fabsf(position.z) < 2.0f;
@@ -375,15 +375,15 @@ static void open_terrain(void)
     const lmb_rgb open = traced_irradiance(&level.traced, (lmb_vec3){0, 20, 0}, hard_up, 1024);
     CHECK_NEAR(open.c[0], 1.0, 0.01, "above the hills");
     int under = 0;
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        const lmb_vec3 p = lmb_probes_position(level.grid, i);
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        const lmb_vec3 p = lmb_probes_position(level.probes, i);
         const double ground = 4.0 * sin(0.1 * (double)p.x) - 3.0 * cos(0.1 * (double)p.z);
         const bool inside = fabsf(p.x) < 99.0f && fabsf(p.z) < 99.0f;
-        under += inside && (double)p.y < ground - 1.0 && level.grid->validity[i] >= LMB_PROBES_MIN_VALIDITY;
-        CHECK(!inside || (double)p.y < ground + 1.0 || level.grid->validity[i] >= LMB_PROBES_MIN_VALIDITY,
+        under += inside && (double)p.y < ground - 1.0 && level.probes->validity[i] >= LMB_PROBES_MIN_VALIDITY;
+        CHECK(!inside || (double)p.y < ground + 1.0 || level.probes->validity[i] >= LMB_PROBES_MIN_VALIDITY,
               "%g %g %g is free", (double)p.x, (double)p.y, (double)p.z);
-        CHECK(level.grid->radiance[0][i].channel[0].c[0] < 3.6f, "%g",
-              (double)level.grid->radiance[0][i].channel[0].c[0]);
+        CHECK(level.probes->radiance[0][i].channel[0].c[0] < 3.6f, "%g",
+              (double)level.probes->radiance[0][i].channel[0].c[0]);
     }
     CHECK(under == 0, "%d valid probes under the ground", under);
     hard_close(&level);
@@ -443,11 +443,11 @@ static void foliage(void)
     }
     CHECK_NEAR(through / 4096.0, 10.0 / 16.0, 0.025, "canopy");
     int solid = 0, all = 0;
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        const lmb_vec3 p = lmb_probes_position(level.grid, i);
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        const lmb_vec3 p = lmb_probes_position(level.probes, i);
         if (p.y > 0.1f && p.y < 2.9f && fabsf(p.x) < 2.9f && fabsf(p.z) < 2.9f) {
             ++all;
-            solid += level.grid->validity[i] < LMB_PROBES_MIN_VALIDITY;
+            solid += level.probes->validity[i] < LMB_PROBES_MIN_VALIDITY;
         }
     }
     CHECK(solid == 0, "%d of %d probes between grass and leaves count as solid", solid, all);
@@ -532,21 +532,21 @@ static void probes_in_solids(void)
         return;
     }
     float least = INFINITY, most = 0.0f;
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        if (level.grid->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
-            least = fminf(least, level.grid->radiance[0][i].channel[0].c[0]);
-            most = fmaxf(most, level.grid->radiance[0][i].channel[0].c[0]);
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        if (level.probes->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
+            least = fminf(least, level.probes->radiance[0][i].channel[0].c[0]);
+            most = fmaxf(most, level.probes->radiance[0][i].channel[0].c[0]);
         }
     }
     int inside_count = 0;
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        const lmb_vec3 p = lmb_probes_position(level.grid, i);
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        const lmb_vec3 p = lmb_probes_position(level.probes, i);
         const bool inside = fabsf(p.x) < 1.05f && fabsf(p.z) < 1.05f && p.y < 2.05f && p.y > -0.05f;
-        const float light = level.grid->radiance[0][i].channel[0].c[0];
+        const float light = level.probes->radiance[0][i].channel[0].c[0];
         inside_count += inside;
-        CHECK(inside == (level.grid->validity[i] < LMB_PROBES_MIN_VALIDITY) || fabsf(p.x) > 3.0f || p.y < -0.05f ||
+        CHECK(inside == (level.probes->validity[i] < LMB_PROBES_MIN_VALIDITY) || fabsf(p.x) > 3.0f || p.y < -0.05f ||
                   p.y > 3.05f || fabsf(p.z) > 3.0f,
-              "%g %g %g: %g", (double)p.x, (double)p.y, (double)p.z, (double)level.grid->validity[i]);
+              "%g %g %g: %g", (double)p.x, (double)p.y, (double)p.z, (double)level.probes->validity[i]);
         CHECK(!inside || (light >= least && light <= most), "%g %g %g: %g", (double)p.x, (double)p.y, (double)p.z,
               (double)light);
     }

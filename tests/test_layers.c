@@ -321,11 +321,11 @@ static void batches_pass_like_single_rays(void)
     lmb_scene_destroy(scene);
 }
 
-/* A grid among the shards: the same bytes for any number of threads. */
+/* Probes among the shards: the same bytes for any number of threads. */
 static void threads_do_not_matter(void)
 {
     static const int threads[] = {1, 2, 7};
-    lmb_probes *grids[3] = {NULL, NULL, NULL};
+    lmb_probes *bakes[3] = {NULL, NULL, NULL};
     if (!shards_write()) {
         return;
     }
@@ -339,20 +339,20 @@ static void threads_do_not_matter(void)
         settings.spacing = 0.7f;
         lmb_placement_stats placement;
         lmb_gather_stats baked;
-        lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &grids[i], &placement, &error);
+        lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &bakes[i], &placement, &error);
         if (result == LMB_OK) {
-            result = lmb_probes_bake(grids[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
+            result = lmb_probes_bake(bakes[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
                                      &baked);
         }
         CHECK(result == LMB_OK, "%d threads: %s", threads[i], error.message);
-        CHECK(i == 0 || (grids[0] && grids[i] && grids[0]->count == grids[i]->count &&
-                         memcmp(grids[0]->radiance[0], grids[i]->radiance[0],
-                                (size_t)grids[0]->count * sizeof *grids[0]->radiance[0]) == 0),
+        CHECK(i == 0 || (bakes[0] && bakes[i] && bakes[0]->count == bakes[i]->count &&
+                         memcmp(bakes[0]->radiance[0], bakes[i]->radiance[0],
+                                (size_t)bakes[0]->count * sizeof *bakes[0]->radiance[0]) == 0),
               "%d threads differ from 1", threads[i]);
         level_fixture_close(&level);
     }
     for (int i = 0; i < 3; ++i) {
-        lmb_probes_destroy(grids[i]);
+        lmb_probes_destroy(bakes[i]);
     }
 }
 

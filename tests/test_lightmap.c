@@ -88,7 +88,8 @@ static void furnace(void)
         const lmb_rgb one = {{1.0f, 1.0f, 1.0f}};
         const lmb_result written = lmb_level_furnace(path, 2.0f, ALBEDO[i], one, false, &error);
         baked bake;
-        if (!baked_open(&bake, path, written, &error, 4.0f, 256, 2)) {
+        if (!baked_open(&bake, path, written, &error,
+                        (baked_settings){.texels_per_m = 4.0f, .samples = 256, .threads = 2})) {
             return;
         }
         const float truth = 1.0f / (1.0f - ALBEDO[i]);
@@ -124,7 +125,8 @@ static void sun_on_plane(void)
         const lmb_vec3 d = CASES[i].direction;
         const lmb_result written = lmb_level_sun_plane(path, 0.5f, d, CASES[i].lux, &error);
         baked bake;
-        if (!baked_open(&bake, path, written, &error, 1.0f, 8, 1)) {
+        if (!baked_open(&bake, path, written, &error,
+                        (baked_settings){.texels_per_m = 1.0f, .samples = 8, .threads = 1})) {
             return;
         }
         const double length = sqrt((double)(d.x * d.x + d.y * d.y + d.z * d.z));
@@ -226,7 +228,8 @@ static void instances_have_own_places(void)
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_tiles.glb");
     baked bake;
-    if (!baked_open(&bake, path, write_tiles(path, 3.0f, &error), &error, 4.0f, 8, 2)) {
+    if (!baked_open(&bake, path, write_tiles(path, 3.0f, &error), &error,
+                    (baked_settings){.texels_per_m = 4.0f, .samples = 8, .threads = 2})) {
         return;
     }
     const lmb_lightmap *lightmap = bake.lightmap;
@@ -423,7 +426,8 @@ static void block_has_no_dark_rim(void)
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_solids.glb");
     baked bake;
-    if (!baked_open(&bake, path, write_block_on_floor(path, &error), &error, 3.7f, 8, 2)) {
+    if (!baked_open(&bake, path, write_block_on_floor(path, &error), &error,
+                    (baked_settings){.texels_per_m = 3.7f, .samples = 8, .threads = 2})) {
         return;
     }
     uint32_t floor;
@@ -483,7 +487,8 @@ static void texels_are_means(void)
         lmb_error error = {""};
         const char *path = OUTPUT("lightmap_sheet.glb");
         baked bake;
-        if (!baked_open(&bake, path, write_sheet_over_floor(path, slopes[k], &error), &error, 2.0f, 512, 2)) {
+        if (!baked_open(&bake, path, write_sheet_over_floor(path, slopes[k], &error), &error,
+                        (baked_settings){.texels_per_m = 2.0f, .samples = 512, .threads = 2})) {
             return;
         }
         uint32_t floor;

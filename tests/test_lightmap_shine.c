@@ -89,8 +89,10 @@ static void add_round_posts(lmb_level_builder *builder, int mesh, int material)
 {
     static const float RADIUS[] = {0.001f, 0.004f, 0.012f, 0.025f, 0.06f};
     for (int i = 0; i < 5; ++i) {
-        lmb_level_builder_add_cylinder(builder, mesh, material, (lmb_vec3){0.18f * (float)i, 0, 0.3f}, RADIUS[i], 0.5f,
-                                       5 + 3 * i);
+        lmb_level_builder_add_cylinder(
+            builder, mesh, material,
+            &(lmb_level_cylinder){
+                .base = {0.18f * (float)i, 0, 0.3f}, .radius = RADIUS[i], .height = 0.5f, .segments = 5 + 3 * i});
     }
 }
 
@@ -98,8 +100,9 @@ static void add_balls(lmb_level_builder *builder, int mesh, int material)
 {
     static const float RADIUS[] = {0.005f, 0.02f, 0.05f, 0.12f};
     for (int i = 0; i < 4; ++i) {
-        lmb_level_builder_add_sphere(builder, mesh, material, (lmb_vec3){0.25f * (float)i, 0.15f, 0.3f}, RADIUS[i],
-                                     2 + i, false);
+        lmb_level_builder_add_sphere(
+            builder, mesh, material,
+            &(lmb_level_sphere){.centre = {0.25f * (float)i, 0.15f, 0.3f}, .radius = RADIUS[i], .divisions = 2 + i});
     }
 }
 

@@ -25,12 +25,12 @@ typedef struct pack_options {
     bool quiet;
 } pack_options;
 
-static lmb_result pack_write(const pack_options *options, const lmb_probes *grid, lmb_pack_stats *stats,
+static lmb_result pack_write(const pack_options *options, const lmb_probes *probes, lmb_pack_stats *stats,
                              lmb_error *error)
 {
     unsigned char *data = NULL;
     size_t size;
-    lmb_result result = lmb_pack(grid, &data, &size, stats);
+    lmb_result result = lmb_pack(probes, &data, &size, stats);
     if (result == LMB_ERROR_ARGUMENT) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no probe has light: validity is below %g everywhere",
                              options->source, (double)LMB_PROBES_MIN_VALIDITY);
@@ -45,14 +45,14 @@ static lmb_result pack_write(const pack_options *options, const lmb_probes *grid
 
 static lmb_result pack_run(const pack_options *options, lmb_error *error)
 {
-    lmb_probes *grid = NULL;
+    lmb_probes *probes = NULL;
     lmb_pack_stats stats;
     lmb_result result = output_file_check(options->output, error);
     if (result == LMB_OK) {
-        result = lmb_vdb_read(options->source, &grid, NULL, NULL, error);
+        result = lmb_vdb_read(options->source, &probes, NULL, NULL, error);
     }
     if (result == LMB_OK) {
-        result = pack_write(options, grid, &stats, error);
+        result = pack_write(options, probes, &stats, error);
     }
     if (result == LMB_OK && stats.overflow_count > 0) {
         char line[LMB_ERROR_MESSAGE_SIZE];
@@ -61,10 +61,10 @@ static lmb_result pack_run(const pack_options *options, lmb_error *error)
         console_warning(line, options->quiet);
     }
     if (result == LMB_OK && !options->quiet) {
-        printf("written   %s (%d probes at %g m, %.1f kB)\n", options->output, grid->count,
-               (double)grid->level[0].lattice.spacing, 1e-3 * (double)stats.bytes);
+        printf("written   %s (%d probes at %g m, %.1f kB)\n", options->output, probes->count,
+               (double)probes->level[0].lattice.spacing, 1e-3 * (double)stats.bytes);
     }
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
     return result;
 }
 

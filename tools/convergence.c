@@ -72,31 +72,32 @@ typedef struct convergence {
 
 static lmb_result probes_take(convergence *work, lmb_error *error)
 {
-    lmb_probes *grid = NULL;
+    lmb_probes *probes = NULL;
     lmb_placement_settings settings = lmb_placement_settings_default();
     settings.spacing = work->spacing;
     lmb_placement_stats stats;
-    const lmb_result result = lmb_placement_make(work->level.tracer, &settings, work->level.pool, &grid, &stats, error);
+    const lmb_result result =
+        lmb_placement_make(work->level.tracer, &settings, work->level.pool, &probes, &stats, error);
     if (result != LMB_OK) {
         return result;
     }
     point_set *set = work->set[0];
     const int32_t valid = stats.probes_valid;
     int32_t passed = 0;
-    for (int32_t i = 0; i < grid->count; ++i) {
-        if (grid->validity[i] < LMB_PROBES_MIN_VALIDITY) {
+    for (int32_t i = 0; i < probes->count; ++i) {
+        if (probes->validity[i] < LMB_PROBES_MIN_VALIDITY) {
             continue;
         }
         if (set->count < work->points && (int64_t)passed * work->points >= (int64_t)set->count * valid) {
             uint64_t rays = 0;
-            set->point[set->count++] =
-                (lmb_gather_point){.position = lmb_placement_relocate(work->level.tracer, lmb_probes_position(grid, i),
-                                                                      grid->level[0].lattice.spacing, &rays),
-                                   .min_light_distance = 0.5f * grid->level[0].lattice.spacing};
+            set->point[set->count++] = (lmb_gather_point){
+                .position = lmb_placement_relocate(work->level.tracer, lmb_probes_position(probes, i),
+                                                   probes->level[0].lattice.spacing, &rays),
+                .min_light_distance = 0.5f * probes->level[0].lattice.spacing};
         }
         ++passed;
     }
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
     return LMB_OK;
 }
 

@@ -198,7 +198,9 @@ lmb_result lmb_level_sphere_room(const char *path, float radius_m, int divisions
     lmb_level_builder *builder = lmb_level_builder_create(radius_m * gutter_share);
     const int material = add_diffuse(builder, "wall", albedo, albedo, albedo);
     const int mesh = lmb_level_builder_add_mesh(builder, "sphere");
-    lmb_level_builder_add_sphere(builder, mesh, material, (lmb_vec3){0, 0, 0}, radius_m, divisions, true);
+    lmb_level_builder_add_sphere(
+        builder, mesh, material,
+        &(lmb_level_sphere){.centre = {0, 0, 0}, .radius = radius_m, .divisions = divisions, .inward = true});
     lmb_level_builder_place(builder, "sphere", mesh, (lmb_vec3){0, 0, 0});
     const lmb_level_light light = {
         .name = "bulb", .type = LMB_LEVEL_LIGHT_POINT, .color = {{1, 1, 1}}, .intensity = intensity_cd};
