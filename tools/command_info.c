@@ -41,8 +41,8 @@ static cJSON *lmb_describe(const lmb_volume *volume)
     cJSON_AddNumberToObject(json, "spacing", spacing);
     json_add_range(json, "lattice_min", first);
     json_add_range(json, "lattice_size", size);
-    cJSON_AddItemToObject(json, "bounds_min", json_place(info.bounds_min));
-    cJSON_AddItemToObject(json, "bounds_max", json_place(info.bounds_max));
+    cJSON_AddItemToObject(json, "bounds_min", json_position(info.bounds_min));
+    cJSON_AddItemToObject(json, "bounds_max", json_position(info.bounds_max));
     cJSON_AddNumberToObject(json, "bricks", info.brick_count);
     cJSON_AddNumberToObject(json, "scale", (double)info.scale);
     cJSON_AddNumberToObject(json, "bytes", (double)info.file_bytes);

@@ -122,11 +122,11 @@ static double level_area(const lmb_level *level)
     return area;
 }
 
-/* A point on the front of a triangle, by the number of the point. */
-static lmb_gather_point texel_point(const lmb_level *level, uint32_t instance, uint32_t triangle, uint32_t number)
+/* A point on the front of a triangle, by the index of the point. */
+static lmb_gather_point texel_point(const lmb_level *level, uint32_t instance, uint32_t triangle, uint32_t index)
 {
     float u[2];
-    lmb_sequence_2d(level->settings.seed, number, 0, u);
+    lmb_sequence_2d(level->settings.seed, index, 0, u);
     const float root = sqrtf(u[0]);
     const lmb_place place = lmb_trace_place(
         level->tracer,

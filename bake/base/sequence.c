@@ -14,7 +14,7 @@ uint64_t lmb_mix(uint64_t a, uint64_t b)
 
 uint64_t lmb_stream_of_position(uint64_t seed, lmb_vec3 position)
 {
-    /* + 0.0f makes -0 and 0 the same place. */
+    /* + 0.0f makes -0 and 0 the same position. */
     const float coordinate[3] = {position.x + 0.0f, position.y + 0.0f, position.z + 0.0f};
     uint64_t stream = lmb_mix(seed, 0);
     for (int axis = 0; axis < 3; ++axis) {
@@ -91,6 +91,6 @@ void lmb_sequence_2d(uint64_t stream, uint32_t index, uint32_t pair, float point
 
 float lmb_random(uint64_t stream, uint32_t index, uint32_t dimension, uint32_t count)
 {
-    const uint64_t place = ((uint64_t)dimension << 32) | count;
-    return unit_float((uint32_t)(lmb_mix(lmb_mix(stream ^ UINT64_C(0x5851f42d4c957f2d), index), place) >> 32));
+    const uint64_t counter = ((uint64_t)dimension << 32) | count;
+    return unit_float((uint32_t)(lmb_mix(lmb_mix(stream ^ UINT64_C(0x5851f42d4c957f2d), index), counter) >> 32));
 }

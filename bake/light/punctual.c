@@ -22,7 +22,7 @@ typedef struct lamp_lanes {
 
 /* Lights of a kind. */
 typedef struct punctual_kind {
-    uint32_t *light; /* numbers in the scene */
+    uint32_t *light; /* indices in the scene */
     uint32_t count;
     lmb_light_tree *tree; /* NULL while they are few enough to look at all */
     bool soft;            /* some have an extent */
@@ -338,7 +338,7 @@ static void candidates_of_few(const lmb_punctual *punctual, const punctual_kind 
 static void candidates_of_many(const lmb_punctual *punctual, const punctual_kind *set, const lmb_punctual_query *query,
                                float choice, int max, candidates *found)
 {
-    /* Suns have no place: for them all bounds are their power. */
+    /* Suns have no position: for them all bounds are their power. */
     const bool suns = punctual->scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL;
     const lmb_light_query asked = suns ? (lmb_light_query){.min_distance = 1.0f}
                                        : (lmb_light_query){query->position, query->normal, query->min_distance, NULL};

@@ -274,7 +274,7 @@ static void links_find(sample_batch *batch)
 uint64_t lmb_side_stream(const lmb_transport *transport, const lmb_cell *cell, uint32_t side)
 {
     const uint64_t instance = lmb_mix(transport->seed ^ STREAM_OF_CELLS, cell->instance);
-    return lmb_mix(lmb_mix(instance, cell->triangle), 2 * (uint64_t)cell->number + (side & 1));
+    return lmb_mix(lmb_mix(instance, cell->triangle), 2 * (uint64_t)cell->index + (side & 1));
 }
 
 static void batch_begin(sample_batch *batch, const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count)

@@ -125,15 +125,15 @@ static uint32_t triangle_at_area(const candidate *object, double target)
     return low;
 }
 
-/* Cosine-distributed rays from the number-th point, on the side of the front (side 1) or of the back (-1). */
-static void surface_rays(const candidate *object, uint32_t number, float side, lmb_hit hit[RAYS_PER_POINT])
+/* Cosine-distributed rays from the index-th point, on the side of the front (side 1) or of the back (-1). */
+static void surface_rays(const candidate *object, uint32_t index, float side, lmb_hit hit[RAYS_PER_POINT])
 {
     const double area = object->area_before[instance_mesh(object->scene, object->instance)->triangle_count];
-    const uint64_t stream = lmb_mix(object->instance, number);
+    const uint64_t stream = lmb_mix(object->instance, index);
     float point[2];
     lmb_sequence_2d(stream, 0, 1, point);
     const float root = sqrtf(point[0]);
-    const uint32_t triangle = triangle_at_area(object, ((double)number + 0.5) / object->work->points * area);
+    const uint32_t triangle = triangle_at_area(object, ((double)index + 0.5) / object->work->points * area);
     const lmb_place place = lmb_trace_place(object->tracer, &(lmb_hit){.instance = object->instance,
                                                                        .triangle = triangle,
                                                                        .u = root * (1.0f - point[1]),

@@ -8,7 +8,7 @@
 #include <lambent/vector.h>
 
 /* Dimension pairs of a point's sequence. */
-enum { PAIR_TRIANGLE, PAIR_PLACE };
+enum { PAIR_TRIANGLE, PAIR_POINT };
 
 static bool triangle_is_opaque(const lmb_scene *scene, const lmb_mesh *mesh, uint32_t triangle)
 {
@@ -105,14 +105,14 @@ static uint32_t instance_of_entry(const lmb_opaque_surface *surface, uint64_t en
     return low;
 }
 
-lmb_hit lmb_opaque_surface_point(const lmb_opaque_surface *surface, uint64_t seed, uint32_t number, uint32_t count)
+lmb_hit lmb_opaque_surface_point(const lmb_opaque_surface *surface, uint64_t seed, uint32_t index, uint32_t count)
 {
-    const uint64_t stream = lmb_mix(seed, number);
-    float choice[2], place[2];
+    const uint64_t stream = lmb_mix(seed, index);
+    float choice[2], u[2];
     lmb_sequence_2d(stream, 0, PAIR_TRIANGLE, choice);
-    lmb_sequence_2d(stream, 0, PAIR_PLACE, place);
+    lmb_sequence_2d(stream, 0, PAIR_POINT, u);
     const double area = lmb_opaque_surface_area(surface);
-    double target = ((double)number + (double)choice[0]) / (double)count * area;
+    double target = ((double)index + (double)choice[0]) / (double)count * area;
     if (target >= area) {
         target = nextafter(area, 0.0);
     }
@@ -121,8 +121,8 @@ lmb_hit lmb_opaque_surface_point(const lmb_opaque_surface *surface, uint64_t see
     point.instance = instance_of_entry(surface, entry);
     point.triangle = (uint32_t)(entry - surface->first[point.instance]);
     /* Uniform in the triangle (Osada et al. 2002, "Shape distributions"). */
-    const float root = sqrtf(place[0]);
-    point.u = root * (1.0f - place[1]);
-    point.v = root * place[1];
+    const float root = sqrtf(u[0]);
+    point.u = root * (1.0f - u[1]);
+    point.v = root * u[1];
     return point;
 }

@@ -9,12 +9,12 @@
 #include "trace/surface_internal.h"
 #include "trace/trace_internal.h"
 
-void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, lmb_vec3 corner[3])
+void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance_index, uint32_t triangle, lmb_vec3 corner[3])
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_instance *instance = &scene->instances[instance_number];
+    const lmb_instance *instance = &scene->instances[instance_index];
     const lmb_mesh *mesh = &scene->meshes[instance->mesh];
-    const lmb_vec3 *world = lmb_tracer_world_vertices(tracer, instance_number);
+    const lmb_vec3 *world = lmb_tracer_world_vertices(tracer, instance_index);
     for (int k = 0; k < 3; ++k) {
         const uint32_t vertex = mesh->triangle[triangle][k];
         corner[k] = world ? world[vertex] : affine_point(&instance->to_world, mesh->position[vertex]);

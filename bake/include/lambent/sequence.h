@@ -25,10 +25,10 @@ uint64_t lmb_stream_of_position(uint64_t seed, lmb_vec3 position);
 /* One point in [0, 1)^2 of dimension pair `pair`. */
 void lmb_sequence_2d(uint64_t stream, uint32_t index, uint32_t pair, float point[2]);
 
-/* Points first .. first + count - 1 of it, as two arrays: the same numbers, several at a time. */
+/* Points first .. first + count - 1 of it, as two arrays: the same variates, several at a time. */
 void lmb_sequence_2d_batch(uint64_t stream, uint32_t first, uint32_t count, uint32_t pair, float *x, float *y);
 
-/* An independent uniform number in [0, 1), for decisions whose count is not known beforehand. */
+/* An independent uniform variate in [0, 1), for decisions whose count is not known beforehand. */
 float lmb_random(uint64_t stream, uint32_t index, uint32_t dimension, uint32_t count);
 
 #ifdef __cplusplus
