@@ -68,12 +68,6 @@ static lmb_result pack_run(const pack_options *options, lmb_error *error)
     return result;
 }
 
-static bool has_ending(const char *path, const char *ending)
-{
-    const size_t length = strlen(path), ending_length = strlen(ending);
-    return length > ending_length && strcmp(path + length - ending_length, ending) == 0;
-}
-
 int command_pack(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "pack", usage);
@@ -96,7 +90,7 @@ int command_pack(int count, char **values)
         arguments_error(&arguments, "missing argument", "FILE.vdb");
     } else if (!options.output) {
         arguments_error(&arguments, "missing option", "-o FILE.lmb");
-    } else if (!has_ending(options.output, ".lmb")) {
+    } else if (!output_file_ends_in(options.output, ".lmb")) {
         arguments_error(&arguments, "-o takes a .lmb, not", options.output); /* not over the .vdb by mistake */
     }
     if (arguments.failed) {

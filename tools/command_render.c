@@ -127,12 +127,6 @@ static void object_read(lmb_arguments *arguments, const char *option, render_opt
     }
 }
 
-static bool has_ending(const char *path, const char *ending)
-{
-    const size_t length = strlen(path), ending_length = strlen(ending);
-    return length > ending_length && strcmp(path + length - ending_length, ending) == 0;
-}
-
 /* Takes an option about the view. */
 static bool view_option(lmb_arguments *arguments, const char *option, render_options *options)
 {
@@ -194,7 +188,7 @@ static void options_read(lmb_arguments *arguments, render_options *options)
         arguments_error(arguments, "missing option", "-o FILE.png|FILE.exr");
     } else if (options->camera_node && (options->has_camera || options->has_look)) {
         arguments_error(arguments, "--camera-node does not go with", options->has_camera ? "--camera" : "--look");
-    } else if (!has_ending(options->output, ".png") && !has_ending(options->output, ".exr")) {
+    } else if (!output_file_ends_in(options->output, ".png") && !output_file_ends_in(options->output, ".exr")) {
         arguments_error(arguments, "-o takes a .png or .exr, not", options->output);
     }
 }
@@ -381,7 +375,7 @@ static lmb_result picture_make(const render_options *options, const lmb_shader *
     console_finish(&console);
     if (result != LMB_OK) {
         lmb_error_set(error, result, "render: %s", lmb_result_text(result));
-    } else if (has_ending(options->output, ".exr")) {
+    } else if (output_file_ends_in(options->output, ".exr")) {
         result = exr_write(options, rgb, pixel_count, error);
     } else {
         result = png_write(options, rgb, pixel_count, reference_mean, error);

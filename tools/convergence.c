@@ -101,22 +101,13 @@ static lmb_result probes_take(convergence *work, lmb_error *error)
     return LMB_OK;
 }
 
-static double triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
-{
-    lmb_vec3 corner[3];
-    lmb_trace_corners(tracer, instance, triangle, corner);
-    const lmb_vec3 a = lmb_vec3_sub(corner[1], corner[0]);
-    const lmb_vec3 b = lmb_vec3_sub(corner[2], corner[0]);
-    return 0.5 * (double)lmb_vec3_length(lmb_vec3_cross(a, b));
-}
-
 static double level_area(const lmb_level *level)
 {
     double area = 0.0;
     for (uint32_t i = 0; i < level->scene->instance_count; ++i) {
         const lmb_instance *instance = &level->scene->instances[i];
         for (uint32_t t = 0; t < level->scene->meshes[instance->mesh].triangle_count && !instance->dynamic; ++t) {
-            area += triangle_area(level->tracer, i, t);
+            area += (double)lmb_trace_triangle_area(level->tracer, i, t);
         }
     }
     return area;
@@ -127,10 +118,9 @@ static lmb_gather_point texel_point(const lmb_level *level, uint32_t instance, u
 {
     float u[2];
     lmb_sequence_2d(level->settings.seed, index, 0, u);
-    const float root = sqrtf(u[0]);
-    const lmb_place place = lmb_trace_place(
-        level->tracer,
-        &(lmb_hit){.instance = instance, .triangle = triangle, .u = root * (1.0f - u[1]), .v = root * u[1]});
+    lmb_hit hit = {.instance = instance, .triangle = triangle};
+    lmb_triangle_point(u, &hit.u, &hit.v);
+    const lmb_place place = lmb_trace_place(level->tracer, &hit);
     bool pushed_out;
     return lmb_surface_gather_point(level->tracer, &place, 0.0f, &pushed_out);
 }
@@ -145,7 +135,7 @@ static void texels_take(convergence *work)
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const uint32_t count = scene->meshes[scene->instances[i].mesh].triangle_count;
         for (uint32_t t = 0; t < count && !scene->instances[i].dynamic; ++t) {
-            passed += triangle_area(work->level.tracer, i, t);
+            passed += (double)lmb_trace_triangle_area(work->level.tracer, i, t);
             for (; set->count < work->points && passed * work->points > (set->count + 0.5) * total; ++set->count) {
                 set->point[set->count] = texel_point(&work->level, i, t, (uint32_t)set->count);
             }

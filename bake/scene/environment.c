@@ -10,6 +10,8 @@
 #include <lambent/environment.h>
 #include <lambent/texture.h>
 
+#include "base/hex_digit.h"
+
 static const double RAD_PER_DEG = 0.017453292519943295769;
 
 /* What a description says, apart from the pixels. */
@@ -91,20 +93,12 @@ static lmb_result description_parse(const char *text, description *parsed, lmb_e
     return result;
 }
 
-static int hex_digit(char c)
-{
-    return c >= '0' && c <= '9'   ? c - '0'
-           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                  : -1;
-}
-
 static lmb_result colour_parse(const char *text, unsigned char bytes[3], lmb_error *error)
 {
     bool good = strlen(text) == 7;
     for (int c = 0; c < 3 && good; ++c) {
-        const int high = hex_digit(text[1 + 2 * c]);
-        const int low = hex_digit(text[2 + 2 * c]);
+        const int high = lmb_hex_digit(text[1 + 2 * c]);
+        const int low = lmb_hex_digit(text[2 + 2 * c]);
         good = high >= 0 && low >= 0;
         bytes[c] = good ? (unsigned char)(16 * high + low) : 0;
     }

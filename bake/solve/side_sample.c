@@ -169,7 +169,7 @@ static void openness_find(sample_batch *batch)
 static void link_weigh(lmb_link *link, lmb_rgb weight)
 {
     for (int c = 0; c < 3; ++c) {
-        link->weight[c] = (uint16_t)(lmb_smaller(lmb_larger(weight.c[c], 0.0f), 1.0f) * 65535.0f + 0.5f);
+        link->weight[c] = (uint16_t)(lmb_saturate(weight.c[c]) * 65535.0f + 0.5f);
     }
 }
 

@@ -21,6 +21,14 @@ void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance_index, uint32
     }
 }
 
+float lmb_trace_triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
+{
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, instance, triangle, corner);
+    return 0.5f *
+           lmb_vec3_length(lmb_vec3_cross(lmb_vec3_sub(corner[1], corner[0]), lmb_vec3_sub(corner[2], corner[0])));
+}
+
 /* Rounding may put a point near a triangle's edge behind the wall that stands there; its rays would start outside the
  * room. One rounding step towards the triangle's middle keeps it inside. */
 static lmb_vec3 position_inset(lmb_vec3 position, const lmb_vec3 corner[3], float rounding)

@@ -10,7 +10,7 @@
 static float chance_variate(uint64_t chance, const lmb_shown_hit *shown)
 {
     const uint64_t triangle = ((uint64_t)shown->instance << 32) | shown->triangle;
-    return (float)(int32_t)(lmb_mix(chance, triangle) >> 40) * 0x1p-24f;
+    return lmb_unit_float((uint32_t)(lmb_mix(chance, triangle) >> 32));
 }
 
 /* Sends rays on through layers by chance: in proportion to the light of the channel that passes best, so that no

@@ -7,6 +7,7 @@
 #ifndef LAMBENT_SEQUENCE_H
 #define LAMBENT_SEQUENCE_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -18,6 +19,21 @@ extern "C" {
 
 /* Well-mixed 64-bit hash of two numbers (a finaliser after Stafford 2011 of their combination). */
 uint64_t lmb_mix(uint64_t a, uint64_t b);
+
+/* Uniform in [0, 1), from 32 random bits: the upper 24, by way of a signed integer, which vectors can convert. */
+static inline float lmb_unit_float(uint32_t bits)
+{
+    return (float)(int32_t)(bits >> 8) * 0x1p-24f;
+}
+
+/* Barycentric coordinates, of the second and the third corner, of a point uniform in a triangle's area, from `point` in
+ * [0, 1)^2 (Osada et al. 2002, "Shape distributions"). */
+static inline void lmb_triangle_point(const float point[2], float *u, float *v)
+{
+    const float root = sqrtf(point[0]);
+    *u = root * (1.0f - point[1]);
+    *v = root * point[1];
+}
 
 /* The stream of a point in space: equal positions have equal streams, whatever the order of work. */
 uint64_t lmb_stream_of_position(uint64_t seed, lmb_vec3 position);
