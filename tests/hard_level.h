@@ -211,8 +211,8 @@ static inline uint32_t hard_instance(const lmb_scene *scene, const char *name)
 /* Normalised irradiance that the lightmap stores at the middle of a triangle. */
 static inline lmb_rgb hard_texel(const hard_level *level, const char *instance, uint32_t triangle)
 {
-    const uint32_t number = hard_instance(level->traced.scene, instance);
-    return sample_irradz(level->lightmap, number, triangle, 0.3f, 0.3f).irradiance_z;
+    const uint32_t index = hard_instance(level->traced.scene, instance);
+    return sample_irradz(level->lightmap, index, triangle, 0.3f, 0.3f).irradiance_z;
 }
 
 /* --- levels ---------------------------------------------------------------------------------------------------- */

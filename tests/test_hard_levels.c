@@ -174,7 +174,7 @@ static void degenerate_triangles(void)
 }
 
 /* A room of 4 x 3 x 4 units without a ceiling, with a lamp and a solid block in it, `unit_m` metres to a unit. */
-static bool yard_write(const char *path, float unit_m, lmb_vec3 place)
+static bool yard_write(const char *path, float unit_m, lmb_vec3 position)
 {
     lmb_level_builder *builder = lmb_level_builder_create(0.1f * unit_m);
     const int grey = hard_material(builder, 0.5f, 0.0f);
@@ -192,28 +192,28 @@ static bool yard_write(const char *path, float unit_m, lmb_vec3 place)
     lmb_level_builder_add_box(builder, mesh, &block);
     lmb_level_builder_add_quad(builder, mesh, lamp, (lmb_vec3){-u, 2 * u, -u}, (lmb_vec3){0.6f * u, 0, 0},
                                (lmb_vec3){0, 0, 0.6f * u});
-    lmb_level_builder_place(builder, "yard", mesh, place);
+    lmb_level_builder_place(builder, "yard", mesh, position);
     return hard_write(builder, path);
 }
 
 enum { YARD_POINTS = 4 };
 
 /* What the yard gets at fixed points, the last against the lamp's side wall, right above the floor. */
-static bool yard_measure(float unit_m, lmb_vec3 place, double traced[YARD_POINTS], double stored[YARD_POINTS])
+static bool yard_measure(float unit_m, lmb_vec3 position, double traced[YARD_POINTS], double stored[YARD_POINTS])
 {
     static const lmb_vec3 points[YARD_POINTS] = {
         {0.0f, 0.5f, 0.0f}, {1.4f, 0.05f, -1.2f}, {-0.7f, 1.1f, -0.6f}, {-1.9f, 0.02f, -0.7f}};
     const char *path = hard_path("yard", "glb");
     hard_level level;
-    if (!yard_write(path, unit_m, place) ||
+    if (!yard_write(path, unit_m, position) ||
         !hard_bake(&level, path, WHITE_SKY, &(hard_settings){0.7f * unit_m, 1.0f / unit_m, 128})) {
         return false;
     }
     for (int i = 0; i < YARD_POINTS; ++i) {
-        const lmb_vec3 position = {place.x + points[i].x * unit_m, place.y + points[i].y * unit_m,
-                                   place.z + points[i].z * unit_m};
-        traced[i] = (double)traced_irradiance(&level.traced, position, hard_up, 8192).c[1];
-        stored[i] = (double)hard_sample(&level, position, hard_up).c[1];
+        const lmb_vec3 point = {position.x + points[i].x * unit_m, position.y + points[i].y * unit_m,
+                                position.z + points[i].z * unit_m};
+        traced[i] = (double)traced_irradiance(&level.traced, point, hard_up, 8192).c[1];
+        stored[i] = (double)hard_sample(&level, point, hard_up).c[1];
     }
     hard_close(&level);
     return true;
@@ -224,7 +224,7 @@ static void any_size_and_place(void)
 {
     static const struct {
         float unit_m;
-        lmb_vec3 place;
+        lmb_vec3 position;
         bool same_lattice;
     } yards[] = {
         {2500.0f, {0, 0, 0}, true},             /* 10 km */
@@ -240,15 +240,15 @@ static void any_size_and_place(void)
     }
     for (size_t y = 0; y < sizeof yards / sizeof yards[0]; ++y) {
         double other[YARD_POINTS], other_stored[YARD_POINTS];
-        if (!yard_measure(yards[y].unit_m, yards[y].place, other, other_stored)) {
+        if (!yard_measure(yards[y].unit_m, yards[y].position, other, other_stored)) {
             continue;
         }
         for (int i = 0; i < YARD_POINTS; ++i) {
             CHECK_NEAR(other[i], traced[i], 0.03 * traced[i], "unit %g m at %g, point %d", (double)yards[y].unit_m,
-                       (double)yards[y].place.x, i);
+                       (double)yards[y].position.x, i);
             if (yards[y].same_lattice) {
                 CHECK_NEAR(other_stored[i], stored[i], 0.15 * stored[i], "unit %g m at %g, point %d",
-                           (double)yards[y].unit_m, (double)yards[y].place.x, i);
+                           (double)yards[y].unit_m, (double)yards[y].position.x, i);
             }
         }
     }

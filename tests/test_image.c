@@ -593,15 +593,15 @@ static void damaged_pixels_are_bad_input(void)
         for (int i = 0; i < 90; ++i) {
             const bool cut = i < 30;
             const size_t length = cut ? size / 2 + random_next(&state) % (size - size / 2) : size;
-            const size_t place = size / 2 + random_next(&state) % (size - size / 2);
-            const unsigned char saved = bytes[place];
-            bytes[place] = cut ? saved : (unsigned char)random_next(&state);
+            const size_t offset = size / 2 + random_next(&state) % (size - size / 2);
+            const unsigned char saved = bytes[offset];
+            bytes[offset] = cut ? saved : (unsigned char)random_next(&state);
             lmb_image image;
             lmb_error error = {""};
             const lmb_result result = bytes_read(bytes, length, &image, &error);
-            bytes[place] = saved;
+            bytes[offset] = saved;
             CHECK(result == LMB_ERROR_FORMAT || (result == LMB_OK && !cut),
-                  "%s: %zu of %zu bytes, one wrong at %zu: %d, %s", COMPRESSIONS[k], length, size, place, (int)result,
+                  "%s: %zu of %zu bytes, one wrong at %zu: %d, %s", COMPRESSIONS[k], length, size, offset, (int)result,
                   error.message);
             refused += result != LMB_OK;
             if (result == LMB_OK) {
@@ -804,15 +804,15 @@ static void file_torture(const char *path, int cuts, int corruptions)
     }
     for (int i = 0; i < corruptions; ++i) {
         unsigned char saved[4];
-        size_t place[4];
+        size_t offset[4];
         for (int k = 0; k < 4; ++k) {
-            place[k] = random_next(&state) % (i % 2 == 0 && size > 400 ? 400 : size); /* half of them in the header */
-            saved[k] = bytes[place[k]];
-            bytes[place[k]] = (unsigned char)random_next(&state);
+            offset[k] = random_next(&state) % (i % 2 == 0 && size > 400 ? 400 : size); /* half of them in the header */
+            saved[k] = bytes[offset[k]];
+            bytes[offset[k]] = (unsigned char)random_next(&state);
         }
         anything_read(bytes, size);
         for (int k = 3; k >= 0; --k) {
-            bytes[place[k]] = saved[k];
+            bytes[offset[k]] = saved[k];
         }
     }
     free(bytes);

@@ -129,15 +129,15 @@ static void break_count_negative(lmb_probes *probes)
 {
     probes->count = -1;
 }
-static void break_number_high(lmb_probes *probes)
+static void break_index_high(lmb_probes *probes)
 {
     *entry(probes, 5) = probes->count;
 }
-static void break_number_low(lmb_probes *probes)
+static void break_index_low(lmb_probes *probes)
 {
     *entry(probes, 5) = -2;
 }
-static void break_number_twice(lmb_probes *probes)
+static void break_index_twice(lmb_probes *probes)
 {
     *entry(probes, 5) = *entry(probes, 6);
 }
@@ -188,9 +188,9 @@ static void test_validate(void)
         {"a probe without a point", break_count_up, "points with one"},
         {"a point without a probe", break_count_down, "names probe"},
         {"negative count", break_count_negative, "arrays"},
-        {"number too high", break_number_high, "names probe"},
-        {"number too low", break_number_low, "names probe"},
-        {"two points, one probe", break_number_twice, "names probe"},
+        {"index too high", break_index_high, "names probe"},
+        {"index too low", break_index_low, "names probe"},
+        {"two points, one probe", break_index_twice, "names probe"},
         {"first probe of a level", break_level, "level 0 has probes"},
         {"no level", break_levels, "of levels"},
         {"lattice", break_lattice, "names probe 3"},

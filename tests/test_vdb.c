@@ -1,14 +1,14 @@
 /* probes.vdb: what is written comes back, in the same bytes every time, under the names that other tools show. */
 #define _POSIX_C_SOURCE 200809L
 
-#include "probes_fixture.h"
+#include "folder_fixture.h"
 #include "harness.h"
+#include "probes_fixture.h"
 
 #include <lambent/file.h>
 #include <lambent/pack.h>
 #include <lambent/vdb.h>
 
-#include <dirent.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -18,32 +18,6 @@
 #define PATH FOLDER "/probes \xe5\x85\x89.vdb"
 
 static const lmb_vdb_metadata metadata = {"{\"samples\": 64, \"level\": \"caf\xc3\xa9.glb\"}", "0123abcd"};
-
-/* The tests' own folder, empty. */
-static void start_folder(void)
-{
-    mkdir(FOLDER, 0777);
-    DIR *const folder = opendir(FOLDER);
-    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        char path[2048];
-        snprintf(path, sizeof path, FOLDER "/%s", entry->d_name);
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0) {
-            remove(path);
-        }
-    }
-    closedir(folder);
-}
-
-static int count_entries(void)
-{
-    int count = 0;
-    DIR *const folder = opendir(FOLDER);
-    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
-    }
-    closedir(folder);
-    return count;
-}
 
 static void write_probes(const lmb_probes *probes)
 {
@@ -102,7 +76,7 @@ static void check_round_trip(const lmb_lattice *lattice, double density, double 
 
 static void test_round_trip(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     static const struct {
         lmb_lattice lattice;
         double density;
@@ -118,7 +92,7 @@ static void test_round_trip(void)
         check_round_trip(&cases[i].lattice, cases[i].density, cases[i].magnitude);
         CHECK(test_failures == before, "case %zu", i);
     }
-    CHECK(count_entries() == 1, "something was left beside the file");
+    CHECK(folder_entry_count(FOLDER) == 1, "something was left beside the file");
 }
 
 /* An unedited .vdb packs to the same .lmb as the probes that it was written from. */
@@ -143,7 +117,7 @@ static void test_pack_of_vdb(void)
 
 static void test_equal_bytes(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     const lmb_lattice lattice = {0.3f, {-20, 3, 5}, {31, 12, 40}};
     lmb_probes *const probes = fixture_random_probes(&lattice, 0.7, 0.7, 4.0, 7);
     unsigned char *first = NULL, *second = NULL;
@@ -178,7 +152,7 @@ static void test_equal_bytes(void)
 /* Every truncation, and changes all over the file, of a small one. */
 static void test_damage(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     const lmb_lattice lattice = {1.0f, {0, 0, 0}, {2, 2, 2}};
     lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 4.0, 7);
     write_probes(probes);
@@ -208,7 +182,7 @@ static void test_damage(void)
 
 static void test_wrong_kind(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     check_refused(FOLDER "/missing.vdb", LMB_ERROR_IO, "No such file");
     check_refused(FOLDER, LMB_ERROR_IO, "directory");
     CHECK(lmb_file_write(PATH, "", 0, NULL) == LMB_OK, "write");
@@ -245,7 +219,7 @@ static void test_foreign(void)
     unsigned char *data = NULL;
     size_t bytes = 0;
     CHECK(lmb_file_read(cases[0].path, &data, &bytes, NULL) == LMB_OK, "read");
-    start_folder();
+    folder_start(FOLDER);
     for (size_t kept = 1; data && kept < bytes; kept += 1 + kept / 5) {
         CHECK(lmb_file_write(PATH, data, kept, NULL) == LMB_OK, "write");
         check_refused(PATH, LMB_ERROR_FORMAT, "");
@@ -255,7 +229,7 @@ static void test_foreign(void)
 
 static void test_failed_writes(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     const lmb_lattice lattice = {1.0f, {0, 0, 0}, {20, 20, 20}};
     lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 4.0, 7);
     lmb_error error = {""};
@@ -275,7 +249,7 @@ static void test_failed_writes(void)
     signal(SIGXFSZ, previous);
     CHECK(result == LMB_ERROR_WRITE, "a full disk: %d", result);
     CHECK(strstr(error.message, PATH ": cannot write: ") && !strchr(error.message, '\n'), "'%s'", error.message);
-    CHECK(count_entries() == 1, "%d entries are left", count_entries());
+    CHECK(folder_entry_count(FOLDER) == 1, "%d entries are left", folder_entry_count(FOLDER));
     unsigned char *data = NULL;
     size_t bytes = 0;
     CHECK(lmb_file_read(PATH, &data, &bytes, NULL) == LMB_OK && bytes == 3, "the old contents are gone");
@@ -285,7 +259,7 @@ static void test_failed_writes(void)
     CHECK(lmb_vdb_write(PATH, probes, &metadata, &error) == LMB_ERROR_ARGUMENT, "beyond every scale");
     probes->radiance[0][3].channel[0].c[0] = NAN;
     CHECK(lmb_vdb_write(PATH, probes, &metadata, &error) == LMB_ERROR_ARGUMENT, "NaN");
-    CHECK(count_entries() == 1, "%d entries are left", count_entries());
+    CHECK(folder_entry_count(FOLDER) == 1, "%d entries are left", folder_entry_count(FOLDER));
     lmb_probes_destroy(probes);
 }
 
@@ -296,7 +270,7 @@ static void test_vdb_print(void)
         test_skip("vdb_print is not installed");
         return;
     }
-    start_folder();
+    folder_start(FOLDER);
     const lmb_lattice lattice = {0.25f, {-9, 3, 5}, {4, 5, 6}};
     lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 1e6, 7);
     write_probes(probes);

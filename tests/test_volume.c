@@ -75,16 +75,16 @@ static double oracle_sample(const lmb_probes *probes, const bool *lit, const dou
     }
     for (int corner = 0; corner < 8; ++corner) {
         double weight = 1.0;
-        int32_t place[3];
+        int32_t point[3];
         for (int axis = 0; axis < 3; ++axis) {
             const double last = probes->level[0].lattice.size[axis] - 1;
             const double inside = at[axis] < 0.0 ? 0.0 : at[axis] > last ? last : at[axis];
             const bool upper = corner >> axis & 1;
             const double below = floor(inside);
-            place[axis] = probes->level[0].lattice.min[axis] + (int32_t)below + upper;
+            point[axis] = probes->level[0].lattice.min[axis] + (int32_t)below + upper;
             weight *= upper ? inside - below : 1.0 - (inside - below);
         }
-        const int32_t probe = lmb_probes_find(probes, 0, place[0], place[1], place[2]);
+        const int32_t probe = lmb_probes_find(probes, 0, point[0], point[1], point[2]);
         if (weight > 0.0 && probe >= 0 && lit[probe]) {
             weights += weight;
             for (int i = 0; i < 27; ++i) {

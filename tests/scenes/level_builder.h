@@ -176,7 +176,7 @@ lmb_level_node lmb_level_node_default(const char *name);
 
 int lmb_level_builder_add_node(lmb_level_builder *builder, const lmb_level_node *node);
 
-/* A node that puts a mesh at a place. */
+/* A node that puts a mesh somewhere. */
 int lmb_level_builder_place(lmb_level_builder *builder, const char *name, int mesh, lmb_vec3 translation);
 
 /* Sets `rotation` so that -Z points along `direction` (any length but 0) and +Y stays as upright as it can. */

@@ -3,36 +3,11 @@
 #include <assert.h>
 #include <math.h>
 
-static const double pi = 3.14159265358979323846;
-
-static lmb_vec3 add(lmb_vec3 a, lmb_vec3 b)
-{
-    return (lmb_vec3){a.x + b.x, a.y + b.y, a.z + b.z};
-}
-
-static lmb_vec3 subtract(lmb_vec3 a, lmb_vec3 b)
-{
-    return (lmb_vec3){a.x - b.x, a.y - b.y, a.z - b.z};
-}
-
-static lmb_vec3 scale(lmb_vec3 a, float s)
-{
-    return (lmb_vec3){a.x * s, a.y * s, a.z * s};
-}
-
-static float dot(lmb_vec3 a, lmb_vec3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static lmb_vec3 cross(lmb_vec3 a, lmb_vec3 b)
-{
-    return (lmb_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+#include <lambent/vector.h>
 
 static lmb_vec3 normalised(lmb_vec3 a)
 {
-    return scale(a, 1 / sqrtf(dot(a, a)));
+    return lmb_vec3_scale(a, 1 / lmb_vec3_length(a));
 }
 
 /* Room for one chart and its vertices and triangles; NULL when the builder has failed. */
@@ -135,8 +110,8 @@ static void align_texture(lmb_level_builder *builder, int mesh, const quad_conte
     level_vertex *vertices = &target->vertices[target->vertex_count - 4];
     const float repeats_per_m = 1 / builder->materials[vertices->material].texture_size_m;
     const lmb_vec3 origin = quad->corner[0][0];
-    const float right = dot(origin, quad->tangent) * repeats_per_m;
-    const float down = -(dot(origin, cross(quad->normal, quad->tangent)) + height_m) * repeats_per_m;
+    const float right = lmb_vec3_dot(origin, quad->tangent) * repeats_per_m;
+    const float down = -(lmb_vec3_dot(origin, lmb_vec3_cross(quad->normal, quad->tangent)) + height_m) * repeats_per_m;
     for (int i = 0; i < 4; ++i) {
         vertices[i].uv[0] += right;
         vertices[i].uv[1] += down;
@@ -146,15 +121,15 @@ static void align_texture(lmb_level_builder *builder, int mesh, const quad_conte
 /* A quad with exactly these corners, [v][u], so that neighbours meet without a crack. */
 static quad_context add_corners(lmb_level_builder *builder, int mesh, int material, const lmb_vec3 corner[2][2])
 {
-    const lmb_vec3 edge_u = subtract(corner[0][1], corner[0][0]);
-    const lmb_vec3 edge_v = subtract(corner[1][0], corner[0][0]);
+    const lmb_vec3 edge_u = lmb_vec3_sub(corner[0][1], corner[0][0]);
+    const lmb_vec3 edge_v = lmb_vec3_sub(corner[1][0], corner[0][0]);
     const quad_context quad = {.corner = {{corner[0][0], corner[0][1]}, {corner[1][0], corner[1][1]}},
-                               .normal = normalised(cross(edge_u, edge_v)),
+                               .normal = normalised(lmb_vec3_cross(edge_u, edge_v)),
                                .tangent = normalised(edge_u)};
     const lmb_level_patch patch = {.columns = 1,
                                    .rows = 1,
-                                   .width_m = sqrtf(dot(edge_u, edge_u)),
-                                   .height_m = sqrtf(dot(edge_v, edge_v)),
+                                   .width_m = lmb_vec3_length(edge_u),
+                                   .height_m = lmb_vec3_length(edge_v),
                                    .surface = quad_point,
                                    .context = &quad};
     lmb_level_builder_add_patch(builder, mesh, material, &patch);
@@ -164,8 +139,8 @@ static quad_context add_corners(lmb_level_builder *builder, int mesh, int materi
 void lmb_level_builder_add_quad(lmb_level_builder *builder, int mesh, int material, lmb_vec3 origin, lmb_vec3 edge_u,
                                 lmb_vec3 edge_v)
 {
-    const lmb_vec3 along_u = add(origin, edge_u);
-    const lmb_vec3 corner[2][2] = {{origin, along_u}, {add(origin, edge_v), add(along_u, edge_v)}};
+    const lmb_vec3 along_u = lmb_vec3_add(origin, edge_u);
+    const lmb_vec3 corner[2][2] = {{origin, along_u}, {lmb_vec3_add(origin, edge_v), lmb_vec3_add(along_u, edge_v)}};
     add_corners(builder, mesh, material, corner);
 }
 
@@ -177,17 +152,17 @@ void lmb_level_builder_add_triangle(lmb_level_builder *builder, int mesh, int ma
         return;
     }
     const lmb_vec3 corners[3] = {a, b, c};
-    const lmb_vec3 tangent = normalised(subtract(b, a));
-    const lmb_vec3 normal = normalised(cross(subtract(b, a), subtract(c, a)));
-    const lmb_vec3 up = cross(normal, tangent);
+    const lmb_vec3 tangent = normalised(lmb_vec3_sub(b, a));
+    const lmb_vec3 normal = normalised(lmb_vec3_cross(lmb_vec3_sub(b, a), lmb_vec3_sub(c, a)));
+    const lmb_vec3 up = lmb_vec3_cross(normal, tangent);
     float x[3];
     float y[3];
     float x_min = 0;
     float x_max = 0;
     float y_max = 0;
     for (int i = 0; i < 3; ++i) {
-        x[i] = dot(subtract(corners[i], a), tangent);
-        y[i] = dot(subtract(corners[i], a), up);
+        x[i] = lmb_vec3_dot(lmb_vec3_sub(corners[i], a), tangent);
+        y[i] = lmb_vec3_dot(lmb_vec3_sub(corners[i], a), up);
         y[i] = y[i] > 0 ? y[i] : 0;
         x_min = x[i] < x_min ? x[i] : x_min;
         x_max = x[i] > x_max ? x[i] : x_max;
@@ -230,8 +205,8 @@ void level_add_box(lmb_level_builder *builder, int mesh, const lmb_level_box *bo
             {box_corner(box, faces[face][2 + flip]), box_corner(box, faces[face][3 - flip])}};
         const quad_context quad = add_corners(builder, mesh, box->material[face], corner);
         if (align_textures) {
-            const lmb_vec3 up = subtract(corner[1][0], corner[0][0]);
-            align_texture(builder, mesh, &quad, sqrtf(dot(up, up)));
+            const lmb_vec3 up = lmb_vec3_sub(corner[1][0], corner[0][0]);
+            align_texture(builder, mesh, &quad, lmb_vec3_length(up));
         }
     }
 }
@@ -250,8 +225,8 @@ static lmb_level_point sphere_point(const void *context, double u, double v)
 {
     const sphere_face *face = context;
     /* tan spreads the cells evenly in angle; rounded, and exactly +-1 at the borders, so that faces meet exactly. */
-    const double s = u <= 0 ? -1 : u >= 1 ? 1 : (double)(float)tan(pi / 4 * (2 * u - 1));
-    const double t = v <= 0 ? -1 : v >= 1 ? 1 : (double)(float)tan(pi / 4 * (2 * v - 1));
+    const double s = u <= 0 ? -1 : u >= 1 ? 1 : (double)(float)tan(LMB_PI / 4 * (2 * u - 1));
+    const double t = v <= 0 ? -1 : v >= 1 ? 1 : (double)(float)tan(LMB_PI / 4 * (2 * v - 1));
     double direction[3];
     double tangent[3];
     double length_squared = 0;
@@ -270,8 +245,8 @@ static lmb_level_point sphere_point(const void *context, double u, double v)
         tangent[i] = (face->right[i] - along * direction[i]) / flat;
     }
     const lmb_vec3 normal = {(float)direction[0], (float)direction[1], (float)direction[2]};
-    return (lmb_level_point){add(face->sphere->centre, scale(normal, face->sphere->radius)),
-                             scale(normal, face->sphere->inward ? -1 : 1),
+    return (lmb_level_point){lmb_vec3_add(face->sphere->centre, lmb_vec3_scale(normal, face->sphere->radius)),
+                             lmb_vec3_scale(normal, face->sphere->inward ? -1 : 1),
                              {(float)tangent[0], (float)tangent[1], (float)tangent[2]}};
 }
 
@@ -283,7 +258,7 @@ void lmb_level_builder_add_sphere(lmb_level_builder *builder, int mesh, int mate
             face.front[axis] = side;
             face.right[(axis + 1) % 3] = sphere->inward ? -side : side;
             face.up[(axis + 2) % 3] = 1;
-            const float width_m = (float)(pi / 2) * sphere->radius;
+            const float width_m = (float)(LMB_PI / 2) * sphere->radius;
             const lmb_level_patch patch = {sphere->divisions, sphere->divisions, width_m, width_m, sphere_point, &face};
             lmb_level_builder_add_patch(builder, mesh, material, &patch);
         }
@@ -293,7 +268,7 @@ void lmb_level_builder_add_sphere(lmb_level_builder *builder, int mesh, int mate
 /* The direction of one of the cylinder's edges; the last is the first again, to the bit. */
 static lmb_vec3 cylinder_direction(int segments, int edge)
 {
-    const double angle = 2 * pi * (edge % segments) / segments;
+    const double angle = 2 * LMB_PI * (edge % segments) / segments;
     return (lmb_vec3){(float)sin(angle), 0, (float)cos(angle)};
 }
 
@@ -302,7 +277,9 @@ static lmb_level_point cylinder_point(const void *context, double u, double v)
     const lmb_level_cylinder *cylinder = context;
     const lmb_vec3 out = cylinder_direction(cylinder->segments, (int)floor(u * cylinder->segments + 0.5));
     const lmb_vec3 height = {0, (float)v * cylinder->height, 0};
-    return (lmb_level_point){add(add(cylinder->base, height), scale(out, cylinder->radius)), out, {out.z, 0, -out.x}};
+    return (lmb_level_point){lmb_vec3_add(lmb_vec3_add(cylinder->base, height), lmb_vec3_scale(out, cylinder->radius)),
+                             out,
+                             {out.z, 0, -out.x}};
 }
 
 /* A flat end as a fan; `facing` is +1 for the upper and -1 for the lower. */
@@ -319,8 +296,8 @@ static void add_cylinder_end(lmb_level_builder *builder, int mesh, int material,
     const lmb_vec3 centre = {cylinder->base.x, cylinder->base.y + (facing > 0 ? cylinder->height : 0),
                              cylinder->base.z};
     for (int i = 0; i < cylinder->segments; ++i) {
-        const lmb_vec3 out = scale(cylinder_direction(cylinder->segments, i), r);
-        const lmb_level_point point = {add(centre, out), {0, (float)facing, 0}, {1, 0, 0}};
+        const lmb_vec3 out = lmb_vec3_scale(cylinder_direction(cylinder->segments, i), r);
+        const lmb_level_point point = {lmb_vec3_add(centre, out), {0, (float)facing, 0}, {1, 0, 0}};
         const float chart_m[2] = {r + out.x, r - (float)facing * out.z};
         push_vertex(builder, target, material, point, chart_m, 2 * r);
     }
@@ -336,7 +313,7 @@ void lmb_level_builder_add_cylinder(lmb_level_builder *builder, int mesh, int ma
     assert(cylinder->segments >= 3);
     const lmb_level_patch side = {.columns = cylinder->segments,
                                   .rows = 1,
-                                  .width_m = (float)(2 * pi) * cylinder->radius,
+                                  .width_m = (float)(2 * LMB_PI) * cylinder->radius,
                                   .height_m = cylinder->height,
                                   .surface = cylinder_point,
                                   .context = cylinder};

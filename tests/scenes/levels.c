@@ -66,7 +66,7 @@ lmb_result lmb_level_open_ground(const char *path, float size_m, float albedo, l
 }
 
 /* A block that stands on the floor, turned about +Y. */
-static void place_block(lmb_level_builder *builder, const char *name, int material, lmb_vec3 size, lmb_vec3 place,
+static void place_block(lmb_level_builder *builder, const char *name, int material, lmb_vec3 size, lmb_vec3 position,
                         float angle_rad)
 {
     const int mesh = lmb_level_builder_add_mesh(builder, name);
@@ -75,7 +75,7 @@ static void place_block(lmb_level_builder *builder, const char *name, int materi
     lmb_level_builder_add_box(builder, mesh, &box);
     lmb_level_node node = lmb_level_node_default(name);
     node.mesh = mesh;
-    node.translation = place;
+    node.translation = position;
     lmb_level_turn(angle_rad, node.rotation);
     lmb_level_builder_add_node(builder, &node);
 }
