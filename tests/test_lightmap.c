@@ -138,7 +138,7 @@ static void sun_on_plane(void)
     }
 }
 
-/* Texels that are a linear function of their place read back as that function, wherever bilinear filtering reads. */
+/* Texels that are a linear function of their position read back as that function, wherever bilinear filtering reads. */
 static void bilinear_lookup(void)
 {
     lmb_error error = {""};

@@ -29,7 +29,7 @@ const lmb_scene *lmb_tracer_scene(const lmb_tracer *tracer);
 
 /* Whether an instance is wound inside out, and is seen from the side that its winding calls back: a closed, opaque and
  * double-sided object with nothing in it, in free space. Its back then counts as its front everywhere: for hits,
- * places, texels, and for telling solids from free space. */
+ * surface points, texels, and for telling solids from free space. */
 bool lmb_tracer_is_turned(const lmb_tracer *tracer, uint32_t instance);
 
 /* Says what of the level looks like a mistake: objects wound inside out that are not double-sided, and point and spot
