@@ -7,7 +7,7 @@
 /* Halfs read at once from a probe: its 27 and 5 of what follows, so that the loop has a round number of turns. */
 enum { LANES = 32 };
 
-/* The cell along one axis and the place in it, 0 to 1. @return false when the position was outside and clamped */
+/* The cell along one axis and the position in it, 0 to 1. @return false when the position was outside and clamped */
 static inline bool locate(const lmb_volume *volume, int axis, double position, int32_t *cell, float *t)
 {
     const double last = volume->last[axis];
@@ -90,13 +90,13 @@ static bool sample_at(const lmb_volume *volume, double px, double py, double pz,
     inside &= locate(volume, 2, pz, &cell[2], &t[2]);
     const size_t entry =
         lmb_lattice_brick(volume->bricks_along, (size_t)(cell[0] >> 2), (size_t)(cell[1] >> 2), (size_t)(cell[2] >> 2));
-    const uint32_t brick_number = volume->directory[entry];
+    const uint32_t brick_index = volume->directory[entry];
     const bool is_nan = px != px || py != py || pz != pz; /* mingw-w64's isnan() narrows, and warns */
-    if (brick_number == LMB_VOLUME_NO_BRICK || is_nan) {
+    if (brick_index == LMB_VOLUME_NO_BRICK || is_nan) {
         *radiance = (lmb_sh3_rgb){{{{0.0f}}}};
         return false;
     }
-    const lmb_volume_brick *const brick = &volume->bricks[brick_number];
+    const lmb_volume_brick *const brick = &volume->bricks[brick_index];
     const uint32_t x = (uint32_t)cell[0] & 3u, y = (uint32_t)cell[1] & 3u, z = (uint32_t)cell[2] & 3u;
     const uint32_t first = lmb_brick_point(x, y, z);
 

@@ -28,24 +28,23 @@ static inline bool constant_volume_make(const lmb_scene *scene, lmb_rgb radiance
     *made = (constant_volume){0};
     const float low[3] = {scene->bounds_min.x, scene->bounds_min.y, scene->bounds_min.z};
     const float high[3] = {scene->bounds_max.x, scene->bounds_max.y, scene->bounds_max.z};
-    int32_t min[3], size[3];
+    lmb_lattice lattice = {.spacing = 1.0f};
     for (int i = 0; i < 3; ++i) {
-        min[i] = (int32_t)floorf(low[i]) - 1;
-        size[i] = (int32_t)ceilf(high[i]) + 2 - min[i];
+        lattice.min[i] = (int32_t)floorf(low[i]) - 1;
+        lattice.size[i] = (int32_t)ceilf(high[i]) + 2 - lattice.min[i];
     }
-    const lmb_lattice lattice = {.spacing = 1.0f, .min = {min[0], min[1], min[2]}, .size = {size[0], size[1], size[2]}};
-    lmb_probes *grid = fixture_probes(&lattice, NULL);
-    bool good = grid != NULL;
-    for (int32_t i = 0; good && i < grid->count; ++i) {
-        grid->validity[i] = 1.0f;
+    lmb_probes *probes = fixture_probes(&lattice, NULL);
+    bool good = probes != NULL;
+    for (int32_t i = 0; good && i < probes->count; ++i) {
+        probes->validity[i] = 1.0f;
         for (int c = 0; c < 3; ++c) {
-            grid->radiance[0][i].channel[c].c[0] = radiance.c[c] * 3.54490770f; /* 2 sqrt(pi) */
+            probes->radiance[0][i].channel[c].c[0] = radiance.c[c] * 3.54490770f; /* 2 sqrt(pi) */
         }
     }
     size_t bytes = 0;
-    good = good && lmb_pack(grid, &made->data, &bytes, NULL) == LMB_OK &&
+    good = good && lmb_pack(probes, &made->data, &bytes, NULL) == LMB_OK &&
            lmb_volume_open_memory(made->data, bytes, &made->volume) == LMB_OK;
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
     CHECK(good, "volume");
     if (!good) {
         constant_volume_close(made);

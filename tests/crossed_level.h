@@ -74,7 +74,7 @@ enum {
     CROSSED_TANGENT,
     CROSSED_UV,       /* a good lightmap layout */
     CROSSED_UV_WIDE,  /* beyond [0, 1] */
-    CROSSED_UV_POINT, /* all in one place, and without bytes */
+    CROSSED_UV_POINT, /* all at one point, and without bytes */
     CROSSED_COLOR,
     CROSSED_COLOR_BYTES,
     CROSSED_JOINTS,
@@ -86,7 +86,7 @@ enum {
 enum {
     CROSSED_BOX_INDICES = CROSSED_ATTRIBUTES * CROSSED_COUNTS,
     CROSSED_QUAD_INDICES,
-    CROSSED_TRANSLATIONS, /* three places: one as it is, one mirrored, one scaled to nothing */
+    CROSSED_TRANSLATIONS, /* three transforms: one as it is, one mirrored, one scaled to nothing */
     CROSSED_ROTATIONS,
     CROSSED_SCALES
 };
@@ -96,8 +96,8 @@ static inline int crossed_accessor(int attribute, int count)
     return attribute * CROSSED_COUNTS + count;
 }
 
-/* Writes CROSSED_BUFFER_SIZE bytes: arrays of 24 vertices, each beginning with the quad, then indices and places. The
- * accessors in crossed_data say where everything is. */
+/* Writes CROSSED_BUFFER_SIZE bytes: arrays of 24 vertices, each beginning with the quad, then indices and transforms.
+ * The accessors in crossed_data say where everything is. */
 static inline void crossed_buffer(unsigned char *bytes)
 {
     float position[24][3], normal[24][3], tangent[24][4], uv[24][2], wide[24][2], color[24][4], weights[24][4];
@@ -132,7 +132,7 @@ static inline void crossed_buffer(unsigned char *bytes)
             indices[6 * face + k] = (uint16_t)(4 * face + corner[k]);
         }
     }
-    static const float place[3][10] = {
+    static const float transform[3][10] = {
         {0, 0, 0, 0, 0, 0, 1, 1, 1, 1}, {2, 1, 0, 0, 0.6f, 0, 0.8f, -1, 1, 2}, {0, 3, 0, 0, 0, 0, 1, 0, 0, 0}};
     memcpy(bytes, position, 288);
     memcpy(bytes + 288, normal, 288);
@@ -144,7 +144,7 @@ static inline void crossed_buffer(unsigned char *bytes)
     memcpy(bytes + 1824, weights, 384);
     memcpy(bytes + 2208, indices, 72);
     for (int i = 0; i < 3; ++i) {
-        memcpy(bytes + 2280 + 40 * i, place[i], 40);
+        memcpy(bytes + 2280 + 40 * i, transform[i], 40);
     }
 }
 
@@ -321,14 +321,14 @@ static inline void crossed_mesh(crossed_level *level)
 /* --- nodes --- */
 
 /* How a node stands, its heirs too. */
-typedef struct crossed_place {
+typedef struct crossed_state {
     int parent; /* -1: a root */
     bool moves, hidden;
     bool gone; /* scaled to nothing */
     bool flat; /* scaled to nothing along one axis */
-} crossed_place;
+} crossed_state;
 
-static inline void crossed_transform(crossed_level *level, crossed_place *place)
+static inline void crossed_transform(crossed_level *level, crossed_state *state)
 {
     static const char *const turns[] = {"0,0,0,1", "0.6,0,0,0.8", "0,-0.70710678,0,0.70710678", "0.5,0.5,0.5,0.5"};
     if (crossed_chance(level, 0.15)) {
@@ -342,10 +342,10 @@ static inline void crossed_transform(crossed_level *level, crossed_place *place)
     const double kind = fixture_random(&level->random);
     if (kind < 0.07) {
         crossed_print(level, "'scale':[0,0,0],");
-        place->gone = true;
-    } else if (kind < 0.14 && !place->flat) {
+        state->gone = true;
+    } else if (kind < 0.14 && !state->flat) {
         crossed_print(level, "'scale':[2,0,1],");
-        place->flat = true;
+        state->flat = true;
     } else if (kind < 0.5) {
         crossed_print(level, "'scale':[%.3g,%.3g,1],", crossed_between(level, -2, 2) > 0 ? 1.5 : -1.5,
                       crossed_between(level, 0.4, 2));
@@ -353,7 +353,7 @@ static inline void crossed_transform(crossed_level *level, crossed_place *place)
 }
 
 /* Marks, in each form that exporters give them. */
-static inline void crossed_extras(crossed_level *level, crossed_place *place, bool *light_off)
+static inline void crossed_extras(crossed_level *level, crossed_state *state, bool *light_off)
 {
     static const char *const yes[] = {"true", "1", "1.0"}, *const no[] = {"false", "0", "0.0"};
     static const char *const lights[] = {"baked", "indirect", "off"};
@@ -376,9 +376,9 @@ static inline void crossed_extras(crossed_level *level, crossed_place *place, bo
     const char *const quote = text ? "\\'" : "'";
     crossed_print(level, "'extras':{'a':[{'lambent':1}],'lambent':%s{", text ? "'" : "");
     if (crossed_chance(level, 0.6)) {
-        place->moves = crossed_chance(level, 0.6);
+        state->moves = crossed_chance(level, 0.6);
         crossed_print(level, "%sstatic%s:%s,", quote, quote,
-                      place->moves ? CROSSED_PICK(level, no) : CROSSED_PICK(level, yes));
+                      state->moves ? CROSSED_PICK(level, no) : CROSSED_PICK(level, yes));
     }
     if (crossed_chance(level, 0.2)) {
         const bool seed = crossed_chance(level, 0.6);
@@ -394,14 +394,14 @@ static inline void crossed_extras(crossed_level *level, crossed_place *place, bo
     crossed_print(level, "%spath%s:%.3g}%s},", quote, quote, crossed_between(level, 0, 9), text ? "'" : "");
 }
 
-static inline void crossed_light_node(crossed_level *level, const crossed_place *place, bool off)
+static inline void crossed_light_node(crossed_level *level, const crossed_state *state, bool off)
 {
     const int light = crossed_choice(level, 3); /* point, spot, directional */
     crossed_print(level, "'KHR_lights_punctual':{'light':%d},", light);
-    level->lights += !off && !place->hidden && !place->gone && (light == 0 || !place->flat);
+    level->lights += !off && !state->hidden && !state->gone && (light == 0 || !state->flat);
 }
 
-static inline void crossed_mesh_node(crossed_level *level, const crossed_place *place)
+static inline void crossed_mesh_node(crossed_level *level, const crossed_state *state)
 {
     const bool skinned = crossed_chance(level, 0.1);
     crossed_print(level, "'mesh':%d,", crossed_choice(level, level->meshes));
@@ -409,7 +409,7 @@ static inline void crossed_mesh_node(crossed_level *level, const crossed_place *
     if (skinned) {
         crossed_print(level, "'skin':0,");
     }
-    uint32_t placed = skinned || !place->gone;
+    uint32_t placed = skinned || !state->gone;
     if (crossed_chance(level, 0.2)) {
         static const char *const names[] = {"TRANSLATION", "ROTATION", "SCALE"};
         bool scaled = false;
@@ -424,45 +424,45 @@ static inline void crossed_mesh_node(crossed_level *level, const crossed_place *
         crossed_print(level, "}}},");
         placed = skinned ? 1 : placed * (scaled ? 2 : 3);
     }
-    placed = place->hidden ? 0 : placed;
+    placed = state->hidden ? 0 : placed;
     level->instances += placed;
-    level->static_instances += place->moves ? 0 : placed;
+    level->static_instances += state->moves ? 0 : placed;
 }
 
-static inline void crossed_node(crossed_level *level, int number, int count, crossed_place *places)
+static inline void crossed_node(crossed_level *level, int index, int count, crossed_state *states)
 {
-    crossed_place *const place = &places[number];
-    const int parent = place->parent;
+    crossed_state *const state = &states[index];
+    const int parent = state->parent;
     bool light_off = false;
     if (parent >= 0) {
-        *place = places[parent];
-        place->parent = parent;
+        *state = states[parent];
+        state->parent = parent;
     }
     crossed_print(level, "{");
-    CROSSED_MAYBE(level, 0.7, "'name':'n%d',", number);
+    CROSSED_MAYBE(level, 0.7, "'name':'n%d',", index);
     bool first = true;
-    for (int i = number + 1; i < count; ++i) {
-        if (places[i].parent == number) {
+    for (int i = index + 1; i < count; ++i) {
+        if (states[i].parent == index) {
             crossed_print(level, "%s%d", first ? "'children':[" : ",", i);
             first = false;
         }
     }
     crossed_print(level, "%s", first ? "" : "],");
-    crossed_transform(level, place);
+    crossed_transform(level, state);
     if (crossed_chance(level, 0.5)) {
-        crossed_extras(level, place, &light_off);
+        crossed_extras(level, state, &light_off);
     }
     if (level->meshes > 0 && crossed_chance(level, 0.7)) {
-        crossed_mesh_node(level, place);
+        crossed_mesh_node(level, state);
     } else {
         crossed_print(level, "'extensions':{");
         if (crossed_chance(level, 0.2)) {
             const bool hides = crossed_chance(level, 0.6);
-            place->hidden |= hides;
+            state->hidden |= hides;
             crossed_print(level, "'KHR_node_visibility':{'visible':%s},", hides ? "false" : "true");
         }
         if (crossed_chance(level, 0.5)) {
-            crossed_light_node(level, place, light_off);
+            crossed_light_node(level, state, light_off);
         }
         crossed_print(level, "'X_vendor':{}},");
     }
@@ -485,7 +485,7 @@ static inline void crossed_make_json(crossed_level *level)
 
 static inline void crossed_make(crossed_level *level, uint64_t seed)
 {
-    crossed_place places[CROSSED_MAX_NODES];
+    crossed_state states[CROSSED_MAX_NODES];
     memset(level, 0, sizeof *level);
     level->random = seed * UINT64_C(0x9e3779b97f4a7c15) + 1;
     const int nodes = 1 + crossed_choice(level, CROSSED_MAX_NODES);
@@ -509,10 +509,10 @@ static inline void crossed_make(crossed_level *level, uint64_t seed)
                   "{'type':'directional','intensity':3,'name':'sun'}]}},'skins':[{'joints':[0]}],'nodes':[",
                   crossed_between(level, 0, 100), crossed_chance(level, 0.5) ? "3.40282347e+38" : "8");
     for (int i = 0; i < nodes; ++i) {
-        places[i] = (crossed_place){.parent = crossed_chance(level, 0.5) ? crossed_choice(level, i + 1) - 1 : -1};
+        states[i] = (crossed_state){.parent = crossed_chance(level, 0.5) ? crossed_choice(level, i + 1) - 1 : -1};
     }
     for (int i = 0; i < nodes; ++i) {
-        crossed_node(level, i, nodes, places);
+        crossed_node(level, i, nodes, states);
     }
     crossed_print(level, "]}");
     crossed_make_json(level);

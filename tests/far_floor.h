@@ -10,15 +10,15 @@
 
 enum { FLOOR_TEXT_SIZE = 8192 };
 
-/* Accessors: 0 the floor, 1 its indices, 2 a place of (far, 0, far), 3 joints, 4 weights, 5 the floor around (far, 0,
- * far). All in floats. */
+/* Accessors: 0 the floor, 1 its indices, 2 a translation by (far, 0, far), 3 joints, 4 weights, 5 the floor around
+ * (far, 0, far). All in floats. */
 static inline bool floor_data(const char *name, float far)
 {
     static const uint16_t indices[6] = {0, 1, 2, 0, 2, 3};
     static const float near[4][3] = {{-4, 0, 4}, {4, 0, 4}, {4, 0, -4}, {-4, 0, -4}};
     unsigned char bytes[48 + 12 + 12 + 16 + 64 + 48] = {0};
     float positions[4][3], weights[4][4] = {{1}, {1}, {1}, {1}};
-    const float place[3] = {far, 0, far};
+    const float translation[3] = {far, 0, far};
     for (int v = 0; v < 4; ++v) {
         positions[v][0] = near[v][0] + far;
         positions[v][1] = near[v][1];
@@ -26,7 +26,7 @@ static inline bool floor_data(const char *name, float far)
     }
     memcpy(bytes, near, 48);
     memcpy(bytes + 48, indices, 12);
-    memcpy(bytes + 60, place, 12);
+    memcpy(bytes + 60, translation, 12);
     memcpy(bytes + 88, weights, 64);
     memcpy(bytes + 152, positions, 48);
     return write_bytes(name, bytes, sizeof bytes);

@@ -21,7 +21,7 @@ static const lmb_vec3 hard_up = {0.0f, 1.0f, 0.0f};
 
 typedef struct hard_level {
     level_fixture traced;
-    lmb_probes *grid;
+    lmb_probes *probes;
     lmb_placement_stats placement;
     lmb_gather_stats baked;
     unsigned char *file;
@@ -49,7 +49,7 @@ static inline void hard_close(hard_level *level)
 {
     lmb_volume_close(level->volume);
     free(level->file);
-    lmb_probes_destroy(level->grid);
+    lmb_probes_destroy(level->probes);
     lmb_lightmap_destroy(level->lightmap);
     level_fixture_close(&level->traced);
 }
@@ -72,19 +72,19 @@ static inline bool rgb_is_light(lmb_rgb light)
     return good;
 }
 
-static inline void hard_check_grid(const lmb_probes *grid)
+static inline void hard_check_probes(const lmb_probes *probes)
 {
     lmb_error error = {{0}};
-    CHECK(lmb_probes_validate(grid, &error) == LMB_OK, "%s", error.message);
+    CHECK(lmb_probes_validate(probes, &error) == LMB_OK, "%s", error.message);
     int32_t broken = 0;
-    for (int32_t i = 0; i < grid->count; ++i) {
-        bool good = sh_is_finite(&grid->radiance[0][i]);
+    for (int32_t i = 0; i < probes->count; ++i) {
+        bool good = sh_is_finite(&probes->radiance[0][i]);
         for (int c = 0; c < 3; ++c) {
-            good = good && grid->radiance[0][i].channel[c].c[0] >= 0.0f;
+            good = good && probes->radiance[0][i].channel[c].c[0] >= 0.0f;
         }
         broken += !good;
     }
-    CHECK(broken == 0, "%d of %d probes", (int)broken, (int)grid->count);
+    CHECK(broken == 0, "%d of %d probes", (int)broken, (int)probes->count);
 }
 
 /* Anywhere in the bounds, around them, and where no position is. */
@@ -134,17 +134,17 @@ static inline bool hard_bake_volume(hard_level *level, const hard_settings *sett
     lmb_error error = {{0}};
     lmb_placement_settings placement = lmb_placement_settings_default();
     placement.spacing = settings->spacing;
-    lmb_result result = lmb_placement_make(level->traced.tracer, &placement, level->traced.pool, &level->grid,
+    lmb_result result = lmb_placement_make(level->traced.tracer, &placement, level->traced.pool, &level->probes,
                                            &level->placement, &error);
     if (result == LMB_OK) {
         result =
-            lmb_probes_bake(level->grid, &level->traced.transport, &(lmb_gather_effort){.samples = settings->samples},
+            lmb_probes_bake(level->probes, &level->traced.transport, &(lmb_gather_effort){.samples = settings->samples},
                             level->traced.pool, NULL, &level->baked);
     }
     size_t size = 0;
     if (result == LMB_OK) {
-        hard_check_grid(level->grid);
-        result = lmb_pack(level->grid, &level->file, &size, &level->packed);
+        hard_check_probes(level->probes);
+        result = lmb_pack(level->probes, &level->file, &size, &level->packed);
     }
     if (result == LMB_OK) {
         result = lmb_volume_open_memory(level->file, size, &level->volume);
@@ -211,8 +211,8 @@ static inline uint32_t hard_instance(const lmb_scene *scene, const char *name)
 /* Normalised irradiance that the lightmap stores at the middle of a triangle. */
 static inline lmb_rgb hard_texel(const hard_level *level, const char *instance, uint32_t triangle)
 {
-    const uint32_t number = hard_instance(level->traced.scene, instance);
-    return sample_irradz(level->lightmap, number, triangle, 0.3f, 0.3f).irradiance_z;
+    const uint32_t index = hard_instance(level->traced.scene, instance);
+    return sample_irradz(level->lightmap, index, triangle, 0.3f, 0.3f).irradiance_z;
 }
 
 /* --- levels ---------------------------------------------------------------------------------------------------- */

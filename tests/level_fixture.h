@@ -65,7 +65,7 @@ static inline bool level_fixture_open(level_fixture *level, const char *path, lm
     return written == LMB_OK && level_fixture_load(level, path, NULL, threads);
 }
 
-/* A place of the world, as levels' own space has it. */
+/* A position in the world, as levels' own space has it. */
 static inline lmb_vec3 scene_position(const level_fixture *level, lmb_vec3 world)
 {
     return lmb_scene_from_world(level->scene, (lmb_vec3d){(double)world.x, (double)world.y, (double)world.z});

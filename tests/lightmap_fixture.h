@@ -46,14 +46,20 @@ static inline bool lightmap_bake(baked *bake, uint32_t samples)
     return result == LMB_OK;
 }
 
+typedef struct baked_settings {
+    float texels_per_m;
+    uint32_t samples;
+    int threads;
+} baked_settings;
+
 /* A level that was written to `path`, with its lightmap baked. */
-static inline bool baked_open(baked *bake, const char *path, lmb_result written, lmb_error *error, float texels_per_m,
-                              uint32_t samples, int threads)
+static inline bool baked_open(baked *bake, const char *path, lmb_result written, lmb_error *error,
+                              baked_settings settings)
 {
-    if (!level_fixture_open(&bake->level, path, written, error, threads)) {
+    if (!level_fixture_open(&bake->level, path, written, error, settings.threads)) {
         return false;
     }
-    if (lightmap_make(bake, texels_per_m, 1024) && lightmap_bake(bake, samples)) {
+    if (lightmap_make(bake, settings.texels_per_m, 1024) && lightmap_bake(bake, settings.samples)) {
         return true;
     }
     baked_close(bake);

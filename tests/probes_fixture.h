@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* xorshift64: good enough to fill grids, and the same everywhere. */
+/* xorshift64: good enough to fill probes, and the same everywhere. */
 static inline double fixture_random(uint64_t *state)
 {
     *state ^= *state << 13;
@@ -42,13 +42,13 @@ static inline lmb_probes *fixture_probes(const lmb_lattice *lattice, const uint8
     return probes;
 }
 
-/* Probes where a point holds a probe with probability `density`, valid with probability `valid_share`; coefficients
+/* A point of the box holds a probe with probability `density`, valid with probability `valid_share`; coefficients
  * are in -magnitude .. magnitude. Aborts when out of memory. */
-static inline lmb_probes *fixture_grid(float spacing, const int32_t min[3], const int32_t size[3], double density,
-                                       double valid_share, double magnitude, uint64_t seed)
+static inline lmb_probes *fixture_random_probes(const lmb_lattice *lattice, double density, double valid_share,
+                                                double magnitude, uint64_t seed)
 {
     uint64_t state = seed * UINT64_C(0x9e3779b97f4a7c15) + 1;
-    const size_t points = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    const size_t points = (size_t)lattice->size[0] * (size_t)lattice->size[1] * (size_t)lattice->size[2];
     uint8_t *const wanted = malloc(points);
     if (!wanted) {
         abort();
@@ -56,22 +56,20 @@ static inline lmb_probes *fixture_grid(float spacing, const int32_t min[3], cons
     for (size_t i = 0; i < points; ++i) {
         wanted[i] = fixture_random(&state) < density;
     }
-    const lmb_lattice lattice = {
-        .spacing = spacing, .min = {min[0], min[1], min[2]}, .size = {size[0], size[1], size[2]}};
-    lmb_probes *const grid = fixture_probes(&lattice, wanted);
-    if (!grid) {
+    lmb_probes *const probes = fixture_probes(lattice, wanted);
+    if (!probes) {
         abort();
     }
     free(wanted);
-    for (int32_t probe = 0; probe < grid->count; ++probe) {
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
         const double draw = fixture_random(&state);
-        grid->validity[probe] = (float)(fixture_random(&state) < valid_share ? 0.5 + 0.5 * draw : 0.49 * draw);
+        probes->validity[probe] = (float)(fixture_random(&state) < valid_share ? 0.5 + 0.5 * draw : 0.49 * draw);
         for (int i = 0; i < 27; ++i) {
-            grid->radiance[0][probe].channel[i / 9].c[i % 9] =
+            probes->radiance[0][probe].channel[i / 9].c[i % 9] =
                 (float)((2.0 * fixture_random(&state) - 1.0) * magnitude);
         }
     }
-    return grid;
+    return probes;
 }
 
 #endif

@@ -43,7 +43,7 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
     return fails_now() ? NULL : __real_aligned_alloc(alignment, size);
 }
 
-static const int32_t min[3] = {0, 0, 0}, size[3] = {3, 3, 3};
+static const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {3, 3, 3}};
 
 static lmb_result create_probes(void)
 {
@@ -54,23 +54,22 @@ static lmb_result create_probes(void)
     return result;
 }
 
-static lmb_probes *shared_grid;
+static lmb_probes *shared_probes;
 static unsigned char *shared_image;
 static size_t shared_bytes;
 
 static lmb_result add_probes(void)
 {
-    static const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {3, 3, 3}};
     static const int32_t points[3][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     const int left = allocations_left;
     allocations_left = -1;
-    lmb_probes *grid = NULL;
-    CHECK(lmb_probes_create(&grid) == LMB_OK, "create");
+    lmb_probes *probes = NULL;
+    CHECK(lmb_probes_create(&probes) == LMB_OK, "create");
     allocations_left = left;
-    const lmb_result result = lmb_probes_add_level(grid, &lattice, points, 3);
-    CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "the probes are whole");
-    CHECK(grid->count == (result == LMB_OK ? 3 : 0), "%d probes", grid->count);
-    lmb_probes_destroy(grid);
+    const lmb_result result = lmb_probes_add_level(probes, &lattice, points, 3);
+    CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "the probes are whole");
+    CHECK(probes->count == (result == LMB_OK ? 3 : 0), "%d probes", probes->count);
+    lmb_probes_destroy(probes);
     return result;
 }
 
@@ -78,20 +77,20 @@ static lmb_result add_set(void)
 {
     const int left = allocations_left;
     allocations_left = -1;
-    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 0.5, 1.0, 3);
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 0.5, 1.0, 3);
     allocations_left = left;
     uint32_t set = 7;
-    const lmb_result result = lmb_probes_add_set(grid, &set);
-    CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "the probes are whole");
-    CHECK(grid->set_count == (result == LMB_OK ? 2 : 1) && set == (result == LMB_OK ? 1 : 7), "set %u of %u", set,
-          grid->set_count);
-    lmb_probes_destroy(grid);
+    const lmb_result result = lmb_probes_add_set(probes, &set);
+    CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "the probes are whole");
+    CHECK(probes->set_count == (result == LMB_OK ? 2 : 1) && set == (result == LMB_OK ? 1 : 7), "set %u of %u", set,
+          probes->set_count);
+    lmb_probes_destroy(probes);
     return result;
 }
 
 static lmb_result dilate(void)
 {
-    return lmb_probes_dilate(shared_grid);
+    return lmb_probes_dilate(shared_probes);
 }
 
 static lmb_result pack(void)
@@ -99,7 +98,7 @@ static lmb_result pack(void)
     unsigned char *data = NULL;
     size_t bytes = 7;
     lmb_pack_stats stats = {.bytes = 7};
-    const lmb_result result = lmb_pack(shared_grid, &data, &bytes, &stats);
+    const lmb_result result = lmb_pack(shared_probes, &data, &bytes, &stats);
     CHECK(result == LMB_OK || (!data && bytes == 7 && stats.bytes == 7), "outputs were touched");
     free(data);
     return result;
@@ -183,8 +182,8 @@ static void test_each(void)
         {"write", write_file, 1},
         {"read and grow", read_growing_file, 2},
     };
-    shared_grid = fixture_grid(1.0f, min, size, 1.0, 0.5, 1.0, 3);
-    CHECK(lmb_pack(shared_grid, &shared_image, &shared_bytes, NULL) == LMB_OK, "pack");
+    shared_probes = fixture_random_probes(&lattice, 1.0, 0.5, 1.0, 3);
+    CHECK(lmb_pack(shared_probes, &shared_image, &shared_bytes, NULL) == LMB_OK, "pack");
     CHECK(lmb_file_write(LMB_TEST_OUTPUT_DIR "/allocation.lmb", shared_image, shared_bytes, NULL) == LMB_OK, "write");
     for (size_t i = 0; i < sizeof runs / sizeof runs[0]; ++i) {
         lmb_result result = LMB_ERROR_MEMORY;
@@ -200,7 +199,7 @@ static void test_each(void)
     test_open_without_allocation(shared_image, shared_bytes);
     remove(LMB_TEST_OUTPUT_DIR "/allocation.lmb");
     free(shared_image);
-    lmb_probes_destroy(shared_grid);
+    lmb_probes_destroy(shared_probes);
 }
 
 static const test_case cases[] = {{"every allocation fails in turn", test_each}};

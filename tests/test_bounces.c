@@ -1,4 +1,4 @@
-/* Bounces between places, against a dense system solved by GSL and against plain sums. */
+/* Bounces between rows, against a dense system solved by GSL and against plain sums. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,10 +9,10 @@
 #include "harness.h"
 #include "solve/bounces.h"
 
-/* Each place sees so many others, one to three times. */
-enum { PLACES = 600, SEEN = 16, MOST_TIMES = 3, LINKS = SEEN * MOST_TIMES };
+/* Each row sees so many others, one to three times. */
+enum { ROWS = 600, SEEN = 16, MOST_TIMES = 3, LINKS = SEEN * MOST_TIMES };
 
-/* Places along a corridor that see others up to some way off. */
+/* Rows along a corridor that see others up to some way off. */
 typedef struct corridor {
     uint32_t count;
     size_t *first;
@@ -34,7 +34,7 @@ static float share(uint64_t a, uint64_t b)
     return (float)(lmb_mix(a, b) >> 40) / 16777216.0f;
 }
 
-/* Every surface reflects `albedo`; each channel has its own light at every tenth place. */
+/* Every surface reflects `albedo`; each channel has its own light at every tenth row. */
 static corridor corridor_make(uint32_t count, uint32_t reach, float albedo)
 {
     corridor made = {count, calloc(count + 1u, sizeof(size_t)), calloc((size_t)count * LINKS, sizeof(lmb_link)),
@@ -67,7 +67,7 @@ static lmb_rgb *corridor_sum(const corridor *made, int bounces, int threads, int
     lmb_pool *pool = NULL;
     CHECK(lmb_pool_create(threads, &pool) == LMB_OK, "a pool of %d", threads);
     const lmb_bounce_rows rows = {made->count, made->first, made->links, made->samples, light};
-    CHECK(lmb_bounces_sum(&rows, bounces, pool, NULL, passes) == LMB_OK, "bounces of %u places", made->count);
+    CHECK(lmb_bounces_sum(&rows, bounces, pool, NULL, passes) == LMB_OK, "bounces of %u rows", made->count);
     lmb_pool_destroy(pool);
     return light;
 }
@@ -97,7 +97,7 @@ static gsl_vector *dense_solve(const corridor *made, int channel)
     return solution;
 }
 
-/* The largest relative error of a place. */
+/* The largest relative error of a row. */
 static double error_most(const corridor *made, const lmb_rgb *light)
 {
     double most = 0.0;
@@ -119,7 +119,7 @@ static void all_bounces_solve_the_system(void)
     static const double bound[] = {1e-6, 2e-3, 0.01, 0.02, 0.1};
     static const uint32_t reach[] = {300, 100, 30, 10, 4};
     for (int i = 0; i < 25; ++i) {
-        corridor made = corridor_make(PLACES, reach[i / 5], albedo[i % 5]);
+        corridor made = corridor_make(ROWS, reach[i / 5], albedo[i % 5]);
         int passes;
         lmb_rgb *light = corridor_sum(&made, -1, 1, &passes);
         CHECK_NEAR(error_most(&made, light), 0.0, bound[i % 5], "albedo %g, reach %u, %d passes", (double)albedo[i % 5],
@@ -134,12 +134,12 @@ static void all_bounces_solve_the_system(void)
 static void trapped_light_harms_nobody_else(void)
 {
     enum { TRAPPED = 8 };
-    corridor made = corridor_make(PLACES, 30, 0.9f);
-    for (uint32_t i = 0; i < PLACES; ++i) {
+    corridor made = corridor_make(ROWS, 30, 0.9f);
+    for (uint32_t i = 0; i < ROWS; ++i) {
         for (size_t k = made.first[i]; k < made.first[i + 1]; ++k) {
             lmb_link *link = &made.links[k];
-            const bool trapped = i >= PLACES - TRAPPED;
-            link->target = trapped ? PLACES - TRAPPED + (uint32_t)(k % TRAPPED) : link->target % (PLACES - TRAPPED);
+            const bool trapped = i >= ROWS - TRAPPED;
+            link->target = trapped ? ROWS - TRAPPED + (uint32_t)(k % TRAPPED) : link->target % (ROWS - TRAPPED);
             for (int c = 0; c < 3 && trapped; ++c) {
                 link->weight[c] = 65535;
             }
@@ -147,12 +147,12 @@ static void trapped_light_harms_nobody_else(void)
     }
     int passes;
     lmb_rgb *light = corridor_sum(&made, -1, 1, &passes);
-    for (uint32_t i = 0; i < PLACES; ++i) {
+    for (uint32_t i = 0; i < ROWS; ++i) {
         for (int c = 0; c < 3; ++c) {
-            CHECK(isfinite(light[i].c[c]) && light[i].c[c] >= 0.0f, "place %u", i);
+            CHECK(isfinite(light[i].c[c]) && light[i].c[c] >= 0.0f, "row %u", i);
         }
     }
-    made.count = PLACES - TRAPPED;
+    made.count = ROWS - TRAPPED;
     CHECK_NEAR(error_most(&made, light), 0.0, 0.01, "%d passes", passes);
     free(light);
     corridor_free(&made);
@@ -161,13 +161,13 @@ static void trapped_light_harms_nobody_else(void)
 static void some_bounces_are_so_many(void)
 {
     enum { BOUNCES = 5 };
-    corridor made = corridor_make(PLACES, 30, 0.9f);
+    corridor made = corridor_make(ROWS, 30, 0.9f);
     int passes;
     lmb_rgb *light = corridor_sum(&made, BOUNCES, 1, &passes);
     CHECK(passes == BOUNCES, "%d passes", passes);
-    double now[PLACES] = {0.0}, next[PLACES];
+    double now[ROWS] = {0.0}, next[ROWS];
     for (int bounce = 0; bounce <= BOUNCES; ++bounce) {
-        for (uint32_t i = 0; i < PLACES; ++i) {
+        for (uint32_t i = 0; i < ROWS; ++i) {
             next[i] = (double)made.direct[i].c[0];
             for (size_t k = made.first[i]; k < made.first[i + 1]; ++k) {
                 const lmb_link *link = &made.links[k];
@@ -176,8 +176,8 @@ static void some_bounces_are_so_many(void)
         }
         memcpy(now, next, sizeof now);
     }
-    for (uint32_t i = 0; i < PLACES; ++i) {
-        CHECK_NEAR(light[i].c[0], now[i], 1e-5, "place %u", i);
+    for (uint32_t i = 0; i < ROWS; ++i) {
+        CHECK_NEAR(light[i].c[0], now[i], 1e-5, "row %u", i);
     }
     free(light);
     corridor_free(&made);

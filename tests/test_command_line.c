@@ -235,31 +235,31 @@ static double green_sampled(const char *path)
 static void edited_volumes_give_edited_light(void)
 {
     lmb_error error = {{0}};
-    lmb_probes *grid;
+    lmb_probes *probes;
     if (!baked()) {
         return;
     }
-    if (lmb_vdb_read(OUTPUT "/b/probes.vdb", &grid, NULL, NULL, &error) != LMB_OK) {
+    if (lmb_vdb_read(OUTPUT "/b/probes.vdb", &probes, NULL, NULL, &error) != LMB_OK) {
         CHECK(false, "%s", error.message);
         return;
     }
-    for (int32_t i = 0; i < grid->count; ++i) {
+    for (int32_t i = 0; i < probes->count; ++i) {
         for (int k = 0; k < LMB_SH3_COUNT; ++k) {
-            grid->radiance[0][i].channel[1].c[k] *= 2.0f;
+            probes->radiance[0][i].channel[1].c[k] *= 2.0f;
         }
     }
     const lmb_vdb_metadata metadata = {"{}", "0"};
-    CHECK(lmb_vdb_write(OUTPUT "/edited.vdb", grid, &metadata, &error) == LMB_OK, "%s", error.message);
+    CHECK(lmb_vdb_write(OUTPUT "/edited.vdb", probes, &metadata, &error) == LMB_OK, "%s", error.message);
     CHECK_RUN(0, NULL, IN_OUTPUT LMB_COMMAND " pack edited.vdb -o edited.lmb");
     const double green = green_sampled("b/probes.lmb");
     CHECK(green > 0.0, "%g", green);
     CHECK_NEAR(green_sampled("edited.lmb"), 2.0 * green, 2e-3 * green, "twice the green");
-    for (int32_t i = 0; i < grid->count; ++i) {
-        grid->validity[i] = 0.0f;
+    for (int32_t i = 0; i < probes->count; ++i) {
+        probes->validity[i] = 0.0f;
     }
-    CHECK(lmb_vdb_write(OUTPUT "/edited.vdb", grid, &metadata, &error) == LMB_OK, "%s", error.message);
+    CHECK(lmb_vdb_write(OUTPUT "/edited.vdb", probes, &metadata, &error) == LMB_OK, "%s", error.message);
     CHECK_RUN(3, "edited.vdb: no probe has light", IN_OUTPUT LMB_COMMAND " pack edited.vdb -o edited.lmb");
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
 }
 
 /* A floor of 4 m, seeds and cameras as glTF text. Base64 of 4 corners and 6 indices. */

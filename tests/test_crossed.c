@@ -56,10 +56,10 @@ static void probes_bake(const level_fixture *level, uint64_t seed)
     const lmb_placement_settings settings = {.max_probes = MAX_PROBES};
     const lmb_gather_effort effort = {.samples = SAMPLES};
     lmb_error fault = {""};
-    lmb_probes *grid = NULL;
+    lmb_probes *probes = NULL;
     lmb_placement_stats placed;
     lmb_gather_stats stats;
-    lmb_result result = lmb_placement_make(level->tracer, &settings, level->pool, &grid, &placed, &fault);
+    lmb_result result = lmb_placement_make(level->tracer, &settings, level->pool, &probes, &placed, &fault);
     if (result == LMB_ERROR_UNSUPPORTED) {
         return; /* nothing that stands still has bounds */
     }
@@ -67,16 +67,16 @@ static void probes_bake(const level_fixture *level, uint64_t seed)
     if (result != LMB_OK) {
         return;
     }
-    result = lmb_probes_bake(grid, &level->transport, &effort, level->pool, NULL, &stats);
+    result = lmb_probes_bake(probes, &level->transport, &effort, level->pool, NULL, &stats);
     CHECK(result == LMB_OK, "seed %llu", (unsigned long long)seed);
     bool finite = true;
-    for (int32_t i = 0; i < grid->count; ++i) {
+    for (int32_t i = 0; i < probes->count; ++i) {
         for (int k = 0; k < 27; ++k) {
-            finite = finite && isfinite(grid->radiance[0][i].channel[k / 9].c[k % 9]);
+            finite = finite && isfinite(probes->radiance[0][i].channel[k / 9].c[k % 9]);
         }
     }
     CHECK(finite, "seed %llu: probes", (unsigned long long)seed);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
 }
 
 static void lightmap_files(const baked *bake, uint64_t seed)

@@ -121,7 +121,7 @@ static void closed_huts_are_dark(void)
         {.wall_m = 0.1f, .sink_m = 0.01f, .tile_m = 0.11f},
         {.wall_m = 0.05f, .sink_m = 0.05f, .turn_rad = 1.2f, .room_in_it = true},
     };
-    static const lmb_vec3 places[] = {{0.0f, 1.2f, 0.0f},   {0.0f, 0.002f, 0.0f},    {1.995f, 0.002f, 0.3f},
+    static const lmb_vec3 points[] = {{0.0f, 1.2f, 0.0f},   {0.0f, 0.002f, 0.0f},    {1.995f, 0.002f, 0.3f},
                                       {1.9f, 0.01f, -1.9f}, {-1.99f, 0.01f, -1.99f}, {-1.0f, 2.49f, 1.95f}};
     const double outside = (double)SUN_LUX / sqrt(1.0 + 0.36 + 0.09) / PI;
     for (size_t i = 0; i < sizeof shapes / sizeof shapes[0]; ++i) {
@@ -132,10 +132,10 @@ static void closed_huts_are_dark(void)
             continue;
         }
         lmb_surface_light *light = solve(&level, 0);
-        for (size_t k = 0; k < sizeof places / sizeof places[0]; ++k) {
-            const lmb_vec3 at = turned(&shapes[i], places[k]);
+        for (size_t k = 0; k < sizeof points / sizeof points[0]; ++k) {
+            const lmb_vec3 at = turned(&shapes[i], points[k]);
             const lmb_rgb found = traced_irradiance(&level, at, up, 4096);
-            CHECK((double)found.c[1] <= 1e-5 * outside, "hut %zu, place %zu: %g of %g outside", i, k,
+            CHECK((double)found.c[1] <= 1e-5 * outside, "hut %zu, point %zu: %g of %g outside", i, k,
                   (double)found.c[1], outside);
             const lmb_gather_point probe = {.position = at};
             lmb_gathered gathered;
@@ -155,9 +155,9 @@ static void closed_huts_are_dark(void)
  * there. Whole solves are compared, by their mean over seeds: one alone is as noisy as a few paths through the slit. */
 static void slits_let_in_what_they_should(void)
 {
-    enum { SEEDS = 6, PLACES = 5 };
+    enum { SEEDS = 6, POINTS = 5 };
     const hut_shape shape = {.wall_m = 0.1f, .sink_m = 0.01f, .slit_m = 0.15f};
-    static const lmb_vec3 places[PLACES] = {
+    static const lmb_vec3 points[POINTS] = {
         {-1.0f, 0.01f, 1.0f}, {0.5f, 0.01f, -1.5f}, {0.0f, 0.01f, 1.2f}, {1.5f, 0.01f, 1.6f}, {-1.5f, 1.0f, -1.0f}};
     level_fixture level;
     char path[512];
@@ -165,24 +165,24 @@ static void slits_let_in_what_they_should(void)
     if (!hut_open(&level, path, &shape)) {
         return;
     }
-    double reference[PLACES], cached[PLACES] = {0.0}, squared[PLACES] = {0.0};
-    for (int k = 0; k < PLACES; ++k) {
-        reference[k] = (double)traced_irradiance(&level, places[k], up, 1u << 19).c[1];
+    double reference[POINTS], cached[POINTS] = {0.0}, squared[POINTS] = {0.0};
+    for (int k = 0; k < POINTS; ++k) {
+        reference[k] = (double)traced_irradiance(&level, points[k], up, 1u << 19).c[1];
     }
     for (uint64_t seed = 0; seed < SEEDS; ++seed) {
         lmb_surface_light *light = solve(&level, seed);
-        for (int k = 0; k < PLACES; ++k) {
-            const double found = (double)traced_irradiance(&level, places[k], up, 4096).c[1];
+        for (int k = 0; k < POINTS; ++k) {
+            const double found = (double)traced_irradiance(&level, points[k], up, 4096).c[1];
             cached[k] += found / SEEDS;
             squared[k] += found * found / SEEDS;
         }
         lmb_surface_light_destroy(light);
         level.transport.surface = NULL;
     }
-    for (int k = 0; k < PLACES; ++k) {
+    for (int k = 0; k < POINTS; ++k) {
         const double spread = sqrt(fmax(squared[k] - cached[k] * cached[k], 0.0) / (SEEDS - 1));
-        CHECK(reference[k] > 0.0 && reference[k] < 0.003 * (double)SUN_LUX / PI, "place %d: %g", k, reference[k]);
-        CHECK_NEAR(cached[k], reference[k], 0.03 * reference[k] + 3.0 * spread, "place %d, spread %g", k, spread);
+        CHECK(reference[k] > 0.0 && reference[k] < 0.003 * (double)SUN_LUX / PI, "point %d: %g", k, reference[k]);
+        CHECK_NEAR(cached[k], reference[k], 0.03 * reference[k] + 3.0 * spread, "point %d, spread %g", k, spread);
     }
     level_fixture_close(&level);
 }

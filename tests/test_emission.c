@@ -5,25 +5,17 @@
 
 #include "emission_fixture.h"
 #include "scenes/level_builder.h"
+#include "variates.h"
 
 #include "light/emission_map.h"
 #include "light/emission_part.h"
 
 #define PI 3.14159265358979323846
 
-/* Numbers in [0, 1), the same every time. */
-static double number_next(uint64_t *state)
-{
-    *state += 0x9E3779B97F4A7C15u;
-    uint64_t z = (*state ^ (*state >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return (double)((z ^ (z >> 31)) >> 40) * 0x1p-24;
-}
-
 static uint8_t noise_at(int32_t x, int32_t y, uint64_t which)
 {
     uint64_t state = (uint64_t)x * 7919u + (uint64_t)y * 104729u + which * 1299709u;
-    return (uint8_t)(256.0 * number_next(&state));
+    return (uint8_t)(256.0 * variate_next(&state));
 }
 
 static void pixel_set(uint8_t rgba[4], uint8_t r, uint8_t g, uint8_t b, uint8_t a)
@@ -210,8 +202,8 @@ static void aiming_finds_all(void)
         double sum = 0.0, squares = 0.0;
         int looked = 0, agreed = 0;
         for (int i = 0; i < SAMPLES; ++i) {
-            const float choice = (float)number_next(&state);
-            const float x = (float)number_next(&state), y = (float)number_next(&state);
+            const float choice = (float)variate_next(&state);
+            const float x = (float)variate_next(&state), y = (float)variate_next(&state);
             lmb_light_sample sample;
             const lmb_triangle_choices choices = {1, &seen_from, &choice, &x, &y};
             lmb_emitters_sample_triangles(made.emitters, &query, &choices, &sample);
@@ -280,8 +272,8 @@ static void maps_hold_what_is_filtered(void)
         for (int i = 0; i < 60 && map; ++i) {
             lmb_texel_range range;
             for (int axis = 0; axis < 2; ++axis) {
-                range.first[axis] = (int32_t)(40.0 * number_next(&state)) - 20;
-                range.end[axis] = range.first[axis] + 1 + (int32_t)(25.0 * number_next(&state));
+                range.first[axis] = (int32_t)(40.0 * variate_next(&state)) - 20;
+                range.end[axis] = range.first[axis] + 1 + (int32_t)(25.0 * variate_next(&state));
             }
             const double expected = filtered_mean(&made.scene, texture, &range);
             /* A map takes what is beyond a clamped edge for its outermost texels, half of which are nearer. */
@@ -329,9 +321,9 @@ static void points_follow_their_density(void)
         }
         uint64_t state = 17;
         for (int k = 0; k < SAMPLES; ++k) {
-            const float numbers[2] = {(float)number_next(&state), (float)number_next(&state)};
+            const float u[2] = {(float)variate_next(&state), (float)variate_next(&state)};
             float weight[2], density;
-            if (!lmb_emission_part_sample(map, &part, numbers, weight, &density)) {
+            if (!lmb_emission_part_sample(map, &part, u, weight, &density)) {
                 lost += 1.0 / SAMPLES;
                 continue;
             }
@@ -378,8 +370,8 @@ static void a_thousand_repetitions(void)
         double sum = 0.0;
         int lit = 0;
         for (int i = 0; i < SAMPLES; ++i) {
-            const float choice = (float)number_next(&state);
-            const float x = (float)number_next(&state), y = (float)number_next(&state);
+            const float choice = (float)variate_next(&state);
+            const float x = (float)variate_next(&state), y = (float)variate_next(&state);
             lmb_light_sample sample;
             const lmb_triangle_choices choices = {1, &seen_from, &choice, &x, &y};
             lmb_emitters_sample_triangles(made.emitters, &query, &choices, &sample);
@@ -397,18 +389,18 @@ static void a_thousand_repetitions(void)
     panel_close(&made);
 }
 
-/* Irradiance over pi, on a floor at `place`, of an even rectangle in the plane z = 0 that stands above it: Lambert's
+/* Irradiance over pi, on a floor at `point`, of an even rectangle in the plane z = 0 that stands above it: Lambert's
  * formula, a sum over its edges. */
-static double rectangle_light(const double low[2], const double high[2], const double place[3])
+static double rectangle_light(const double low[2], const double high[2], const double point[3])
 {
     double sum = 0.0;
     for (int k = 0; k < 4; ++k) {
         double end[2][3];
         for (int e = 0; e < 2; ++e) {
             const int corner = (k + e) % 4;
-            end[e][0] = (corner == 1 || corner == 2 ? high[0] : low[0]) - place[0];
-            end[e][1] = (corner >= 2 ? high[1] : low[1]) - place[1];
-            end[e][2] = -place[2];
+            end[e][0] = (corner == 1 || corner == 2 ? high[0] : low[0]) - point[0];
+            end[e][1] = (corner >= 2 ? high[1] : low[1]) - point[1];
+            end[e][2] = -point[2];
         }
         const double across[3] = {end[0][1] * end[1][2] - end[0][2] * end[1][1],
                                   end[0][2] * end[1][0] - end[0][0] * end[1][2],
@@ -449,7 +441,7 @@ static bool facade_open(level_fixture *level, float albedo)
 /* Places of the street, and how much of the facade's windows each of them gets. */
 enum { STREET_STEPS = 12, STREET = STREET_STEPS * STREET_STEPS };
 
-static lmb_vec3 street_place(int k)
+static lmb_vec3 street_point(int k)
 {
     return (lmb_vec3){-10.0f + 20.0f * ((float)(k % STREET_STEPS) + 0.5f) / STREET_STEPS, 1e-4f,
                       20.0f * ((float)(k / STREET_STEPS) + 0.5f) / STREET_STEPS};
@@ -457,7 +449,7 @@ static lmb_vec3 street_place(int k)
 
 static double windows_light(lmb_vec3 at)
 {
-    const double place[3] = {(double)at.x, (double)at.y, (double)at.z};
+    const double point[3] = {(double)at.x, (double)at.y, (double)at.z};
     double sum = 0.0;
     for (int32_t k = 0; k < 2 * 64 * 32; ++k) {
         const int32_t x = k % 128, y = k / 128;
@@ -465,7 +457,7 @@ static double windows_light(lmb_vec3 at)
         windows(x % 64, y, rgba);
         const double low[2] = {-10.0 + 20.0 * x / 128.0, 10.0 - 10.0 * (y + 1) / 32.0};
         const double high[2] = {-10.0 + 20.0 * (x + 1) / 128.0, 10.0 - 10.0 * y / 32.0};
-        sum += rgba[0] > 0 ? 50.0 * rectangle_light(low, high, place) : 0.0;
+        sum += rgba[0] > 0 ? 50.0 * rectangle_light(low, high, point) : 0.0;
     }
     return sum;
 }
@@ -475,12 +467,12 @@ static double street_mean(const level_fixture *level, uint32_t samples)
 {
     double sum = 0.0;
     for (int k = 0; k < STREET; ++k) {
-        sum += (double)traced_irradiance(level, street_place(k), (lmb_vec3){0, 1, 0}, samples).c[1] / STREET;
+        sum += (double)traced_irradiance(level, street_point(k), (lmb_vec3){0, 1, 0}, samples).c[1] / STREET;
     }
     return sum;
 }
 
-/* A street lit by windows alone is as bright as their sum, place by place. */
+/* A street lit by windows alone is as bright as their sum, point by point. */
 static void windows_light_a_street(void)
 {
     level_fixture level;
@@ -489,14 +481,14 @@ static void windows_light_a_street(void)
     }
     double expected = 0.0, squares = 0.0;
     for (int k = 0; k < STREET; ++k) {
-        const lmb_vec3 place = street_place(k);
-        const double truth = windows_light(place);
-        const double found = (double)traced_irradiance(&level, place, (lmb_vec3){0, 1, 0}, 64).c[1];
+        const lmb_vec3 point = street_point(k);
+        const double truth = windows_light(point);
+        const double found = (double)traced_irradiance(&level, point, (lmb_vec3){0, 1, 0}, 64).c[1];
         expected += truth / STREET;
         squares += (found - truth) * (found - truth) / STREET;
     }
     CHECK_NEAR(street_mean(&level, 512), expected, 0.01 * expected, "mean of the street");
-    CHECK(sqrt(squares) < 0.14 * expected, "places are off by %g of the mean", sqrt(squares) / expected);
+    CHECK(sqrt(squares) < 0.14 * expected, "points are off by %g of the mean", sqrt(squares) / expected);
     level_fixture_close(&level);
 }
 

@@ -1,4 +1,4 @@
-/* Levels far from the world's origin: the same light as at the origin, at the places where they are. */
+/* Levels far from the world's origin: the same light as at the origin, where they are. */
 #define _POSIX_C_SOURCE 200809L
 #define FOLDER LMB_TEST_OUTPUT_DIR "/far"
 #include <sys/wait.h>
@@ -19,21 +19,21 @@ static double floor_middle(const hard_level *level, const char *name)
     return (double)sample_irradz(level->lightmap, floor, 0, 0.0f, 0.5f).irradiance_z.c[0];
 }
 
-static double volume_at(const hard_level *level, lmb_vec3d place, bool *inside)
+static double volume_at(const hard_level *level, lmb_vec3d world, bool *inside)
 {
     lmb_sh3_rgb radiance;
-    *inside = lmb_volume_sample_at(level->volume, place, &radiance);
+    *inside = lmb_volume_sample_at(level->volume, world, &radiance);
     return (double)lmb_sh3_rgb_irradiance(&radiance, hard_up).c[0];
 }
 
 /* Moved by multiples of the level's own unit of 8 m the floor is the same to the last bit, and so is its light. */
 static void same_bytes_wherever_it_is(void)
 {
-    static const double places[][3] = {{0, 0, 0},        {1e5, 0, 1e5}, {1e6, 0, 1e6},      {1e7, 0, 1e7},
-                                       {-1e7, 8e5, 1e6}, {0, -1e6, 0},  {1e8, -3.2e7, 1e8}, {8000, 0, -8000.0}};
+    static const double positions[][3] = {{0, 0, 0},        {1e5, 0, 1e5}, {1e6, 0, 1e6},      {1e7, 0, 1e7},
+                                          {-1e7, 8e5, 1e6}, {0, -1e6, 0},  {1e8, -3.2e7, 1e8}, {8000, 0, -8000.0}};
     hard_level first = {0};
-    for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
-        const double *const at = places[i];
+    for (size_t i = 0; i < sizeof positions / sizeof positions[0]; ++i) {
+        const double *const at = positions[i];
         char path[512];
         hard_level level;
         if (!floor_write_at("moved", at[0], at[1], at[2], path) || !hard_bake(&level, path, NULL, &fine)) {
@@ -52,13 +52,14 @@ static void same_bytes_wherever_it_is(void)
         }
         const lmb_lightmap_image *a = first.lightmap->image, *b = level.lightmap->image;
         CHECK(images_equal(level.lightmap->model, a, b), "lightmap at %g", at[0]);
-        CHECK(first.grid->count == level.grid->count &&
-                  memcmp(first.grid->radiance[0], level.grid->radiance[0],
-                         (size_t)level.grid->count * sizeof *level.grid->radiance[0]) == 0,
+        CHECK(first.probes->count == level.probes->count &&
+                  memcmp(first.probes->radiance[0], level.probes->radiance[0],
+                         (size_t)level.probes->count * sizeof *level.probes->radiance[0]) == 0,
               "probes at %g", at[0]);
         for (int axis = 0; axis < 3; ++axis) {
-            CHECK(level.grid->level[0].lattice.min[axis] == first.grid->level[0].lattice.min[axis] + (int32_t)at[axis],
-                  "at %g: axis %d from %d", at[0], axis, level.grid->level[0].lattice.min[axis]);
+            CHECK(level.probes->level[0].lattice.min[axis] ==
+                      first.probes->level[0].lattice.min[axis] + (int32_t)at[axis],
+                  "at %g: axis %d from %d", at[0], axis, level.probes->level[0].lattice.min[axis]);
         }
         CHECK_NEAR(above, volume_at(&first, (lmb_vec3d){1.3, 0.25, -2.2}, &inside), 1e-6, "at %g", at[0]);
         hard_close(&level);
@@ -255,49 +256,49 @@ static void meshes_move_to_their_own_origin(void)
 /* Lattices of one spacing line up, whatever the levels' own origins, and files say where they are. */
 static void lattices_line_up(void)
 {
-    static const double places[] = {1000003.0, 1000010.6, 1000014.9};
+    static const double positions[] = {1000003.0, 1000010.6, 1000014.9};
     const float spacing = 0.3f;
-    for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
+    for (size_t i = 0; i < sizeof positions / sizeof positions[0]; ++i) {
         char path[512];
         level_fixture level;
-        if (!floor_write_at("lattice", places[i], 1.0, -places[i], path) ||
+        if (!floor_write_at("lattice", positions[i], 1.0, -positions[i], path) ||
             !level_fixture_load(&level, path, NULL, 2)) {
             return;
         }
         lmb_placement_settings settings = lmb_placement_settings_default();
         settings.spacing = spacing;
         lmb_placement_stats stats;
-        lmb_probes *grid = NULL, *read = NULL;
-        CHECK(lmb_placement_make(level.tracer, &settings, level.pool, &grid, &stats, &error) == LMB_OK, "%s",
+        lmb_probes *probes = NULL, *read = NULL;
+        CHECK(lmb_placement_make(level.tracer, &settings, level.pool, &probes, &stats, &error) == LMB_OK, "%s",
               error.message);
         const char *const file = FOLDER "/lattice.vdb";
-        if (grid) {
-            CHECK(lmb_vdb_write(file, grid, &(lmb_vdb_metadata){"{}", "0"}, &error) == LMB_OK &&
+        if (probes) {
+            CHECK(lmb_vdb_write(file, probes, &(lmb_vdb_metadata){"{}", "0"}, &error) == LMB_OK &&
                       lmb_vdb_read(file, &read, NULL, NULL, &error) == LMB_OK,
                   "%s", error.message);
-            CHECK_NEAR(grid->level[0].lattice.min[0] * (double)spacing, places[i] - 4.0, (double)spacing + 1e-6,
+            CHECK_NEAR(probes->level[0].lattice.min[0] * (double)spacing, positions[i] - 4.0, (double)spacing + 1e-6,
                        "the first probe");
         }
         double farthest_off = 0.0;
         int32_t lost = 0;
-        for (int32_t p = 0; read && p < grid->count; ++p) {
-            const int32_t *const at = grid->point[p];
-            const lmb_vec3d world = lmb_scene_to_world(level.scene, lmb_probes_position(grid, p));
+        for (int32_t p = 0; read && p < probes->count; ++p) {
+            const int32_t *const at = probes->point[p];
+            const lmb_vec3d world = lmb_scene_to_world(level.scene, lmb_probes_position(probes, p));
             farthest_off = fmax(farthest_off, fabs(world.x - at[0] * (double)spacing));
             farthest_off = fmax(farthest_off, fabs(world.z - at[2] * (double)spacing));
             lost += lmb_probes_find(read, 0, at[0], at[1], at[2]) < 0;
         }
-        CHECK_NEAR(farthest_off, 0.0, 1e-5, "at %g", places[i]);
+        CHECK_NEAR(farthest_off, 0.0, 1e-5, "at %g", positions[i]);
         CHECK(read && lost == 0 && read->level[0].lattice.spacing == spacing,
               "%d probes are not where they were written to", (int)lost);
         CHECK(!read || read->origin.x == 0.0, "files count from the world's origin");
         lmb_probes_destroy(read);
-        lmb_probes_destroy(grid);
+        lmb_probes_destroy(probes);
         level_fixture_close(&level);
     }
 }
 
-/* A seed of the caller's is a place in the world, in double. */
+/* A seed of the caller's is a position in the world, in double. */
 static void seeds_are_places_in_the_world(void)
 {
     static const struct {
@@ -316,10 +317,10 @@ static void seeds_are_places_in_the_world(void)
         settings.seeds = &seed;
         settings.seed_count = 1;
         lmb_placement_stats stats;
-        lmb_probes *grid = NULL;
-        const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &grid, &stats, &error);
+        lmb_probes *probes = NULL;
+        const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &probes, &stats, &error);
         CHECK((result == LMB_OK) == seeds[i].reached, "seed at %g: %s", seeds[i].x, error.message);
-        lmb_probes_destroy(grid);
+        lmb_probes_destroy(probes);
     }
     level_fixture_close(&level);
 }
@@ -386,24 +387,21 @@ static int run(const char *command, char *printed, size_t size)
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/* Runs a command with `folder` for every @ and `place` for every #, and keeps what it prints. */
-static void run_at(const char *pattern, const char *folder, const char *place, char printed[4096])
+/* Runs a command with `folder` for every @ and `x` for every #, and keeps what it prints. */
+static void run_at(const char *pattern, const char *folder, const char *x, char printed[4096])
 {
     char command[1536] = "";
     size_t used = 0;
     for (const char *c = pattern; *c; ++c) {
         const char one[2] = {*c, '\0'};
-        used += (size_t)snprintf(command + used, sizeof command - used, "%s",
-                                 *c == '@'   ? folder
-                                 : *c == '#' ? place
-                                             : one);
+        used += (size_t)snprintf(command + used, sizeof command - used, "%s", *c == '@' ? folder : *c == '#' ? x : one);
     }
     const int status = run(command, printed, 4096);
     CHECK(status == 0, "%s: exits with %d: %s", command, status, printed);
 }
 
-/* The commands take and print places of the world, and find there what they find at the origin. */
-static void commands_take_places_in_the_world(void)
+/* The commands take and print positions in the world, and find there what they find at the origin. */
+static void commands_take_positions_in_the_world(void)
 {
     static const struct {
         const char *what, *command, *says; /* `says`: printed for # of 1 000 000 */
@@ -430,7 +428,7 @@ static void commands_take_places_in_the_world(void)
         {"check", LMB_COMMAND " check @.gltf @ --points 16 --samples 16 --quiet", "lightmap_vs_reference", true},
     };
     static const char *const folders[2] = {FOLDER "/here", FOLDER "/there"};
-    static const char *const places[2] = {"0", "1000000"};
+    static const char *const x[2] = {"0", "1000000"};
     char path[512];
     if (!floor_write_at("here", 0.0, 0.0, 0.0, path) || !floor_write_at("there", 1e6, 0.0, 0.0, path)) {
         return;
@@ -438,11 +436,11 @@ static void commands_take_places_in_the_world(void)
     for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
         char printed[2][4096];
         for (int k = 0; k < 2; ++k) {
-            run_at(table[i].command, folders[k], places[k], printed[k]);
+            run_at(table[i].command, folders[k], x[k], printed[k]);
         }
         CHECK(strstr(printed[1], table[i].says), "%s: does not say '%s': %s", table[i].what, table[i].says, printed[1]);
         CHECK(!table[i].same || strcmp(printed[0], printed[1]) == 0, "%s: %s%s", table[i].what, printed[0], printed[1]);
-        /* What is printed of light comes after the place. */
+        /* What is printed of light comes after the position. */
         const char *const light[2] = {strstr(printed[0], "irradiance"), strstr(printed[1], "irradiance")};
         const size_t length = light[0] ? strcspn(light[0], "\n") : 0;
         CHECK(!light[0] == !light[1], "%s", table[i].what);
@@ -472,7 +470,7 @@ static const test_case cases[] = {
     {"lattices_line_up", lattices_line_up},
     {"seeds_are_places_in_the_world", seeds_are_places_in_the_world},
     {"coarse_floats_are_named", coarse_floats_are_named},
-    {"commands_take_places_in_the_world", commands_take_places_in_the_world},
+    {"commands_take_positions_in_the_world", commands_take_positions_in_the_world},
 };
 
 TEST_MAIN(cases)

@@ -1,11 +1,11 @@
 /* Whole files: read back what was written, never leave half of one, name what failed. */
 #define _POSIX_C_SOURCE 200809L
 
+#include "folder_fixture.h"
 #include "harness.h"
 
 #include <lambent/file.h>
 
-#include <dirent.h>
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -14,32 +14,6 @@
 #include <unistd.h>
 
 #define FOLDER LMB_TEST_OUTPUT_DIR "/file"
-
-/* An empty folder of this program's own. */
-static void start_folder(void)
-{
-    mkdir(FOLDER, 0777);
-    DIR *const folder = opendir(FOLDER);
-    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        char path[1024];
-        snprintf(path, sizeof path, FOLDER "/%s", entry->d_name);
-        if (entry->d_name[0] != '.' || strlen(entry->d_name) > 2) {
-            remove(path);
-        }
-    }
-    closedir(folder);
-}
-
-static int count_entries(void)
-{
-    int count = 0;
-    DIR *const folder = opendir(FOLDER);
-    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
-    }
-    closedir(folder);
-    return count;
-}
 
 static bool holds(const char *path, const void *expected, size_t size)
 {
@@ -76,7 +50,7 @@ static void test_hash_vectors(void)
 
 static void test_round_trip(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     static const size_t sizes[] = {0, 1, 4094, 4095, 4096, 4097, 100000};
     unsigned char *const data = malloc(100000);
     for (size_t i = 0; i < 100000; ++i) {
@@ -87,14 +61,14 @@ static void test_round_trip(void)
         CHECK(lmb_file_write(FOLDER "/data", data, sizes[i], &error) == LMB_OK, "%zu bytes: %s", sizes[i],
               error.message);
         CHECK(holds(FOLDER "/data", data, sizes[i]), "%zu bytes", sizes[i]);
-        CHECK(count_entries() == 1, "%zu bytes: something was left beside the file", sizes[i]);
+        CHECK(folder_entry_count(FOLDER) == 1, "%zu bytes: something was left beside the file", sizes[i]);
     }
     free(data);
 }
 
 static void test_names(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     char longest[256];
     memset(longest, 'n', 255);
     longest[255] = '\0';
@@ -105,7 +79,7 @@ static void test_names(void)
         CHECK(lmb_file_write(path, names[i], strlen(names[i]), NULL) == LMB_OK, "name '%s'", names[i]);
         CHECK(holds(path, names[i], strlen(names[i])), "name '%s'", names[i]);
     }
-    CHECK(count_entries() == 4, "%d entries", count_entries());
+    CHECK(folder_entry_count(FOLDER) == 4, "%d entries", folder_entry_count(FOLDER));
 
     char *const beside = lmb_file_temporary_path("a/b/c");
     CHECK(beside && strncmp(beside, "a/b/", 4) == 0 && !strchr(beside + 4, '/'), "%s is not beside a/b/c", beside);
@@ -131,7 +105,7 @@ static void check_failed_write(lmb_result result, const lmb_error *error, const 
 
 static void test_full_disk(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     CHECK(lmb_file_write(FOLDER "/data", "old", 3, NULL) == LMB_OK, "first write");
     /* A limit on the size of files fails a write half-way, as a full disk does. */
     static const unsigned char zeros[100000];
@@ -146,19 +120,19 @@ static void test_full_disk(void)
     signal(SIGXFSZ, previous);
     check_failed_write(result, &error, FOLDER "/data");
     CHECK(holds(FOLDER "/data", "old", 3), "the old contents are gone");
-    CHECK(count_entries() == 1, "%d entries", count_entries());
+    CHECK(folder_entry_count(FOLDER) == 1, "%d entries", folder_entry_count(FOLDER));
 }
 
 static void test_unwritable(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     lmb_error error = {""};
     check_failed_write(lmb_file_write(FOLDER "/missing/data", "x", 1, &error), &error, FOLDER "/missing/data");
     CHECK(lmb_file_write(FOLDER "/plain", "x", 1, NULL) == LMB_OK, "plain file");
     check_failed_write(lmb_file_write(FOLDER "/plain/data", "x", 1, &error), &error, FOLDER "/plain/data");
     mkdir(FOLDER "/folder", 0777);
     check_failed_write(lmb_file_write(FOLDER "/folder", "x", 1, &error), &error, FOLDER "/folder");
-    CHECK(count_entries() == 2, "%d entries", count_entries());
+    CHECK(folder_entry_count(FOLDER) == 2, "%d entries", folder_entry_count(FOLDER));
     rmdir(FOLDER "/folder");
     /* A device is not replaced by a file, whoever asks. */
     check_failed_write(lmb_file_write("/dev/null", "x", 1, &error), &error, "/dev/null");
@@ -168,7 +142,7 @@ static void test_unwritable(void)
 
 static void test_unreadable(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     static const char *const paths[] = {FOLDER "/missing", FOLDER, FOLDER "/missing/data", ""};
     for (size_t i = 0; i < sizeof paths / sizeof paths[0]; ++i) {
         unsigned char *data = (unsigned char *)1;

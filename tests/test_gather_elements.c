@@ -71,41 +71,42 @@ static void probes_in_parts(void)
     static const char path[] = OUTPUT("gather_probes.glb");
     lmb_error error = {{0}};
     level_fixture level;
-    lmb_probes *grid = NULL;
+    lmb_probes *probes = NULL;
     lmb_placement_stats placed;
     if (!level_fixture_open(&level, path, lmb_level_cornell(path, &error), &error, 2)) {
         return;
     }
     const lmb_placement_settings settings = {.spacing = 0.1f, .max_probes = 100000};
-    const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &grid, &placed, &error);
+    const lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &probes, &placed, &error);
     CHECK(result == LMB_OK, "%s", error.message);
     if (result == LMB_OK) {
         lmb_gather_stats stats;
-        CHECK(lmb_probes_bake(grid, &level.transport, &effort, level.pool, NULL, &stats) == LMB_OK, "whole");
-        const size_t bytes = (size_t)grid->count * sizeof *grid->radiance[0];
+        CHECK(lmb_probes_bake(probes, &level.transport, &effort, level.pool, NULL, &stats) == LMB_OK, "whole");
+        const size_t bytes = (size_t)probes->count * sizeof *probes->radiance[0];
         lmb_sh3_rgb *whole = malloc(bytes);
-        memcpy(whole, grid->radiance[0], bytes);
-        memset(grid->radiance[0], 0, bytes);
+        memcpy(whole, probes->radiance[0], bytes);
+        memset(probes->radiance[0], 0, bytes);
         lmb_probe_list list;
-        CHECK(lmb_probe_list_create(grid, level.tracer, &list) == LMB_OK, "memory");
+        CHECK(lmb_probe_list_create(probes, level.tracer, &list) == LMB_OK, "memory");
         const lmb_gather_list elements = lmb_probe_list_elements(&list);
         lmb_gathered *gathered = malloc(elements.count * sizeof *gathered);
         CHECK(parts_gather(&level, &elements, &effort, gathered) &&
-                  lmb_probe_list_finish(&list, gathered, grid) == LMB_OK &&
-                  memcmp(whole, grid->radiance[0], bytes) == 0,
+                  lmb_probe_list_finish(&list, gathered, probes) == LMB_OK &&
+                  memcmp(whole, probes->radiance[0], bytes) == 0,
               "%zu probes", list.count);
-        memset(grid->radiance[0], 0, bytes);
+        memset(probes->radiance[0], 0, bytes);
         list.set = 1;
-        CHECK(lmb_probe_list_finish(&list, gathered, grid) == LMB_ERROR_ARGUMENT, "a set that is not there");
+        CHECK(lmb_probe_list_finish(&list, gathered, probes) == LMB_ERROR_ARGUMENT, "a set that is not there");
         uint32_t set = 0;
-        CHECK(lmb_probes_add_set(grid, &set) == LMB_OK && set == 1, "a set");
-        CHECK(lmb_probe_list_finish(&list, gathered, grid) == LMB_OK && memcmp(whole, grid->radiance[1], bytes) == 0 &&
-                  grid->radiance[0][list.probe[0]].channel[0].c[0] == 0.0f,
+        CHECK(lmb_probes_add_set(probes, &set) == LMB_OK && set == 1, "a set");
+        CHECK(lmb_probe_list_finish(&list, gathered, probes) == LMB_OK &&
+                  memcmp(whole, probes->radiance[1], bytes) == 0 &&
+                  probes->radiance[0][list.probe[0]].channel[0].c[0] == 0.0f,
               "another set, and no other");
         lmb_probe_list_free(&list);
         free(gathered);
         free(whole);
-        lmb_probes_destroy(grid);
+        lmb_probes_destroy(probes);
     }
     level_fixture_close(&level);
 }

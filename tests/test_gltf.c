@@ -704,13 +704,13 @@ static void test_validate_finds(void)
         return;
     }
     lmb_mesh *const m = &s->meshes[0];
-#define BREAK(type, place, value, text)                                                                                \
+#define BREAK(type, field, value, text)                                                                                \
     do {                                                                                                               \
-        const type saved = place;                                                                                      \
-        place = value;                                                                                                 \
+        const type saved = field;                                                                                      \
+        field = value;                                                                                                 \
         CHECK(lmb_scene_validate(s, &error) == LMB_ERROR_FORMAT, "%s", text);                                          \
         CHECK(strstr(error.message, text) != NULL, "%s: %s", text, error.message);                                     \
-        place = saved;                                                                                                 \
+        field = saved;                                                                                                 \
     } while (0)
     BREAK(float, m->position[1].y, NAN, "mesh 0: vertex 1: position");
     BREAK(float, m->normal[2].z, 0.5f, "vertex 2: normal");

@@ -142,7 +142,7 @@ static void test_largest_numbers(void)
 
 #define QUADS(material) "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1," material "}]}],"
 #define LIGHTS(list) "'extensions':{'KHR_lights_punctual':{'lights':[" list "]}},"
-#define LIGHT(number) "'extensions':{'KHR_lights_punctual':{'light':" #number "}}"
+#define LIGHT(index) "'extensions':{'KHR_lights_punctual':{'light':" #index "}}"
 
 /* What no texture that is worn needs may be missing, dangling or of a kind that nobody reads. */
 static void test_unread_textures(void)
@@ -331,7 +331,7 @@ static void test_blender_light(void)
 /* Textures may use any TEXCOORD; of those beyond 1 only what they use is kept. */
 static void test_uv_sets(void)
 {
-#define SET(number) "'TEXCOORD_" #number "':2"
+#define SET(index) "'TEXCOORD_" #index "':2"
     lmb_scene *s =
         load_listening(HEAD QUAD_DATA "'meshes':[{'primitives':[{'attributes':{'POSITION':0," SET(1) "," SET(2) "," SET(
                            3) "," SET(19) "},'indices':1,'material':0},{'attributes':{'POSITION':"

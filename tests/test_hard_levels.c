@@ -29,8 +29,8 @@ static void empty_scene(void)
     }
     const lmb_placement_settings settings = lmb_placement_settings_default();
     const lmb_result result =
-        lmb_placement_make(level.traced.tracer, &settings, level.traced.pool, &level.grid, &level.placement, &error);
-    CHECK(result == LMB_ERROR_UNSUPPORTED && !level.grid, "%s", lmb_result_text(result));
+        lmb_placement_make(level.traced.tracer, &settings, level.traced.pool, &level.probes, &level.placement, &error);
+    CHECK(result == LMB_ERROR_UNSUPPORTED && !level.probes, "%s", lmb_result_text(result));
     CHECK(strstr(error.message, "hard_empty.gltf") && strstr(error.message, "no static triangles"), "%s",
           error.message);
     const lmb_lightmap_settings fallback = lmb_lightmap_settings_default(level.traced.scene);
@@ -90,10 +90,10 @@ static void sealed_dark_room(void)
                   (double)position.z);
         }
     }
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        const lmb_vec3 position = lmb_probes_position(level.grid, i);
-        const bool valid = level.grid->validity[i] >= LMB_PROBES_MIN_VALIDITY;
-        const float light = level.grid->radiance[0][i].channel[1].c[0];
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        const lmb_vec3 position = lmb_probes_position(level.probes, i);
+        const bool valid = level.probes->validity[i] >= LMB_PROBES_MIN_VALIDITY;
+        const float light = level.probes->radiance[0][i].channel[1].c[0];
         CHECK(!valid || position.x >= 0.0f || light == 0.0f, "%g %g %g: %g", (double)position.x, (double)position.y,
               (double)position.z, (double)light);
         const bool in_wall = position.x == 0.0f && position.y > 0.0f && position.y < 3.0f && fabsf(position.z) < 2.0f;
@@ -174,7 +174,7 @@ static void degenerate_triangles(void)
 }
 
 /* A room of 4 x 3 x 4 units without a ceiling, with a lamp and a solid block in it, `unit_m` metres to a unit. */
-static bool yard_write(const char *path, float unit_m, lmb_vec3 place)
+static bool yard_write(const char *path, float unit_m, lmb_vec3 position)
 {
     lmb_level_builder *builder = lmb_level_builder_create(0.1f * unit_m);
     const int grey = hard_material(builder, 0.5f, 0.0f);
@@ -192,28 +192,28 @@ static bool yard_write(const char *path, float unit_m, lmb_vec3 place)
     lmb_level_builder_add_box(builder, mesh, &block);
     lmb_level_builder_add_quad(builder, mesh, lamp, (lmb_vec3){-u, 2 * u, -u}, (lmb_vec3){0.6f * u, 0, 0},
                                (lmb_vec3){0, 0, 0.6f * u});
-    lmb_level_builder_place(builder, "yard", mesh, place);
+    lmb_level_builder_place(builder, "yard", mesh, position);
     return hard_write(builder, path);
 }
 
 enum { YARD_POINTS = 4 };
 
 /* What the yard gets at fixed points, the last against the lamp's side wall, right above the floor. */
-static bool yard_measure(float unit_m, lmb_vec3 place, double traced[YARD_POINTS], double stored[YARD_POINTS])
+static bool yard_measure(float unit_m, lmb_vec3 position, double traced[YARD_POINTS], double stored[YARD_POINTS])
 {
     static const lmb_vec3 points[YARD_POINTS] = {
         {0.0f, 0.5f, 0.0f}, {1.4f, 0.05f, -1.2f}, {-0.7f, 1.1f, -0.6f}, {-1.9f, 0.02f, -0.7f}};
     const char *path = hard_path("yard", "glb");
     hard_level level;
-    if (!yard_write(path, unit_m, place) ||
+    if (!yard_write(path, unit_m, position) ||
         !hard_bake(&level, path, WHITE_SKY, &(hard_settings){0.7f * unit_m, 1.0f / unit_m, 128})) {
         return false;
     }
     for (int i = 0; i < YARD_POINTS; ++i) {
-        const lmb_vec3 position = {place.x + points[i].x * unit_m, place.y + points[i].y * unit_m,
-                                   place.z + points[i].z * unit_m};
-        traced[i] = (double)traced_irradiance(&level.traced, position, hard_up, 8192).c[1];
-        stored[i] = (double)hard_sample(&level, position, hard_up).c[1];
+        const lmb_vec3 point = {position.x + points[i].x * unit_m, position.y + points[i].y * unit_m,
+                                position.z + points[i].z * unit_m};
+        traced[i] = (double)traced_irradiance(&level.traced, point, hard_up, 8192).c[1];
+        stored[i] = (double)hard_sample(&level, point, hard_up).c[1];
     }
     hard_close(&level);
     return true;
@@ -224,7 +224,7 @@ static void any_size_and_place(void)
 {
     static const struct {
         float unit_m;
-        lmb_vec3 place;
+        lmb_vec3 position;
         bool same_lattice;
     } yards[] = {
         {2500.0f, {0, 0, 0}, true},             /* 10 km */
@@ -240,15 +240,15 @@ static void any_size_and_place(void)
     }
     for (size_t y = 0; y < sizeof yards / sizeof yards[0]; ++y) {
         double other[YARD_POINTS], other_stored[YARD_POINTS];
-        if (!yard_measure(yards[y].unit_m, yards[y].place, other, other_stored)) {
+        if (!yard_measure(yards[y].unit_m, yards[y].position, other, other_stored)) {
             continue;
         }
         for (int i = 0; i < YARD_POINTS; ++i) {
             CHECK_NEAR(other[i], traced[i], 0.03 * traced[i], "unit %g m at %g, point %d", (double)yards[y].unit_m,
-                       (double)yards[y].place.x, i);
+                       (double)yards[y].position.x, i);
             if (yards[y].same_lattice) {
                 CHECK_NEAR(other_stored[i], stored[i], 0.15 * stored[i], "unit %g m at %g, point %d",
-                           (double)yards[y].unit_m, (double)yards[y].place.x, i);
+                           (double)yards[y].unit_m, (double)yards[y].position.x, i);
             }
         }
     }
@@ -375,15 +375,15 @@ static void open_terrain(void)
     const lmb_rgb open = traced_irradiance(&level.traced, (lmb_vec3){0, 20, 0}, hard_up, 1024);
     CHECK_NEAR(open.c[0], 1.0, 0.01, "above the hills");
     int under = 0;
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        const lmb_vec3 p = lmb_probes_position(level.grid, i);
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        const lmb_vec3 p = lmb_probes_position(level.probes, i);
         const double ground = 4.0 * sin(0.1 * (double)p.x) - 3.0 * cos(0.1 * (double)p.z);
         const bool inside = fabsf(p.x) < 99.0f && fabsf(p.z) < 99.0f;
-        under += inside && (double)p.y < ground - 1.0 && level.grid->validity[i] >= LMB_PROBES_MIN_VALIDITY;
-        CHECK(!inside || (double)p.y < ground + 1.0 || level.grid->validity[i] >= LMB_PROBES_MIN_VALIDITY,
+        under += inside && (double)p.y < ground - 1.0 && level.probes->validity[i] >= LMB_PROBES_MIN_VALIDITY;
+        CHECK(!inside || (double)p.y < ground + 1.0 || level.probes->validity[i] >= LMB_PROBES_MIN_VALIDITY,
               "%g %g %g is free", (double)p.x, (double)p.y, (double)p.z);
-        CHECK(level.grid->radiance[0][i].channel[0].c[0] < 3.6f, "%g",
-              (double)level.grid->radiance[0][i].channel[0].c[0]);
+        CHECK(level.probes->radiance[0][i].channel[0].c[0] < 3.6f, "%g",
+              (double)level.probes->radiance[0][i].channel[0].c[0]);
     }
     CHECK(under == 0, "%d valid probes under the ground", under);
     hard_close(&level);
@@ -443,11 +443,11 @@ static void foliage(void)
     }
     CHECK_NEAR(through / 4096.0, 10.0 / 16.0, 0.025, "canopy");
     int solid = 0, all = 0;
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        const lmb_vec3 p = lmb_probes_position(level.grid, i);
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        const lmb_vec3 p = lmb_probes_position(level.probes, i);
         if (p.y > 0.1f && p.y < 2.9f && fabsf(p.x) < 2.9f && fabsf(p.z) < 2.9f) {
             ++all;
-            solid += level.grid->validity[i] < LMB_PROBES_MIN_VALIDITY;
+            solid += level.probes->validity[i] < LMB_PROBES_MIN_VALIDITY;
         }
     }
     CHECK(solid == 0, "%d of %d probes between grass and leaves count as solid", solid, all);
@@ -532,21 +532,21 @@ static void probes_in_solids(void)
         return;
     }
     float least = INFINITY, most = 0.0f;
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        if (level.grid->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
-            least = fminf(least, level.grid->radiance[0][i].channel[0].c[0]);
-            most = fmaxf(most, level.grid->radiance[0][i].channel[0].c[0]);
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        if (level.probes->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
+            least = fminf(least, level.probes->radiance[0][i].channel[0].c[0]);
+            most = fmaxf(most, level.probes->radiance[0][i].channel[0].c[0]);
         }
     }
     int inside_count = 0;
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        const lmb_vec3 p = lmb_probes_position(level.grid, i);
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        const lmb_vec3 p = lmb_probes_position(level.probes, i);
         const bool inside = fabsf(p.x) < 1.05f && fabsf(p.z) < 1.05f && p.y < 2.05f && p.y > -0.05f;
-        const float light = level.grid->radiance[0][i].channel[0].c[0];
+        const float light = level.probes->radiance[0][i].channel[0].c[0];
         inside_count += inside;
-        CHECK(inside == (level.grid->validity[i] < LMB_PROBES_MIN_VALIDITY) || fabsf(p.x) > 3.0f || p.y < -0.05f ||
+        CHECK(inside == (level.probes->validity[i] < LMB_PROBES_MIN_VALIDITY) || fabsf(p.x) > 3.0f || p.y < -0.05f ||
                   p.y > 3.05f || fabsf(p.z) > 3.0f,
-              "%g %g %g: %g", (double)p.x, (double)p.y, (double)p.z, (double)level.grid->validity[i]);
+              "%g %g %g: %g", (double)p.x, (double)p.y, (double)p.z, (double)level.probes->validity[i]);
         CHECK(!inside || (light >= least && light <= most), "%g %g %g: %g", (double)p.x, (double)p.y, (double)p.z,
               (double)light);
     }

@@ -28,8 +28,8 @@ static void no_light(void)
         return;
     }
     CHECK(!lmb_scene_has_light(level.traced.scene), "has light");
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        CHECK(sh_largest(&level.grid->radiance[0][i]) == 0.0f, "probe %d", (int)i);
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        CHECK(sh_largest(&level.probes->radiance[0][i]) == 0.0f, "probe %d", (int)i);
     }
     CHECK(level.packed.scale == 1.0f && level.packed.overflow_count == 0, "scale %g", (double)level.packed.scale);
     const lmb_rgb sampled = hard_sample(&level, (lmb_vec3){0.3f, 0.2f, 0.1f}, hard_up);
@@ -104,10 +104,10 @@ static void white_furnace(void)
         return;
     }
     double probes = 0.0;
-    for (int32_t i = 0; i < level.grid->count; ++i) {
-        probes += (double)level.grid->radiance[0][i].channel[0].c[0] / (2.0 * sqrt(PI)) / level.grid->count;
+    for (int32_t i = 0; i < level.probes->count; ++i) {
+        probes += (double)level.probes->radiance[0][i].channel[0].c[0] / (2.0 * sqrt(PI)) / level.probes->count;
     }
-    CHECK_NEAR(probes, 100.0, 10.0, "mean of %d probes", (int)level.grid->count);
+    CHECK_NEAR(probes, 100.0, 10.0, "mean of %d probes", (int)level.probes->count);
     double texels = 0.0;
     uint64_t count = 0;
     const lmb_lightmap_image *image = &level.lightmap->image[0];

@@ -414,56 +414,6 @@ static void exr_values_are_rounded_and_clamped(void)
           "folder");
 }
 
-/* Writes channels R (uint), G (half), B (float) in every layout that the library can write, with its own packing. */
-static bool library_write(const char *path, exr_compression_t compression, bool tiled, exr_envmap_t envmap,
-                          int sampling, const uint32_t *red, const uint16_t *green, const float *blue, int width,
-                          int height)
-{
-    exr_context_t context = NULL;
-    exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    const int tile = 16;
-    bool good = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &settings) == 0;
-    good = good && exr_add_part(context, NULL, tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, NULL) == 0;
-    good = good && exr_initialize_required_attr_simple(context, 0, width, height, compression) == 0;
-    good = good && exr_add_channel(context, 0, "R", EXR_PIXEL_UINT, EXR_PERCEPTUALLY_LINEAR, sampling, sampling) == 0;
-    good = good && exr_add_channel(context, 0, "G", EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LINEAR, 1, 1) == 0;
-    good = good && exr_add_channel(context, 0, "B", EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1) == 0;
-    if (envmap != EXR_ENVMAP_LAST_TYPE) {
-        good = good && exr_attr_set_envmap(context, 0, "envmap", envmap) == 0;
-    }
-    if (tiled) {
-        good = good && exr_set_tile_descriptor(context, 0, 16, 16, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN) == 0;
-    }
-    good = good && exr_write_header(context) == 0;
-    int32_t lines = tile;
-    if (!tiled) {
-        good = good && exr_get_scanlines_per_chunk(context, 0, &lines) == 0;
-    }
-    exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
-    bool first = true;
-    for (int y = 0; y < height && good; y += lines) {
-        for (int x = 0; x < width && good; x += tiled ? tile : width) {
-            exr_chunk_info_t chunk;
-            good = (tiled ? exr_write_tile_chunk_info(context, 0, x / tile, y / tile, 0, 0, &chunk)
-                          : exr_write_scanline_chunk_info(context, 0, y, &chunk)) == 0;
-            good = good && (first ? exr_encoding_initialize(context, 0, &chunk, &encoder)
-                                  : exr_encoding_update(context, 0, &chunk, &encoder)) == 0;
-            const size_t at = (size_t)y * (size_t)width + (size_t)x;
-            for (int c = 0; c < 3 && good; ++c) { /* in the file's order: B, G, R */
-                const void *const from[3] = {blue + at, green + at, red + at};
-                encoder.channels[c].encode_from_ptr = from[c];
-                encoder.channels[c].user_pixel_stride = c == 1 ? 2 : 4;
-                encoder.channels[c].user_line_stride = width * encoder.channels[c].user_pixel_stride;
-            }
-            good = good && (!first || exr_encoding_choose_default_routines(context, 0, &encoder) == 0);
-            good = good && exr_encoding_run(context, 0, &encoder) == 0;
-            first = false;
-        }
-    }
-    exr_encoding_destroy(context, &encoder);
-    return exr_finish(&context) == 0 && good;
-}
-
 enum { ODD_WIDTH = 46, ODD_HEIGHT = 70 };
 static uint32_t odd_red[ODD_WIDTH * ODD_HEIGHT];
 static uint16_t odd_green[ODD_WIDTH * ODD_HEIGHT];
@@ -478,6 +428,62 @@ static void odd_picture_make(void)
     }
 }
 
+typedef struct odd_layout {
+    exr_compression_t compression;
+    bool tiled;
+    exr_envmap_t envmap; /* EXR_ENVMAP_LAST_TYPE: no such attribute */
+    int sampling;        /* of R, in x and y */
+} odd_layout;
+
+/* The odd picture's R (uint), G (half), B (float) in any layout that the library can write, with its own packing. */
+static bool odd_picture_write(const char *path, odd_layout layout)
+{
+    exr_context_t context = NULL;
+    exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    const int tile = 16;
+    bool good = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &settings) == 0;
+    good = good && exr_add_part(context, NULL, layout.tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, NULL) == 0;
+    good = good && exr_initialize_required_attr_simple(context, 0, ODD_WIDTH, ODD_HEIGHT, layout.compression) == 0;
+    good = good && exr_add_channel(context, 0, "R", EXR_PIXEL_UINT, EXR_PERCEPTUALLY_LINEAR, layout.sampling,
+                                   layout.sampling) == 0;
+    good = good && exr_add_channel(context, 0, "G", EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LINEAR, 1, 1) == 0;
+    good = good && exr_add_channel(context, 0, "B", EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1) == 0;
+    if (layout.envmap != EXR_ENVMAP_LAST_TYPE) {
+        good = good && exr_attr_set_envmap(context, 0, "envmap", layout.envmap) == 0;
+    }
+    if (layout.tiled) {
+        good = good && exr_set_tile_descriptor(context, 0, 16, 16, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN) == 0;
+    }
+    good = good && exr_write_header(context) == 0;
+    int32_t lines = tile;
+    if (!layout.tiled) {
+        good = good && exr_get_scanlines_per_chunk(context, 0, &lines) == 0;
+    }
+    exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    bool first = true;
+    for (int y = 0; y < ODD_HEIGHT && good; y += lines) {
+        for (int x = 0; x < ODD_WIDTH && good; x += layout.tiled ? tile : ODD_WIDTH) {
+            exr_chunk_info_t chunk;
+            good = (layout.tiled ? exr_write_tile_chunk_info(context, 0, x / tile, y / tile, 0, 0, &chunk)
+                                 : exr_write_scanline_chunk_info(context, 0, y, &chunk)) == 0;
+            good = good && (first ? exr_encoding_initialize(context, 0, &chunk, &encoder)
+                                  : exr_encoding_update(context, 0, &chunk, &encoder)) == 0;
+            const size_t at = (size_t)y * ODD_WIDTH + (size_t)x;
+            for (int c = 0; c < 3 && good; ++c) { /* in the file's order: B, G, R */
+                const void *const from[3] = {odd_blue + at, odd_green + at, odd_red + at};
+                encoder.channels[c].encode_from_ptr = from[c];
+                encoder.channels[c].user_pixel_stride = c == 1 ? 2 : 4;
+                encoder.channels[c].user_line_stride = ODD_WIDTH * encoder.channels[c].user_pixel_stride;
+            }
+            good = good && (!first || exr_encoding_choose_default_routines(context, 0, &encoder) == 0);
+            good = good && exr_encoding_run(context, 0, &encoder) == 0;
+            first = false;
+        }
+    }
+    exr_encoding_destroy(context, &encoder);
+    return exr_finish(&context) == 0 && good;
+}
+
 static void every_layout_of_exr_is_read(void)
 {
     static const char *const compressions[] = {"NONE", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A"};
@@ -485,8 +491,8 @@ static void every_layout_of_exr_is_read(void)
     for (int k = 0; k < 8; ++k) {
         for (int tiled = 0; tiled < 2; ++tiled) {
             const char *const path = OUT("layout.exr");
-            if (!library_write(path, (exr_compression_t)k, tiled, EXR_ENVMAP_LAST_TYPE, 1, odd_red, odd_green, odd_blue,
-                               ODD_WIDTH, ODD_HEIGHT)) {
+            const odd_layout layout = {(exr_compression_t)k, tiled, EXR_ENVMAP_LAST_TYPE, 1};
+            if (!odd_picture_write(path, layout)) {
                 CHECK(false, "the library does not write %s", compressions[k]);
                 continue;
             }
@@ -587,15 +593,15 @@ static void damaged_pixels_are_bad_input(void)
         for (int i = 0; i < 90; ++i) {
             const bool cut = i < 30;
             const size_t length = cut ? size / 2 + random_next(&state) % (size - size / 2) : size;
-            const size_t place = size / 2 + random_next(&state) % (size - size / 2);
-            const unsigned char saved = bytes[place];
-            bytes[place] = cut ? saved : (unsigned char)random_next(&state);
+            const size_t offset = size / 2 + random_next(&state) % (size - size / 2);
+            const unsigned char saved = bytes[offset];
+            bytes[offset] = cut ? saved : (unsigned char)random_next(&state);
             lmb_image image;
             lmb_error error = {""};
             const lmb_result result = bytes_read(bytes, length, &image, &error);
-            bytes[place] = saved;
+            bytes[offset] = saved;
             CHECK(result == LMB_ERROR_FORMAT || (result == LMB_OK && !cut),
-                  "%s: %zu of %zu bytes, one wrong at %zu: %d, %s", COMPRESSIONS[k], length, size, place, (int)result,
+                  "%s: %zu of %zu bytes, one wrong at %zu: %d, %s", COMPRESSIONS[k], length, size, offset, (int)result,
                   error.message);
             refused += result != LMB_OK;
             if (result == LMB_OK) {
@@ -685,8 +691,8 @@ static void unsupported_exr_is_named(void)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         lmb_image image = {7, 7, NULL};
         lmb_error error = {""};
-        (void)library_write(OUT("odd.exr"), EXR_COMPRESSION_ZIP, false, cases[i].envmap, cases[i].sampling, odd_red,
-                            odd_green, odd_blue, ODD_WIDTH, ODD_HEIGHT);
+        const odd_layout layout = {EXR_COMPRESSION_ZIP, false, cases[i].envmap, cases[i].sampling};
+        (void)odd_picture_write(OUT("odd.exr"), layout);
         CHECK(lmb_image_read(OUT("odd.exr"), &image, NULL, NULL, &error) == LMB_ERROR_UNSUPPORTED, "%s: %s",
               cases[i].what, error.message);
         CHECK(strstr(error.message, cases[i].reason), "%s: %s", cases[i].what, error.message);
@@ -798,15 +804,15 @@ static void file_torture(const char *path, int cuts, int corruptions)
     }
     for (int i = 0; i < corruptions; ++i) {
         unsigned char saved[4];
-        size_t place[4];
+        size_t offset[4];
         for (int k = 0; k < 4; ++k) {
-            place[k] = random_next(&state) % (i % 2 == 0 && size > 400 ? 400 : size); /* half of them in the header */
-            saved[k] = bytes[place[k]];
-            bytes[place[k]] = (unsigned char)random_next(&state);
+            offset[k] = random_next(&state) % (i % 2 == 0 && size > 400 ? 400 : size); /* half of them in the header */
+            saved[k] = bytes[offset[k]];
+            bytes[offset[k]] = (unsigned char)random_next(&state);
         }
         anything_read(bytes, size);
         for (int k = 3; k >= 0; --k) {
-            bytes[place[k]] = saved[k];
+            bytes[offset[k]] = saved[k];
         }
     }
     free(bytes);
@@ -817,8 +823,8 @@ static void damaged_exr_does_no_harm(void)
     odd_picture_make();
     for (int k = 0; k < 8; ++k) {
         for (int tiled = 0; tiled < 2; ++tiled) {
-            (void)library_write(OUT("torture.exr"), (exr_compression_t)k, tiled, EXR_ENVMAP_LATLONG, 1, odd_red,
-                                odd_green, odd_blue, ODD_WIDTH, ODD_HEIGHT);
+            const odd_layout layout = {(exr_compression_t)k, tiled, EXR_ENVMAP_LATLONG, 1};
+            (void)odd_picture_write(OUT("torture.exr"), layout);
             file_torture(OUT("torture.exr"), 80, 150);
         }
     }

@@ -225,7 +225,8 @@ static void texels_are_on_the_side_that_is_seen(void)
         lmb_error error = {""};
         const char *path = OUTPUT("inside_out_texels.glb");
         baked bake;
-        if (!baked_open(&bake, path, stage_write(path, &TURNED[i], &error), &error, 8.0f, 8, 2)) {
+        if (!baked_open(&bake, path, stage_write(path, &TURNED[i], &error), &error,
+                        (baked_settings){.texels_per_m = 8.0f, .samples = 8, .threads = 2})) {
             return;
         }
         const uint32_t block = instance_named(bake.level.scene, "block");
@@ -256,9 +257,14 @@ static void texels_are_on_the_side_that_is_seen(void)
     }
 }
 
+typedef struct lamp_housing {
+    float half; /* of its edges; 0: there is none */
+    bool lid, glass;
+} lamp_housing;
+
 /* A hall of 10 m with a lamp in a small box or behind its ceiling. */
-static lmb_result lamp_write(const char *path, lmb_level_light_type type, float at_height, float half, bool lid,
-                             bool glass, lmb_error *error)
+static lmb_result lamp_write(const char *path, lmb_level_light_type type, float at_height, lamp_housing housing,
+                             lmb_error *error)
 {
     lmb_level_builder *builder = lmb_level_builder_create(1.0f);
     const int material = plain_material(builder, 0.5f);
@@ -270,14 +276,15 @@ static lmb_result lamp_write(const char *path, lmb_level_light_type type, float 
     lmb_level_material clear = lmb_level_material_default();
     clear.alpha_mode = LMB_LEVEL_BLEND;
     clear.alpha = 0.2f;
-    const int housing_material = glass ? lmb_level_builder_add_material(builder, &clear) : material;
-    if (half > 0.0f) {
-        const int housing = lmb_level_builder_add_mesh(builder, "housing");
+    const int housing_material = housing.glass ? lmb_level_builder_add_material(builder, &clear) : material;
+    if (housing.half > 0.0f) {
+        const float half = housing.half;
+        const int mesh = lmb_level_builder_add_mesh(builder, "housing");
         lmb_level_box box =
             lmb_level_box_of((lmb_vec3){-half, -half, -half}, (lmb_vec3){half, half, half}, housing_material);
-        box.material[2] = lid ? housing_material : LMB_LEVEL_NONE;
-        lmb_level_builder_add_box(builder, housing, &box);
-        lmb_level_builder_place(builder, "housing", housing, (lmb_vec3){0, at_height, 0});
+        box.material[2] = housing.lid ? housing_material : LMB_LEVEL_NONE;
+        lmb_level_builder_add_box(builder, mesh, &box);
+        lmb_level_builder_place(builder, "housing", mesh, (lmb_vec3){0, at_height, 0});
     }
     lamp_place(builder, type, (lmb_vec3){0, at_height, 0});
     const lmb_result result = lmb_level_builder_write(builder, path, error);
@@ -290,28 +297,27 @@ static void lamps_that_are_shut_in_are_named(void)
     static const struct {
         const char *what;
         lmb_level_light_type type;
-        float at_height, half;
-        bool lid, glass;
+        float at_height;
+        lamp_housing housing;
         const char *says; /* NULL: nothing */
     } CASES[] = {
-        {"free", LMB_LEVEL_LIGHT_POINT, 2.0f, 0.0f, false, false, NULL},
-        {"in a box", LMB_LEVEL_LIGHT_POINT, 2.0f, 0.015f, true, false, "'housing'"},
-        {"in an open box", LMB_LEVEL_LIGHT_POINT, 2.0f, 0.015f, false, false, NULL},
-        {"in glass", LMB_LEVEL_LIGHT_POINT, 2.0f, 0.015f, true, true, NULL},
-        {"in a chamber", LMB_LEVEL_LIGHT_POINT, 2.0f, 0.5f, true, false, NULL},
-        {"a spot in an open can", LMB_LEVEL_LIGHT_SPOT, 2.0f, 0.015f, false, false, NULL},
-        {"a spot in a closed can", LMB_LEVEL_LIGHT_SPOT, 2.0f, 0.015f, true, false, "'housing'"},
-        {"a spot above the ceiling", LMB_LEVEL_LIGHT_SPOT, 5.01f, 0.0f, false, false, "'hall'"},
-        {"a spot below the ceiling", LMB_LEVEL_LIGHT_SPOT, 4.99f, 0.0f, false, false, NULL},
+        {"free", LMB_LEVEL_LIGHT_POINT, 2.0f, {0.0f, false, false}, NULL},
+        {"in a box", LMB_LEVEL_LIGHT_POINT, 2.0f, {0.015f, true, false}, "'housing'"},
+        {"in an open box", LMB_LEVEL_LIGHT_POINT, 2.0f, {0.015f, false, false}, NULL},
+        {"in glass", LMB_LEVEL_LIGHT_POINT, 2.0f, {0.015f, true, true}, NULL},
+        {"in a chamber", LMB_LEVEL_LIGHT_POINT, 2.0f, {0.5f, true, false}, NULL},
+        {"a spot in an open can", LMB_LEVEL_LIGHT_SPOT, 2.0f, {0.015f, false, false}, NULL},
+        {"a spot in a closed can", LMB_LEVEL_LIGHT_SPOT, 2.0f, {0.015f, true, false}, "'housing'"},
+        {"a spot above the ceiling", LMB_LEVEL_LIGHT_SPOT, 5.01f, {0.0f, false, false}, "'hall'"},
+        {"a spot below the ceiling", LMB_LEVEL_LIGHT_SPOT, 4.99f, {0.0f, false, false}, NULL},
     };
     for (size_t i = 0; i < sizeof CASES / sizeof CASES[0]; ++i) {
         lmb_error error = {""};
         const char *path = OUTPUT("inside_out_lamp.glb");
         level_fixture level;
         if (!level_fixture_open(&level, path,
-                                lamp_write(path, CASES[i].type, CASES[i].at_height, CASES[i].half, CASES[i].lid,
-                                           CASES[i].glass, &error),
-                                &error, 1)) {
+                                lamp_write(path, CASES[i].type, CASES[i].at_height, CASES[i].housing, &error), &error,
+                                1)) {
             return;
         }
         listener heard = {CASES[i].says ? CASES[i].says : "light 'lamp'", 0, 0};

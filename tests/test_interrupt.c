@@ -99,13 +99,13 @@ static pid_t command_start(const char *const *arguments)
     return child;
 }
 
-/* Sends `number` after some time. Returns the exit status, -1 for a death by the signal itself. */
-static int interrupt_after(const char *const *arguments, int milliseconds, int number)
+/* Sends `signal_number` after some time. Returns the exit status, -1 for a death by the signal itself. */
+static int interrupt_after(const char *const *arguments, int milliseconds, int signal_number)
 {
     const pid_t child = command_start(arguments);
     wait_ms(milliseconds);
     const double start = seconds_now();
-    kill(child, number);
+    kill(child, signal_number);
     int status = 0;
     waitpid(child, &status, 0);
     const double seconds = seconds_now() - start;
@@ -140,8 +140,8 @@ static void long_work_ends_at_once(void)
         return;
     }
     for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
-        const int number = i % 2 == 0 ? SIGINT : SIGTERM;
-        const int status = interrupt_after(table[i].arguments, table[i].milliseconds, number);
+        const int signal_number = i % 2 == 0 ? SIGINT : SIGTERM;
+        const int status = interrupt_after(table[i].arguments, table[i].milliseconds, signal_number);
         CHECK(status == 4, "row %zu: %s: exits with %d", i, table[i].arguments[0], status);
     }
     CHECK_RUN(0, "lambent: interrupted", "cat " OUTPUT "/printed");

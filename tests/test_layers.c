@@ -7,23 +7,18 @@
 
 #include "level_fixture.h"
 #include "scenes/level_builder.h"
+#include "variates.h"
 
 static const lmb_vec3 up = {0, 1, 0};
 static const char *const level_path = LMB_TEST_OUTPUT_DIR "/layers.glb";
 
-static double number_next(uint64_t *state)
-{
-    *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (double)(*state >> 11) * 0x1p-53;
-}
-
 /* `count` horizontal cards of 20 m, from y = 1 on, `step` apart. */
 static void cards_add(lmb_level_builder *builder, const lmb_level_material *material, int count, float step)
 {
-    const int number = lmb_level_builder_add_material(builder, material);
+    const int index = lmb_level_builder_add_material(builder, material);
     const int mesh = lmb_level_builder_add_mesh(builder, "cards");
     for (int i = 0; i < count; ++i) {
-        lmb_level_builder_add_quad(builder, mesh, number, (lmb_vec3){-10, 1.0f + step * (float)i, 10},
+        lmb_level_builder_add_quad(builder, mesh, index, (lmb_vec3){-10, 1.0f + step * (float)i, 10},
                                    (lmb_vec3){20, 0, 0}, (lmb_vec3){0, 0, -20});
     }
     lmb_level_builder_place(builder, "cards", mesh, (lmb_vec3){0, 0, 0});
@@ -227,7 +222,7 @@ static bool shards_write(void)
     for (int i = 0; i < 400; ++i) {
         float n[9];
         for (int c = 0; c < 9; ++c) {
-            n[c] = (float)(2.0 * number_next(&state) - 1.0);
+            n[c] = (float)(2.0 * variate_next(&state) - 1.0);
         }
         lmb_level_builder_add_quad(builder, mesh, material[i % 8 ? 1 + i % 3 : 0],
                                    (lmb_vec3){3 * n[0], 3 * n[1], 3 * n[2]}, (lmb_vec3){n[3], n[4], n[5]},
@@ -242,8 +237,8 @@ static bool shards_write(void)
 
 static lmb_vec3 vector_next(uint64_t *state)
 {
-    const float x = (float)(2.0 * number_next(state) - 1.0), y = (float)(2.0 * number_next(state) - 1.0);
-    return (lmb_vec3){x, y, (float)(2.0 * number_next(state) - 1.0)};
+    const float x = (float)(2.0 * variate_next(state) - 1.0), y = (float)(2.0 * variate_next(state) - 1.0);
+    return (lmb_vec3){x, y, (float)(2.0 * variate_next(state) - 1.0)};
 }
 
 /* With every instruction set: rays of a batch find what single rays do, bit by bit, and by the mean over many chances
@@ -273,7 +268,7 @@ static void batches_pass_like_single_rays(void)
             for (uint32_t i = 0; i < count; ++i) {
                 from[i] = vector_next(&state);
                 along[i] = vector_next(&state);
-                chance[i] = (uint64_t)(number_next(&state) * 1e15);
+                chance[i] = (uint64_t)(variate_next(&state) * 1e15);
                 const float origin[3] = {from[i].x, from[i].y, from[i].z}, d[3] = {along[i].x, along[i].y, along[i].z};
                 for (int axis = 0; axis < 3; ++axis) {
                     batch.origin[axis][i] = origin[axis];
@@ -321,11 +316,11 @@ static void batches_pass_like_single_rays(void)
     lmb_scene_destroy(scene);
 }
 
-/* A grid among the shards: the same bytes for any number of threads. */
+/* Probes among the shards: the same bytes for any number of threads. */
 static void threads_do_not_matter(void)
 {
     static const int threads[] = {1, 2, 7};
-    lmb_probes *grids[3] = {NULL, NULL, NULL};
+    lmb_probes *bakes[3] = {NULL, NULL, NULL};
     if (!shards_write()) {
         return;
     }
@@ -339,20 +334,20 @@ static void threads_do_not_matter(void)
         settings.spacing = 0.7f;
         lmb_placement_stats placement;
         lmb_gather_stats baked;
-        lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &grids[i], &placement, &error);
+        lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &bakes[i], &placement, &error);
         if (result == LMB_OK) {
-            result = lmb_probes_bake(grids[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
+            result = lmb_probes_bake(bakes[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
                                      &baked);
         }
         CHECK(result == LMB_OK, "%d threads: %s", threads[i], error.message);
-        CHECK(i == 0 || (grids[0] && grids[i] && grids[0]->count == grids[i]->count &&
-                         memcmp(grids[0]->radiance[0], grids[i]->radiance[0],
-                                (size_t)grids[0]->count * sizeof *grids[0]->radiance[0]) == 0),
+        CHECK(i == 0 || (bakes[0] && bakes[i] && bakes[0]->count == bakes[i]->count &&
+                         memcmp(bakes[0]->radiance[0], bakes[i]->radiance[0],
+                                (size_t)bakes[0]->count * sizeof *bakes[0]->radiance[0]) == 0),
               "%d threads differ from 1", threads[i]);
         level_fixture_close(&level);
     }
     for (int i = 0; i < 3; ++i) {
-        lmb_probes_destroy(grids[i]);
+        lmb_probes_destroy(bakes[i]);
     }
 }
 

@@ -4,6 +4,7 @@
 #include "harness.h"
 #include "level_blocks.h"
 #include "levels.h"
+#include "variates.h"
 
 #include <lambent/gltf.h>
 
@@ -352,12 +353,6 @@ static double nearest_hit(const lmb_scene *scene, const ray *r)
     return nearest;
 }
 
-static double next_random(uint64_t *state)
-{
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*state >> 11) * 0x1p-53;
-}
-
 /* Sends rays from within a box; counts those whose first hit lies outside it. */
 static int count_escapes(const lmb_scene *scene, lmb_vec3 min, lmb_vec3 max, int rays)
 {
@@ -368,8 +363,8 @@ static int count_escapes(const lmb_scene *scene, lmb_vec3 min, lmb_vec3 max, int
     for (int i = 0; i < rays; ++i) {
         ray r;
         for (int axis = 0; axis < 3; ++axis) {
-            r.origin[axis] = low[axis] + (high[axis] - low[axis]) * (0.01 + 0.98 * next_random(&state));
-            r.direction[axis] = 2 * next_random(&state) - 1;
+            r.origin[axis] = low[axis] + (high[axis] - low[axis]) * (0.01 + 0.98 * variate_next(&state));
+            r.direction[axis] = 2 * variate_next(&state) - 1;
         }
         const double distance = nearest_hit(scene, &r);
         bool outside = !isfinite(distance);
@@ -420,8 +415,8 @@ static void only_windows_open_the_house(void)
         const double low[3] = {4.6, 0.1, 3.2};
         const double size[3] = {5.3, 2.6, 4.7};
         for (int axis = 0; axis < 3; ++axis) {
-            r.origin[axis] = low[axis] + size[axis] * next_random(&state);
-            r.direction[axis] = 2 * next_random(&state) - 1;
+            r.origin[axis] = low[axis] + size[axis] * variate_next(&state);
+            r.direction[axis] = 2 * variate_next(&state) - 1;
         }
         if (isfinite(nearest_hit(demo, &r))) {
             continue;

@@ -6,22 +6,16 @@
 #include "light/light_tree.h"
 #include "scenes/level_builder.h"
 #include "level_fixture.h"
+#include "variates.h"
 
 #define PI 3.14159265358979323846
 
 enum { MOST = 1000, CHOICES = 200000 };
 
-/* Numbers without a pattern that the tree could share. */
-static double number_next(uint64_t *state)
-{
-    *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (double)(*state >> 11) * 0x1p-53;
-}
-
 static lmb_vec3 direction_next(uint64_t *state)
 {
-    const double y = 2.0 * number_next(state) - 1.0;
-    const double turn = 2.0 * PI * number_next(state);
+    const double y = 2.0 * variate_next(state) - 1.0;
+    const double turn = 2.0 * PI * variate_next(state);
     const double r = sqrt(1.0 - y * y);
     return (lmb_vec3){(float)(r * cos(turn)), (float)y, (float)(r * sin(turn))};
 }
@@ -33,17 +27,18 @@ static void lights_make(lmb_light_bound *lights, int count, lights_kind kind)
     uint64_t state = 7;
     for (int i = 0; i < count; ++i) {
         const bool one_place = kind == ONE_PLACE;
-        const float x = one_place ? 1.0f : (float)(20.0 * number_next(&state));
-        const float y = one_place ? 2.0f : (float)(3.0 * number_next(&state));
-        const float z = one_place ? 3.0f : (float)(20.0 * number_next(&state));
-        const float size = kind == PANELS ? (float)number_next(&state) : 0.0f;
-        lights[i] = (lmb_light_bound){.low = {x, y, z},
-                                      .high = {x + size, y + size, z + size},
-                                      .power = (float)pow(10.0, 4.0 * number_next(&state) - 2.0),
-                                      .axis = direction_next(&state),
-                                      .cos_spread = kind == ONE_PLACE ? -1.0f : 1.0f,
-                                      .cos_reach = kind == SPOTS ? (float)number_next(&state) : 0.0f,
-                                      .range = kind == SPOTS && i % 2 ? (float)(10.0 * number_next(&state)) : INFINITY};
+        const float x = one_place ? 1.0f : (float)(20.0 * variate_next(&state));
+        const float y = one_place ? 2.0f : (float)(3.0 * variate_next(&state));
+        const float z = one_place ? 3.0f : (float)(20.0 * variate_next(&state));
+        const float size = kind == PANELS ? (float)variate_next(&state) : 0.0f;
+        lights[i] =
+            (lmb_light_bound){.low = {x, y, z},
+                              .high = {x + size, y + size, z + size},
+                              .power = (float)pow(10.0, 4.0 * variate_next(&state) - 2.0),
+                              .axis = direction_next(&state),
+                              .cos_spread = kind == ONE_PLACE ? -1.0f : 1.0f,
+                              .cos_reach = kind == SPOTS ? (float)variate_next(&state) : 0.0f,
+                              .range = kind == SPOTS && i % 2 ? (float)(10.0 * variate_next(&state)) : INFINITY};
     }
 }
 
@@ -128,8 +123,8 @@ static void clusters_leave_none_out(void)
     int giving = 0;
     for (int q = 0; q < 4000 && tree; ++q) {
         const lmb_vec3 normal = direction_next(&state);
-        const lmb_light_query query = {{(float)(20.0 * number_next(&state)), (float)(3.0 * number_next(&state)),
-                                        (float)(20.0 * number_next(&state))},
+        const lmb_light_query query = {{(float)(20.0 * variate_next(&state)), (float)(3.0 * variate_next(&state)),
+                                        (float)(20.0 * variate_next(&state))},
                                        q % 2 ? &normal : NULL,
                                        0.0f,
                                        NULL};
@@ -221,21 +216,21 @@ static void punctual_lights_add_up(void)
         double expected = 0.0;
         double expected_at_probe = 0.0; /* without cosines */
         for (int i = 0; i < counts[k]; ++i) {
-            const lmb_vec3 place = {(float)(40.0 * number_next(&state) - 20.0), (float)(1.0 + number_next(&state)),
-                                    (float)(40.0 * number_next(&state) - 20.0)};
+            const lmb_vec3 position = {(float)(40.0 * variate_next(&state) - 20.0), (float)(1.0 + variate_next(&state)),
+                                       (float)(40.0 * variate_next(&state) - 20.0)};
             const lmb_level_light lamp = {.name = "lamp",
                                           .type = LMB_LEVEL_LIGHT_POINT,
                                           .color = {{1, 1, 1}},
-                                          .intensity = (float)(1.0 + 20.0 * number_next(&state))};
+                                          .intensity = (float)(1.0 + 20.0 * variate_next(&state))};
             lmb_level_node node = lmb_level_node_default("lamp");
             node.light = lmb_level_builder_add_light(builder, &lamp);
-            node.translation = place;
+            node.translation = position;
             lmb_level_builder_add_node(builder, &node);
-            const double squared = (double)place.x * (double)place.x + (double)place.y * (double)place.y +
-                                   (double)place.z * (double)place.z;
-            expected += (double)lamp.intensity * (double)place.y / pow(squared, 1.5) / PI;
-            const double up = (double)place.y - PROBE_HEIGHT;
-            expected_at_probe += (double)lamp.intensity / (squared - (double)place.y * (double)place.y + up * up);
+            const double squared = (double)position.x * (double)position.x + (double)position.y * (double)position.y +
+                                   (double)position.z * (double)position.z;
+            expected += (double)lamp.intensity * (double)position.y / pow(squared, 1.5) / PI;
+            const double up = (double)position.y - PROBE_HEIGHT;
+            expected_at_probe += (double)lamp.intensity / (squared - (double)position.y * (double)position.y + up * up);
         }
         lmb_error error;
         const char *path = LMB_TEST_OUTPUT_DIR "/many_lamps.glb";
@@ -293,14 +288,14 @@ static bool lamps_open(level_fixture *level)
         const lmb_level_light lamp = {.name = "lamp",
                                       .type = i % 3 ? LMB_LEVEL_LIGHT_POINT : LMB_LEVEL_LIGHT_SPOT,
                                       .color = {{1, 1, 1}},
-                                      .intensity = (float)pow(10.0, 2.0 * number_next(&state)),
+                                      .intensity = (float)pow(10.0, 2.0 * variate_next(&state)),
                                       .range_m = i % 2 ? 4.0f : 0.0f,
                                       .inner_angle_rad = 0.2f,
                                       .outer_angle_rad = 0.9f};
         lmb_level_node node = lmb_level_node_default("lamp");
         node.light = lmb_level_builder_add_light(builder, &lamp);
-        node.translation = (lmb_vec3){(float)(20.0 * number_next(&state)), (float)(3.0 * number_next(&state)),
-                                      (float)(20.0 * number_next(&state))};
+        node.translation = (lmb_vec3){(float)(20.0 * variate_next(&state)), (float)(3.0 * variate_next(&state)),
+                                      (float)(20.0 * variate_next(&state))};
         lmb_level_look_along(direction_next(&state), node.rotation);
         lmb_level_builder_add_node(builder, &node);
     }
@@ -324,7 +319,7 @@ static void few_stand_for_all(void)
     for (int q = 0; q < 60; ++q) {
         const lmb_vec3 normal = direction_next(&state);
         const lmb_punctual_query query = {
-            .position = {(float)(20.0 * number_next(&state)), 1.5f, (float)(20.0 * number_next(&state))},
+            .position = {(float)(20.0 * variate_next(&state)), 1.5f, (float)(20.0 * variate_next(&state))},
             .normal = q % 2 ? &normal : NULL};
         double expected = 0.0;
         for (uint32_t i = 0; i < level.scene->light_count; ++i) {
@@ -333,7 +328,7 @@ static void few_stand_for_all(void)
         const int max = most[q % 3];
         double sum = 0.0, squares = 0.0;
         for (int t = 0; t < TRIES; ++t) {
-            const float choice[2] = {(float)number_next(&state) * 0.999999f, (float)number_next(&state) * 0.999999f};
+            const float choice[2] = {(float)variate_next(&state), (float)variate_next(&state)};
             lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX];
             const int count = lmb_emitters_punctual(level.emitters, &query, choice, max, sample);
             CHECK(count <= max, "%d of %d samples", count, max);
@@ -370,12 +365,12 @@ static void panels_add_up(void)
 {
     lmb_level_builder *builder = lmb_level_builder_create(0.1f);
     const int ceiling = lmb_level_builder_add_mesh(builder, "ceiling");
-    const lmb_vec3 place = {7.3f, 0.0f, 4.1f};
+    const lmb_vec3 position = {7.3f, 0.0f, 4.1f};
     uint64_t state = 21;
     double expected = 0.0;
     for (int i = 0; i < 400; ++i) {
-        const float radiance = (float)pow(10.0, 2.0 * number_next(&state));
-        const float size = (float)(0.05 + 0.9 * number_next(&state));
+        const float radiance = (float)pow(10.0, 2.0 * variate_next(&state));
+        const float size = (float)(0.05 + 0.9 * variate_next(&state));
         const float x = (float)(i % 20), z = (float)(i / 20);
         lmb_level_material glow = lmb_level_material_default();
         glow.base_color = (lmb_rgb){{0, 0, 0}};
@@ -385,9 +380,9 @@ static void panels_add_up(void)
                                        corner[1], corner[2]);
         double seen[3][3];
         for (int k = 0; k < 3; ++k) {
-            seen[k][0] = (double)corner[k].x - (double)place.x;
-            seen[k][1] = (double)corner[k].y - (double)place.y;
-            seen[k][2] = (double)corner[k].z - (double)place.z;
+            seen[k][0] = (double)corner[k].x - (double)position.x;
+            seen[k][1] = (double)corner[k].y - (double)position.y;
+            seen[k][2] = (double)corner[k].z - (double)position.z;
         }
         expected += triangle_light((const double(*)[3])seen, (double)radiance);
     }
@@ -400,20 +395,20 @@ static void panels_add_up(void)
     if (!level_fixture_open(&level, path, written, &error, 1)) {
         return;
     }
-    const lmb_rgb found = traced_irradiance(&level, place, (lmb_vec3){0, 1, 0}, 65536);
+    const lmb_rgb found = traced_irradiance(&level, position, (lmb_vec3){0, 1, 0}, 65536);
     CHECK_NEAR(found.c[1], expected, 0.003 * expected, "400 panels");
 
     /* The density of a sample is the one of the ray that finds it. */
     for (int i = 0; i < 1000; ++i) {
         const lmb_vec3 normal = direction_next(&state);
-        const float point[2] = {0.999f * (float)number_next(&state), 0.999f * (float)number_next(&state)};
+        const float point[2] = {(float)variate_next(&state), (float)variate_next(&state)};
         lmb_light_sample sample;
         lmb_hit hit;
-        const lmb_triangle_query query = {place, &normal, NULL};
-        const float choice = 0.999f * (float)number_next(&state);
-        const lmb_triangle_choices choices = {1, &place, &choice, &point[0], &point[1]};
+        const lmb_triangle_query query = {position, &normal, NULL};
+        const float choice = (float)variate_next(&state);
+        const lmb_triangle_choices choices = {1, &position, &choice, &point[0], &point[1]};
         lmb_emitters_sample_triangles(level.emitters, &query, &choices, &sample);
-        if (sample.density > 0.0f && lmb_trace_nearest(level.tracer, place, sample.direction, 0.0f, 1e30f, &hit)) {
+        if (sample.density > 0.0f && lmb_trace_nearest(level.tracer, position, sample.direction, 0.0f, 1e30f, &hit)) {
             const float density = lmb_emitters_triangle_density(level.emitters, &query, &hit, sample.direction);
             CHECK_NEAR(density / sample.density, 1.0, 1e-4, "sample %d", i);
         }

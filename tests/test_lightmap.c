@@ -1,24 +1,19 @@
 /* Lightmaps: light that is known, lookups, padding, places of instances. */
 #include "lightmap_fixture.h"
+#include "variates.h"
 
 #include <lambent/surface.h>
 
-/* A repeatable number in [0, 1). */
-static float number_next(uint32_t *seed)
-{
-    *seed = *seed * 1664525u + 1013904223u;
-    return (float)(*seed >> 8) / 16777216.0f;
-}
-
 static lmb_vec2 uv_at(const lmb_lightmap *lightmap, uint32_t instance, uint32_t triangle, float u, float v)
 {
-    const uint32_t number = lightmap->scene->instances[instance].mesh;
-    const lmb_mesh *mesh = &lightmap->scene->meshes[number];
+    const uint32_t mesh_index = lightmap->scene->instances[instance].mesh;
+    const lmb_mesh *mesh = &lightmap->scene->meshes[mesh_index];
     lmb_vec2 sum = {0.0f, 0.0f};
     const float weight[3] = {1.0f - u - v, u, v};
     for (int k = 0; k < 3; ++k) {
-        const lmb_vec2 corner = lightmap->corner_uv[number] ? lightmap->corner_uv[number][3 * triangle + (uint32_t)k]
-                                                            : mesh->uv[1][mesh->triangle[triangle][k]];
+        const lmb_vec2 corner = lightmap->corner_uv[mesh_index]
+                                    ? lightmap->corner_uv[mesh_index][3 * triangle + (uint32_t)k]
+                                    : mesh->uv[1][mesh->triangle[triangle][k]];
         sum.x += weight[k] * corner.x;
         sum.y += weight[k] * corner.y;
     }
@@ -39,7 +34,7 @@ static lmb_vec2 texels_at(const lmb_lightmap *lightmap, uint32_t instance, uint3
  * light. A point within a thousandth of a texel of the border may belong to the neighbour. */
 static void check_filled(const lmb_lightmap *lightmap, uint32_t points_per_triangle)
 {
-    uint32_t seed = 1;
+    uint64_t state = 1;
     uint64_t empty = 0, ungathered = 0, outside = 0;
     for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
         const lmb_lightmap_region *region = &lightmap->region[i];
@@ -52,8 +47,8 @@ static void check_filled(const lmb_lightmap *lightmap, uint32_t points_per_trian
             const uint32_t t = k / points_per_triangle;
             /* Corners and edges first. */
             const uint32_t turn = k % points_per_triangle;
-            float u = turn == 1 ? 1.0f : turn == 0 || turn == 2 || turn == 4 ? 0.0f : number_next(&seed);
-            float v = turn == 2 ? 1.0f : turn == 0 || turn == 1 || turn == 3 ? 0.0f : number_next(&seed);
+            float u = turn == 1 ? 1.0f : turn == 0 || turn == 2 || turn == 4 ? 0.0f : (float)variate_next(&state);
+            float v = turn == 2 ? 1.0f : turn == 0 || turn == 1 || turn == 3 ? 0.0f : (float)variate_next(&state);
             if (u + v > 1.0f) {
                 u = 1.0f - u;
                 v = 1.0f - v;
@@ -88,7 +83,8 @@ static void furnace(void)
         const lmb_rgb one = {{1.0f, 1.0f, 1.0f}};
         const lmb_result written = lmb_level_furnace(path, 2.0f, ALBEDO[i], one, false, &error);
         baked bake;
-        if (!baked_open(&bake, path, written, &error, 4.0f, 256, 2)) {
+        if (!baked_open(&bake, path, written, &error,
+                        (baked_settings){.texels_per_m = 4.0f, .samples = 256, .threads = 2})) {
             return;
         }
         const float truth = 1.0f / (1.0f - ALBEDO[i]);
@@ -124,7 +120,8 @@ static void sun_on_plane(void)
         const lmb_vec3 d = CASES[i].direction;
         const lmb_result written = lmb_level_sun_plane(path, 0.5f, d, CASES[i].lux, &error);
         baked bake;
-        if (!baked_open(&bake, path, written, &error, 1.0f, 8, 1)) {
+        if (!baked_open(&bake, path, written, &error,
+                        (baked_settings){.texels_per_m = 1.0f, .samples = 8, .threads = 1})) {
             return;
         }
         const double length = sqrt((double)(d.x * d.x + d.y * d.y + d.z * d.z));
@@ -141,7 +138,7 @@ static void sun_on_plane(void)
     }
 }
 
-/* Texels that are a linear function of their place read back as that function, wherever bilinear filtering reads. */
+/* Texels that are a linear function of their position read back as that function, wherever bilinear filtering reads. */
 static void bilinear_lookup(void)
 {
     lmb_error error = {""};
@@ -159,12 +156,12 @@ static void bilinear_lookup(void)
                 image_set_irradz(image, (size_t)k, &texel);
             }
         }
-        uint32_t seed = 7;
+        uint64_t state = 7;
         for (uint32_t i = 0; i < bake.level.scene->instance_count; ++i) {
             const uint32_t triangles = bake.level.scene->meshes[bake.level.scene->instances[i].mesh].triangle_count;
             for (uint32_t k = 0; k < 8 * triangles; ++k) {
                 const uint32_t turn = k % 8;
-                const float along = number_next(&seed);
+                const float along = (float)variate_next(&state);
                 const float u = turn == 1   ? 1.0f
                                 : turn == 3 ? along
                                 : turn == 5 ? 1.0f - along
@@ -208,16 +205,16 @@ static void check_regions_apart(const lmb_lightmap *lightmap)
     }
 }
 
-static const lmb_instance *instance_named(const lmb_scene *scene, const char *name, uint32_t *number)
+static const lmb_instance *instance_named(const lmb_scene *scene, const char *name, uint32_t *index)
 {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         if (strcmp(scene->instances[i].name, name) == 0) {
-            *number = i;
+            *index = i;
             return &scene->instances[i];
         }
     }
     CHECK(false, "no node %s", name);
-    *number = 0;
+    *index = 0;
     return NULL;
 }
 
@@ -226,7 +223,8 @@ static void instances_have_own_places(void)
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_tiles.glb");
     baked bake;
-    if (!baked_open(&bake, path, write_tiles(path, 3.0f, &error), &error, 4.0f, 8, 2)) {
+    if (!baked_open(&bake, path, write_tiles(path, 3.0f, &error), &error,
+                    (baked_settings){.texels_per_m = 4.0f, .samples = 8, .threads = 2})) {
         return;
     }
     const lmb_lightmap *lightmap = bake.lightmap;
@@ -297,10 +295,10 @@ static uint64_t count_bleeding(const lmb_lightmap *lightmap, uint32_t instance, 
     const lmb_mesh *mesh = &lightmap->scene->meshes[lightmap->scene->instances[instance].mesh];
     uint64_t wrong = 0;
     for (int pass = 0; pass < 2; ++pass) {
-        uint32_t seed = 11;
+        uint64_t state = 11;
         for (uint32_t k = 0; k < 20000; ++k) {
             const uint32_t t = k % mesh->triangle_count;
-            float u = number_next(&seed), v = number_next(&seed);
+            float u = (float)variate_next(&state), v = (float)variate_next(&state);
             if (u + v > 1.0f) {
                 u = 1.0f - u;
                 v = 1.0f - v;
@@ -423,15 +421,16 @@ static void block_has_no_dark_rim(void)
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_solids.glb");
     baked bake;
-    if (!baked_open(&bake, path, write_block_on_floor(path, &error), &error, 3.7f, 8, 2)) {
+    if (!baked_open(&bake, path, write_block_on_floor(path, &error), &error,
+                    (baked_settings){.texels_per_m = 3.7f, .samples = 8, .threads = 2})) {
         return;
     }
     uint32_t floor;
     instance_named(bake.level.scene, "floor", &floor);
     CHECK(bake.stats.moved > 0, "no texel was pushed out");
-    uint32_t seed = 3;
+    uint64_t state = 3;
     for (int i = 0; i < 2000; ++i) {
-        float u = number_next(&seed), v = number_next(&seed);
+        float u = (float)variate_next(&state), v = (float)variate_next(&state);
         if (u + v > 1.0f) {
             u = 1.0f - u;
             v = 1.0f - v;
@@ -483,7 +482,8 @@ static void texels_are_means(void)
         lmb_error error = {""};
         const char *path = OUTPUT("lightmap_sheet.glb");
         baked bake;
-        if (!baked_open(&bake, path, write_sheet_over_floor(path, slopes[k], &error), &error, 2.0f, 512, 2)) {
+        if (!baked_open(&bake, path, write_sheet_over_floor(path, slopes[k], &error), &error,
+                        (baked_settings){.texels_per_m = 2.0f, .samples = 512, .threads = 2})) {
             return;
         }
         uint32_t floor;

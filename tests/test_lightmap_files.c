@@ -17,7 +17,7 @@ static void empty_level(void)
     const lmb_result written = lmb_level_builder_write(builder, path, &error);
     lmb_level_builder_destroy(builder);
     baked bake;
-    if (!baked_open(&bake, path, written, &error, 1.0f, 8, 2)) {
+    if (!baked_open(&bake, path, written, &error, (baked_settings){.texels_per_m = 1.0f, .samples = 8, .threads = 2})) {
         return;
     }
     CHECK(bake.lightmap->image_count == 0 && bake.stats.elements == 0, "%d images", (int)bake.lightmap->image_count);
@@ -114,7 +114,8 @@ static void files_read_back(void)
     const char *directory = OUTPUT("lightmap files \xc3\xa9");
     mkdir(directory, 0777);
     baked bake;
-    if (!baked_open(&bake, path, lmb_level_cornell(path, &error), &error, 8.0f, 16, 2)) {
+    if (!baked_open(&bake, path, lmb_level_cornell(path, &error), &error,
+                    (baked_settings){.texels_per_m = 8.0f, .samples = 16, .threads = 2})) {
         return;
     }
     uint64_t bytes = 0;
@@ -178,7 +179,8 @@ static void sunlight_fits(void)
         const char *directory = OUTPUT("lightmap_bright");
         mkdir(directory, 0777);
         baked bake;
-        if (!baked_open(&bake, path, write_tiles(path, LUX[i], &error), &error, 2.0f, 8, 1)) {
+        if (!baked_open(&bake, path, write_tiles(path, LUX[i], &error), &error,
+                        (baked_settings){.texels_per_m = 2.0f, .samples = 8, .threads = 1})) {
             return;
         }
         uint64_t bytes = 0;
@@ -214,7 +216,8 @@ static void threads_make_no_difference(void)
     for (size_t i = 0; i < 3; ++i) {
         mkdir(DIRECTORIES[i], 0777);
         baked bake;
-        if (!baked_open(&bake, path, lmb_level_cornell(path, &error), &error, 8.0f, 16, THREADS[i])) {
+        if (!baked_open(&bake, path, lmb_level_cornell(path, &error), &error,
+                        (baked_settings){.texels_per_m = 8.0f, .samples = 16, .threads = THREADS[i]})) {
             return;
         }
         uint64_t bytes = 0;
@@ -244,7 +247,8 @@ static void exrheader_shows_channels(void)
     const char *directory = OUTPUT("lightmap_header");
     mkdir(directory, 0777);
     baked bake;
-    if (!baked_open(&bake, path, write_tiles(path, 1.0f, &error), &error, 1.0f, 8, 1)) {
+    if (!baked_open(&bake, path, write_tiles(path, 1.0f, &error), &error,
+                    (baked_settings){.texels_per_m = 1.0f, .samples = 8, .threads = 1})) {
         return;
     }
     uint64_t bytes = 0;

@@ -1,5 +1,6 @@
 /* Layouts: what they say about UVs, densities and islands, and the padding that is asked for. */
 #include "lightmap_fixture.h"
+#include "variates.h"
 
 enum { LINES_MOST = 32, LINE_SIZE = 512 };
 
@@ -243,23 +244,17 @@ static void small_islands_are_named(void)
     }
 }
 
-static float number_next(uint32_t *seed)
-{
-    *seed = *seed * 1664525u + 1013904223u;
-    return (float)(*seed >> 8) / 16777216.0f;
-}
-
 /* Which chart each gathered texel of an image is of: 1 + instance * 256 + the way its triangles face along an axis. */
 static void charts_mark(const lmb_lightmap *lightmap, uint32_t instance, int32_t *chart)
 {
     const lmb_lightmap_region *region = &lightmap->region[instance];
     const lmb_lightmap_image *image = &lightmap->image[region->image];
-    const uint32_t number = lightmap->scene->instances[instance].mesh;
-    const lmb_mesh *mesh = &lightmap->scene->meshes[number];
-    uint32_t seed = 3;
+    const uint32_t mesh_index = lightmap->scene->instances[instance].mesh;
+    const lmb_mesh *mesh = &lightmap->scene->meshes[mesh_index];
+    uint64_t state = 3;
     for (uint32_t k = 0; k < 60000; ++k) {
         const uint32_t t = k % mesh->triangle_count;
-        float u = number_next(&seed), v = number_next(&seed);
+        float u = (float)variate_next(&state), v = (float)variate_next(&state);
         if (u + v > 1.0f) {
             u = 1.0f - u;
             v = 1.0f - v;
@@ -267,7 +262,7 @@ static void charts_mark(const lmb_lightmap *lightmap, uint32_t instance, int32_t
         const float weight[3] = {1.0f - u - v, u, v};
         lmb_vec2 at = {0.0f, 0.0f};
         for (int c = 0; c < 3; ++c) {
-            const lmb_vec2 corner = lightmap->corner_uv[number][3 * t + (uint32_t)c];
+            const lmb_vec2 corner = lightmap->corner_uv[mesh_index][3 * t + (uint32_t)c];
             at.x += weight[c] * (corner.x * region->scale.x + region->offset.x) * (float)image->width;
             at.y += weight[c] * (corner.y * region->scale.y + region->offset.y) * (float)image->height;
         }

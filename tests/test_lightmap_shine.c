@@ -2,6 +2,7 @@
  * there, no more light comes out than there is. Under a white sky of 1 nothing on earth receives more than 1; where the
  * level is white too, everything receives just that. */
 #include "lightmap_fixture.h"
+#include "variates.h"
 
 #include <lambent/surface.h>
 
@@ -89,8 +90,10 @@ static void add_round_posts(lmb_level_builder *builder, int mesh, int material)
 {
     static const float RADIUS[] = {0.001f, 0.004f, 0.012f, 0.025f, 0.06f};
     for (int i = 0; i < 5; ++i) {
-        lmb_level_builder_add_cylinder(builder, mesh, material, (lmb_vec3){0.18f * (float)i, 0, 0.3f}, RADIUS[i], 0.5f,
-                                       5 + 3 * i);
+        lmb_level_builder_add_cylinder(
+            builder, mesh, material,
+            &(lmb_level_cylinder){
+                .base = {0.18f * (float)i, 0, 0.3f}, .radius = RADIUS[i], .height = 0.5f, .segments = 5 + 3 * i});
     }
 }
 
@@ -98,8 +101,9 @@ static void add_balls(lmb_level_builder *builder, int mesh, int material)
 {
     static const float RADIUS[] = {0.005f, 0.02f, 0.05f, 0.12f};
     for (int i = 0; i < 4; ++i) {
-        lmb_level_builder_add_sphere(builder, mesh, material, (lmb_vec3){0.25f * (float)i, 0.15f, 0.3f}, RADIUS[i],
-                                     2 + i, false);
+        lmb_level_builder_add_sphere(
+            builder, mesh, material,
+            &(lmb_level_sphere){.centre = {0.25f * (float)i, 0.15f, 0.3f}, .radius = RADIUS[i], .divisions = 2 + i});
     }
 }
 
@@ -136,13 +140,6 @@ static lmb_result write_shape(const char *path, shape_function add, float albedo
     return result;
 }
 
-/* A repeatable number in [0, 1). */
-static float number_next(uint32_t *seed)
-{
-    *seed = *seed * 1664525u + 1013904223u;
-    return (float)(*seed >> 8) / 16777216.0f;
-}
-
 static void normals_make(lmb_vec3 n, lmb_vec3 normals[NORMALS])
 {
     const lmb_vec3 axis = fabsf(n.x) < 0.6f ? (lmb_vec3){1, 0, 0} : (lmb_vec3){0, 1, 0};
@@ -167,11 +164,11 @@ static shine shine_measure(const baked *bake)
 {
     const lmb_scene *scene = bake->level.scene;
     const uint32_t triangles = scene->meshes[0].triangle_count;
-    uint32_t seed = 5;
+    uint64_t state = 5;
     shine found = {0.0, 0.0, 0.0};
     for (uint32_t i = 0; i < triangles * POINTS_PER_TRIANGLE; ++i) {
         const uint32_t t = i / POINTS_PER_TRIANGLE;
-        const float root = sqrtf(number_next(&seed)), across = number_next(&seed);
+        const float root = sqrtf((float)variate_next(&state)), across = (float)variate_next(&state);
         const float u = root * (1.0f - across), v = root * across;
         const lmb_vec3 n = lmb_trace_place(bake->level.tracer, &(lmb_hit){.instance = 0, .triangle = t, .u = u, .v = v})
                                .shading_normal;

@@ -22,11 +22,11 @@ static const char *output_path(const char *name)
 static lmb_probes *place(const level_fixture *level, const lmb_placement_settings *settings, lmb_placement_stats *stats)
 {
     lmb_error error = {{0}};
-    lmb_probes *grid = NULL;
-    const lmb_result result = lmb_placement_make(level->tracer, settings, level->pool, &grid, stats, &error);
+    lmb_probes *probes = NULL;
+    const lmb_result result = lmb_placement_make(level->tracer, settings, level->pool, &probes, stats, &error);
     CHECK(result == LMB_OK, "%s", error.message);
-    CHECK(result != LMB_OK || lmb_probes_validate(grid, &error) == LMB_OK, "%s", error.message);
-    return grid;
+    CHECK(result != LMB_OK || lmb_probes_validate(probes, &error) == LMB_OK, "%s", error.message);
+    return probes;
 }
 
 /* Walls on lattice planes: each probe there must see the room as one in the middle does, not half of it. */
@@ -43,19 +43,20 @@ static void probes_on_walls_see_the_room(void)
     settings.spacing = 1.0f;
     lmb_placement_stats stats;
     lmb_gather_stats baked;
-    lmb_probes *grid = place(&level, &settings, &stats);
-    if (grid) {
-        CHECK(grid->count == 125 && stats.probes_valid == 125, "%d probes, %d valid", grid->count, stats.probes_valid);
-        CHECK(lmb_probes_bake(grid, &level.transport, &(lmb_gather_effort){.samples = 1024}, level.pool, NULL,
+    lmb_probes *probes = place(&level, &settings, &stats);
+    if (probes) {
+        CHECK(probes->count == 125 && stats.probes_valid == 125, "%d probes, %d valid", probes->count,
+              stats.probes_valid);
+        CHECK(lmb_probes_bake(probes, &level.transport, &(lmb_gather_effort){.samples = 1024}, level.pool, NULL,
                               &baked) == LMB_OK,
               "bake");
-        for (int32_t i = 0; i < grid->count; ++i) {
-            const lmb_vec3 p = lmb_probes_position(grid, i);
-            CHECK_NEAR(grid->radiance[0][i].channel[1].c[0], 2.0 * sqrt(PI) * 2.0, 0.2, "probe at %g %g %g",
+        for (int32_t i = 0; i < probes->count; ++i) {
+            const lmb_vec3 p = lmb_probes_position(probes, i);
+            CHECK_NEAR(probes->radiance[0][i].channel[1].c[0], 2.0 * sqrt(PI) * 2.0, 0.2, "probe at %g %g %g",
                        (double)p.x, (double)p.y, (double)p.z);
         }
     }
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
     level_fixture_close(&level);
 }
 
@@ -119,22 +120,22 @@ static void max_probes_is_kept(void)
         settings.spacing = 0.05f;
         settings.max_probes = limits[i];
         lmb_placement_stats stats;
-        lmb_probes *grid = place(&level, &settings, &stats);
-        CHECK(grid && grid->count <= limits[i] && grid->count >= limits[i] / 4, "%d probes of %d",
-              grid ? grid->count : -1, limits[i]);
-        lmb_probes_destroy(grid);
+        lmb_probes *probes = place(&level, &settings, &stats);
+        CHECK(probes && probes->count <= limits[i] && probes->count >= limits[i] / 4, "%d probes of %d",
+              probes ? probes->count : -1, limits[i]);
+        lmb_probes_destroy(probes);
     }
     level_fixture_close(&level);
 }
 
 /* Valid probes within one of the two rooms of lmb_level_two_rooms. */
-static int32_t valid_count(const lmb_probes *grid, bool right)
+static int32_t valid_count(const lmb_probes *probes, bool right)
 {
     int32_t count = 0;
-    for (int32_t i = 0; i < grid->count; ++i) {
-        const lmb_vec3 p = lmb_probes_position(grid, i);
+    for (int32_t i = 0; i < probes->count; ++i) {
+        const lmb_vec3 p = lmb_probes_position(probes, i);
         const bool in_rooms = fabsf(p.x) < 4.05f && fabsf(p.z) < 2.0f && p.y > 0.0f && p.y < 3.0f;
-        count += in_rooms && grid->validity[i] >= LMB_PROBES_MIN_VALIDITY && (p.x > 0.0f) == right;
+        count += in_rooms && probes->validity[i] >= LMB_PROBES_MIN_VALIDITY && (p.x > 0.0f) == right;
     }
     return count;
 }
@@ -239,10 +240,10 @@ static void crossed_cells_are_counted(void)
     lmb_placement_settings settings = lmb_placement_settings_default();
     settings.spacing = 2.0f;
     lmb_placement_stats stats;
-    lmb_probes *grid = place(&level, &settings, &stats);
+    lmb_probes *probes = place(&level, &settings, &stats);
     CHECK(stats.cells == 100 && stats.cells_crossed == 100, "%lld cells, %lld crossed", (long long)stats.cells,
           (long long)stats.cells_crossed);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
     level_fixture_close(&level);
 }
 

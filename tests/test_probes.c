@@ -27,17 +27,17 @@ static void test_create_limits(void)
         {INFINITY, {0, 0, 0}, {1, 1, 1}, LMB_ERROR_ARGUMENT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        lmb_probes *grid = NULL;
-        CHECK(lmb_probes_create(&grid) == LMB_OK, "case %zu: memory", i);
+        lmb_probes *probes = NULL;
+        CHECK(lmb_probes_create(&probes) == LMB_OK, "case %zu: memory", i);
         lmb_lattice lattice = {.spacing = cases[i].spacing};
         memcpy(lattice.min, cases[i].min, sizeof lattice.min);
         memcpy(lattice.size, cases[i].size, sizeof lattice.size);
-        const lmb_result result = lmb_probes_add_level(grid, &lattice, NULL, 0);
+        const lmb_result result = lmb_probes_add_level(probes, &lattice, NULL, 0);
         CHECK(result == cases[i].expected, "case %zu: result %d", i, result);
-        CHECK((grid->level_count == 1) == (result == LMB_OK), "case %zu: output", i);
-        CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "case %zu: no probes at all are valid", i);
-        CHECK(lmb_probes_dilate(grid) == LMB_OK, "case %zu: nothing to dilate", i);
-        lmb_probes_destroy(grid);
+        CHECK((probes->level_count == 1) == (result == LMB_OK), "case %zu: output", i);
+        CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "case %zu: no probes at all are valid", i);
+        CHECK(lmb_probes_dilate(probes) == LMB_OK, "case %zu: nothing to dilate", i);
+        lmb_probes_destroy(probes);
     }
     lmb_probes_destroy(NULL);
 }
@@ -81,13 +81,13 @@ static void test_probes(void)
     const lmb_lattice lattice = {.spacing = 0.5f, .min = {-3, 5, -1}, .size = {4, 2, 3}};
     static const int32_t points[3][3] = {{-2, 5, -1}, {0, 6, -1}, {0, 6, 1}};
     static const int32_t twice[2][3] = {{-2, 5, 0}, {-2, 5, 0}}, beyond[1][3] = {{-2, 7, 0}};
-    lmb_probes *grid = NULL;
-    CHECK(lmb_probes_create(&grid) == LMB_OK, "create");
-    CHECK(lmb_probes_add_level(grid, &lattice, points, 3) == LMB_OK, "add");
-    CHECK(lmb_probes_add_level(grid, &lattice, twice, 2) == LMB_ERROR_ARGUMENT, "a point twice");
-    CHECK(lmb_probes_add_level(grid, &lattice, beyond, 1) == LMB_ERROR_ARGUMENT, "a point outside");
-    CHECK(grid->count == 3, "%d probes", grid->count);
-    CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "valid");
+    lmb_probes *probes = NULL;
+    CHECK(lmb_probes_create(&probes) == LMB_OK, "create");
+    CHECK(lmb_probes_add_level(probes, &lattice, points, 3) == LMB_OK, "add");
+    CHECK(lmb_probes_add_level(probes, &lattice, twice, 2) == LMB_ERROR_ARGUMENT, "a point twice");
+    CHECK(lmb_probes_add_level(probes, &lattice, beyond, 1) == LMB_ERROR_ARGUMENT, "a point outside");
+    CHECK(probes->count == 3, "%d probes", probes->count);
+    CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "valid");
 
     static const struct {
         int32_t at[3];
@@ -106,37 +106,37 @@ static void test_probes(void)
         {{INT32_MAX, INT32_MIN, INT32_MAX}, -1},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        const int32_t probe = lmb_probes_find(grid, 0, cases[i].at[0], cases[i].at[1], cases[i].at[2]);
+        const int32_t probe = lmb_probes_find(probes, 0, cases[i].at[0], cases[i].at[1], cases[i].at[2]);
         CHECK(probe == cases[i].expected, "case %zu: probe %d", i, probe);
     }
-    const lmb_vec3 position = lmb_probes_position(grid, 0);
+    const lmb_vec3 position = lmb_probes_position(probes, 0);
     CHECK(position.x == -1.0f && position.y == 2.5f && position.z == -0.5f, "(%g, %g, %g)", (double)position.x,
           (double)position.y, (double)position.z);
-    grid->origin = (lmb_vec3d){-1e8 - 0.25, 2.0, 1e8};
-    const lmb_vec3 moved = lmb_probes_position(grid, 0);
+    probes->origin = (lmb_vec3d){-1e8 - 0.25, 2.0, 1e8};
+    const lmb_vec3 moved = lmb_probes_position(probes, 0);
     CHECK(moved.x == 1e8f && moved.y == 0.5f && moved.z == -1e8f, "(%g, %g, %g)", (double)moved.x, (double)moved.y,
           (double)moved.z);
-    CHECK(grid->validity[2] == 0.0f && grid->radiance[0][2].channel[2].c[8] == 0.0f, "probes start dark");
-    lmb_probes_destroy(grid);
+    CHECK(probes->validity[2] == 0.0f && probes->radiance[0][2].channel[2].c[8] == 0.0f, "probes start dark");
+    lmb_probes_destroy(probes);
 }
 
 /* ------------------------------------------------------------------------------------------ the walker */
 
-static void break_spacing(lmb_probes *grid)
+static void break_spacing(lmb_probes *probes)
 {
-    grid->level[0].lattice.spacing = 0.0f;
+    probes->level[0].lattice.spacing = 0.0f;
 }
-static void break_size(lmb_probes *grid)
+static void break_size(lmb_probes *probes)
 {
-    grid->level[0].lattice.size[1] = 0;
+    probes->level[0].lattice.size[1] = 0;
 }
-static void break_min(lmb_probes *grid)
+static void break_min(lmb_probes *probes)
 {
-    grid->level[0].lattice.min[0] = INT32_MAX;
+    probes->level[0].lattice.min[0] = INT32_MAX;
 }
-static void break_shift(lmb_probes *grid)
+static void break_shift(lmb_probes *probes)
 {
-    ++grid->level[0].lattice.min[2];
+    ++probes->level[0].lattice.min[2];
 }
 static void break_axes(lmb_probes *grid)
 {
@@ -148,9 +148,9 @@ static void break_mirror(lmb_probes *grid)
     grid->level[0].lattice.axis[2].z = -1.0;
 }
 /* The n-th entry of the index that holds a probe. */
-static int32_t *entry(lmb_probes *grid, int n)
+static int32_t *entry(lmb_probes *probes, int n)
 {
-    const lmb_probe_index *index = &grid->level[0].index;
+    const lmb_probe_index *index = &probes->level[0].index;
     for (uint32_t i = 0; i < index->block_count; ++i) {
         for (int k = 0; k < LMB_PROBE_BLOCK_POINTS; ++k) {
             if (index->block[i].probe[k] >= 0 && n-- == 0) {
@@ -160,87 +160,87 @@ static int32_t *entry(lmb_probes *grid, int n)
     }
     return NULL;
 }
-static void break_count_up(lmb_probes *grid)
+static void break_count_up(lmb_probes *probes)
 {
-    *entry(grid, 0) = -1;
+    *entry(probes, 0) = -1;
 }
-static void break_count_down(lmb_probes *grid)
+static void break_count_down(lmb_probes *probes)
 {
-    --grid->level[0].count;
-    --grid->count;
+    --probes->level[0].count;
+    --probes->count;
 }
-static void break_count_negative(lmb_probes *grid)
+static void break_count_negative(lmb_probes *probes)
 {
-    grid->count = -1;
+    probes->count = -1;
 }
-static void break_number_high(lmb_probes *grid)
+static void break_index_high(lmb_probes *probes)
 {
-    *entry(grid, 5) = grid->count;
+    *entry(probes, 5) = probes->count;
 }
-static void break_number_low(lmb_probes *grid)
+static void break_index_low(lmb_probes *probes)
 {
-    *entry(grid, 5) = -2;
+    *entry(probes, 5) = -2;
 }
-static void break_number_twice(lmb_probes *grid)
+static void break_index_twice(lmb_probes *probes)
 {
-    *entry(grid, 5) = *entry(grid, 6);
+    *entry(probes, 5) = *entry(probes, 6);
 }
-static void break_level(lmb_probes *grid)
+static void break_level(lmb_probes *probes)
 {
-    ++grid->level[0].first;
+    ++probes->level[0].first;
 }
-static void break_levels(lmb_probes *grid)
+static void break_levels(lmb_probes *probes)
 {
-    grid->level_count = 0;
+    probes->level_count = 0;
 }
-static void break_lattice(lmb_probes *grid)
+static void break_lattice(lmb_probes *probes)
 {
-    ++grid->point[3][1];
+    ++probes->point[3][1];
 }
-static void break_radiance_nan(lmb_probes *grid)
+static void break_radiance_nan(lmb_probes *probes)
 {
-    grid->radiance[0][4].channel[1].c[7] = NAN;
+    probes->radiance[0][4].channel[1].c[7] = NAN;
 }
-static void break_radiance_infinite(lmb_probes *grid)
+static void break_radiance_infinite(lmb_probes *probes)
 {
-    grid->radiance[0][grid->count - 1].channel[2].c[8] = -INFINITY;
+    probes->radiance[0][probes->count - 1].channel[2].c[8] = -INFINITY;
 }
-static void break_second_set(lmb_probes *grid)
+static void break_second_set(lmb_probes *probes)
 {
     uint32_t set;
-    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
-    grid->radiance[set][3].channel[0].c[2] = NAN;
+    CHECK(lmb_probes_add_set(probes, &set) == LMB_OK, "a set");
+    probes->radiance[set][3].channel[0].c[2] = NAN;
 }
-static void break_no_set(lmb_probes *grid)
+static void break_no_set(lmb_probes *probes)
 {
-    free(grid->radiance[0]);
-    grid->set_count = 0;
+    free(probes->radiance[0]);
+    probes->set_count = 0;
 }
-static void break_set_missing(lmb_probes *grid)
+static void break_set_missing(lmb_probes *probes)
 {
     uint32_t set;
-    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
-    free(grid->radiance[set]);
-    grid->radiance[set] = NULL;
+    CHECK(lmb_probes_add_set(probes, &set) == LMB_OK, "a set");
+    free(probes->radiance[set]);
+    probes->radiance[set] = NULL;
 }
-static void break_validity_high(lmb_probes *grid)
+static void break_validity_high(lmb_probes *probes)
 {
-    grid->validity[2] = 1.0001f;
+    probes->validity[2] = 1.0001f;
 }
-static void break_validity_low(lmb_probes *grid)
+static void break_validity_low(lmb_probes *probes)
 {
-    grid->validity[2] = -0.0001f;
+    probes->validity[2] = -0.0001f;
 }
-static void break_validity_nan(lmb_probes *grid)
+static void break_validity_nan(lmb_probes *probes)
 {
-    grid->validity[0] = NAN;
+    probes->validity[0] = NAN;
 }
 
 static void test_validate(void)
 {
     static const struct {
         const char *name;
-        void (*break_it)(lmb_probes *grid);
+        void (*break_it)(lmb_probes *probes);
         const char *expected; /* in the message */
     } cases[] = {
         {"spacing", break_spacing, "spacing"},
@@ -252,9 +252,9 @@ static void test_validate(void)
         {"a probe without a point", break_count_up, "points with one"},
         {"a point without a probe", break_count_down, "names probe"},
         {"negative count", break_count_negative, "arrays"},
-        {"number too high", break_number_high, "names probe"},
-        {"number too low", break_number_low, "names probe"},
-        {"two points, one probe", break_number_twice, "names probe"},
+        {"index too high", break_index_high, "names probe"},
+        {"index too low", break_index_low, "names probe"},
+        {"two points, one probe", break_index_twice, "names probe"},
         {"first probe of a level", break_level, "level 0 has probes"},
         {"no level", break_levels, "of levels"},
         {"lattice", break_lattice, "names probe 3"},
@@ -267,17 +267,17 @@ static void test_validate(void)
         {"validity below 0", break_validity_low, "probe 2: validity"},
         {"validity NaN", break_validity_nan, "probe 0: validity"},
     };
-    const int32_t min[3] = {-2, 0, 3}, size[3] = {3, 4, 5};
+    const lmb_lattice lattice = {.spacing = 0.25f, .min = {-2, 0, 3}, .size = {3, 4, 5}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        lmb_probes *const grid = fixture_grid(0.25f, min, size, 1.0, 0.5, 3.0, i);
+        lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 0.5, 3.0, i);
         lmb_error error = {""};
-        CHECK(lmb_probes_validate(grid, &error) == LMB_OK, "%s: before: %s", cases[i].name, error.message);
-        const uint32_t levels = grid->level_count;
-        cases[i].break_it(grid);
-        CHECK(lmb_probes_validate(grid, &error) == LMB_ERROR_FORMAT, "%s is not found", cases[i].name);
+        CHECK(lmb_probes_validate(probes, &error) == LMB_OK, "%s: before: %s", cases[i].name, error.message);
+        const uint32_t levels = probes->level_count;
+        cases[i].break_it(probes);
+        CHECK(lmb_probes_validate(probes, &error) == LMB_ERROR_FORMAT, "%s is not found", cases[i].name);
         CHECK(strstr(error.message, cases[i].expected), "%s: '%s'", cases[i].name, error.message);
-        grid->level_count = levels; /* that what they hold is freed */
-        lmb_probes_destroy(grid);
+        probes->level_count = levels; /* that what they hold is freed */
+        lmb_probes_destroy(probes);
     }
 }
 
@@ -350,28 +350,29 @@ static void oracle_dilate(oracle *o)
 
 static void check_dilation(const int32_t size[3], double density, double valid_share, uint64_t seed)
 {
-    const int32_t min[3] = {-7, 100, 3};
-    lmb_probes *const grid = fixture_grid(1.0f, min, size, density, valid_share, 10.0, seed);
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {-7, 100, 3}, .size = {size[0], size[1], size[2]}};
+    const int32_t *const min = lattice.min;
+    lmb_probes *const probes = fixture_random_probes(&lattice, density, valid_share, 10.0, seed);
     const size_t points = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     oracle o = {{size[0], size[1], size[2]}, calloc(points, 1), calloc(points, 1), calloc(points, sizeof(double[27]))};
-    for (int32_t probe = 0; probe < grid->count; ++probe) {
-        const int32_t *const at = grid->point[probe];
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        const int32_t *const at = probes->point[probe];
         const size_t point = oracle_point(&o, at[0] - min[0], at[1] - min[1], at[2] - min[2]);
         o.exists[point] = true;
-        o.has_light[point] = grid->validity[probe] >= 0.5f;
+        o.has_light[point] = probes->validity[probe] >= 0.5f;
         for (int i = 0; i < 27; ++i) {
-            o.value[point][i] = o.has_light[point] ? (double)grid->radiance[0][probe].channel[i / 9].c[i % 9] : 0.0;
+            o.value[point][i] = o.has_light[point] ? (double)probes->radiance[0][probe].channel[i / 9].c[i % 9] : 0.0;
         }
     }
     oracle_dilate(&o);
-    CHECK(lmb_probes_dilate(grid) == LMB_OK, "dilate");
-    CHECK(lmb_probes_validate(grid, NULL) == LMB_OK, "valid afterwards");
-    for (int32_t probe = 0; probe < grid->count; ++probe) {
-        const int32_t *const at = grid->point[probe];
+    CHECK(lmb_probes_dilate(probes) == LMB_OK, "dilate");
+    CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "valid afterwards");
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        const int32_t *const at = probes->point[probe];
         const size_t point = oracle_point(&o, at[0] - min[0], at[1] - min[1], at[2] - min[2]);
         for (int i = 0; i < 27; ++i) {
             /* Probes round to float in every pass, the oracle never does. */
-            CHECK_NEAR(grid->radiance[0][probe].channel[i / 9].c[i % 9], o.value[point][i], 2e-5,
+            CHECK_NEAR(probes->radiance[0][probe].channel[i / 9].c[i % 9], o.value[point][i], 2e-5,
                        "density %g, valid %g, seed %llu, probe %d, coefficient %d", density, valid_share,
                        (unsigned long long)seed, probe, i);
         }
@@ -379,7 +380,7 @@ static void check_dilation(const int32_t size[3], double density, double valid_s
     free(o.exists);
     free(o.has_light);
     free(o.value);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
 }
 
 static void test_dilation(void)
@@ -401,9 +402,9 @@ static void test_dilation(void)
 /* The same probes numbered backwards dilate to the same bits. */
 static void test_dilation_order(void)
 {
-    const int32_t min[3] = {0, 0, 0}, size[3] = {9, 8, 7};
-    lmb_probes *const forward = fixture_grid(1.0f, min, size, 0.7, 0.1, 5.0, 42);
-    lmb_probes *const backward = fixture_grid(1.0f, min, size, 0.7, 0.1, 5.0, 42);
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {9, 8, 7}};
+    lmb_probes *const forward = fixture_random_probes(&lattice, 0.7, 0.1, 5.0, 42);
+    lmb_probes *const backward = fixture_random_probes(&lattice, 0.7, 0.1, 5.0, 42);
     const int32_t count = forward->count;
     for (int32_t probe = 0; probe < count; ++probe) {
         const int32_t other = count - 1 - probe;
@@ -415,7 +416,7 @@ static void test_dilation_order(void)
         int32_t *const at = entry(backward, n);
         *at = count - 1 - *at;
     }
-    CHECK(lmb_probes_validate(backward, NULL) == LMB_OK, "the renumbered grid is valid");
+    CHECK(lmb_probes_validate(backward, NULL) == LMB_OK, "the renumbered probes are valid");
     CHECK(lmb_probes_dilate(forward) == LMB_OK && lmb_probes_dilate(backward) == LMB_OK, "dilate");
     for (int32_t probe = 0; probe < count; ++probe) {
         CHECK(memcmp(&forward->radiance[0][probe], &backward->radiance[0][count - 1 - probe], sizeof(lmb_sh3_rgb)) == 0,
@@ -490,7 +491,7 @@ static int set_differences(const lmb_probes *probes, uint32_t set, int32_t first
 /* Sets come before, between and after probes; each keeps what it was given, and new probes are dark in all. */
 static void test_sets(void)
 {
-    const int32_t min[3] = {0, 0, 0}, size[3] = {4, 3, 2};
+    const lmb_lattice lattice = {.spacing = 1.0f, .size = {4, 3, 2}};
     lmb_probes *empty = NULL;
     uint32_t set = 7;
     CHECK(lmb_probes_create(&empty) == LMB_OK && lmb_probes_add_set(empty, &set) == LMB_OK, "a set of no probes");
@@ -498,7 +499,7 @@ static void test_sets(void)
           empty->set_count);
     lmb_probes_destroy(empty);
 
-    lmb_probes *const probes = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 1);
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 4.0, 1);
     const int32_t before = probes->count;
     set_fill(probes, 0);
     CHECK(lmb_probes_add_set(probes, &set) == LMB_OK && set == 1 && probes->set_count == 2, "set %u", set);
@@ -520,10 +521,10 @@ static void test_sets(void)
 /* A set beside another dilates to what it does alone. */
 static void test_dilation_of_sets(void)
 {
-    const int32_t min[3] = {0, 0, 0}, size[3] = {7, 6, 5};
-    lmb_probes *const first = fixture_grid(1.0f, min, size, 0.8, 0.2, 5.0, 5);
-    lmb_probes *const other = fixture_grid(1.0f, min, size, 0.8, 0.2, 5.0, 5);
-    lmb_probes *const both = fixture_grid(1.0f, min, size, 0.8, 0.2, 5.0, 5);
+    const lmb_lattice lattice = {.spacing = 1.0f, .size = {7, 6, 5}};
+    lmb_probes *const first = fixture_random_probes(&lattice, 0.8, 0.2, 5.0, 5);
+    lmb_probes *const other = fixture_random_probes(&lattice, 0.8, 0.2, 5.0, 5);
+    lmb_probes *const both = fixture_random_probes(&lattice, 0.8, 0.2, 5.0, 5);
     uint32_t set = 0;
     CHECK(lmb_probes_add_set(both, &set) == LMB_OK, "a set");
     set_fill(other, 0);

@@ -165,9 +165,9 @@ static void axes_appear_where_they_should(void)
         if (!draw(&level, &shader, camera, RENDER_FINAL, rgb, &mean)) {
             break;
         }
-        const int *places[3] = {views[i].red, views[i].green, views[i].blue};
+        const int *pixels[3] = {views[i].red, views[i].green, views[i].blue};
         for (int c = 0; c < 3; ++c) {
-            const float *pixel = rgb + 3 * (places[c][0] + WIDTH * places[c][1]);
+            const float *pixel = rgb + 3 * (pixels[c][0] + WIDTH * pixels[c][1]);
             for (int k = 0; k < 3; ++k) {
                 CHECK_NEAR(pixel[k], k == c ? 1.0 : 0.0, 0.01, "view %zu: channel %d of the box on axis %d", i, k, c);
             }

@@ -5,16 +5,11 @@
 
 #include "level_fixture.h"
 #include "scenes/level_builder.h"
+#include "variates.h"
 
 #define PI 3.14159265358979323846
 
 static const lmb_vec3 up = {0, 1, 0};
-
-static double number_next(uint64_t *state)
-{
-    *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (double)(*state >> 11) * 0x1p-53;
-}
 
 /* A level under construction: a floor of the given albedo at y = 0, and what the case adds. */
 static lmb_level_builder *floor_begin(float albedo)
@@ -35,13 +30,13 @@ typedef struct soft_light {
     float angle_deg, radius_m;
 } soft_light;
 
-static void light_add(lmb_level_builder *builder, const soft_light *soft, lmb_vec3 place, lmb_vec3 along)
+static void light_add(lmb_level_builder *builder, const soft_light *soft, lmb_vec3 position, lmb_vec3 along)
 {
     lmb_level_node node = lmb_level_node_default("light");
     node.light = lmb_level_builder_add_light(builder, &soft->light);
     node.angle_deg = soft->angle_deg;
     node.radius_m = soft->radius_m;
-    node.translation = place;
+    node.translation = position;
     lmb_level_look_along(along, node.rotation);
     lmb_level_builder_add_node(builder, &node);
 }
@@ -204,13 +199,13 @@ static void lamps_may_be_larger_than_their_distance(void)
     if (!floor_open(&level, builder)) {
         return;
     }
-    static const float places[] = {0.0f, 0.2f, 0.39f, 0.41f, 0.6f, 2.0f};
-    for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
-        const double x = (double)places[i], distance = sqrt(x * x + height * height);
+    static const float positions[] = {0.0f, 0.2f, 0.39f, 0.41f, 0.6f, 2.0f};
+    for (size_t i = 0; i < sizeof positions / sizeof positions[0]; ++i) {
+        const double x = (double)positions[i], distance = sqrt(x * x + height * height);
         const bool inside = distance < radius;
         const double expected =
             inside ? radiance : radiance * disc_irradiance(asin(height / distance), asin(radius / distance)) / PI;
-        const lmb_rgb found = traced_irradiance(&level, (lmb_vec3){places[i], 1e-5f, 0}, up, 32768);
+        const lmb_rgb found = traced_irradiance(&level, (lmb_vec3){positions[i], 1e-5f, 0}, up, 32768);
         CHECK_NEAR(found.c[0], expected, 5e-3 * expected, "at %g", x);
     }
     /* A probe in the very middle, and one beside it. */
@@ -230,7 +225,7 @@ static void spots_and_ranges_hold_from_the_middle(void)
 {
     static const struct {
         float x, share;
-    } places[] = {{0, 1}, {0.5f, 1}, {2.2f, 0}};
+    } positions[] = {{0, 1}, {0.5f, 1}, {2.2f, 0}};
     lmb_level_builder *builder = floor_begin(0.0f);
     soft_light spot = lamp_of(5.0f, 0.2f);
     spot.light.type = LMB_LEVEL_LIGHT_SPOT;
@@ -242,12 +237,12 @@ static void spots_and_ranges_hold_from_the_middle(void)
     if (!floor_open(&level, builder)) {
         return;
     }
-    for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
-        const double squared = 4.0 + (double)(places[i].x * places[i].x);
+    for (size_t i = 0; i < sizeof positions / sizeof positions[0]; ++i) {
+        const double squared = 4.0 + (double)(positions[i].x * positions[i].x);
         const double window = 1.0 - squared * squared / 256.0;
-        const double expected = (double)places[i].share * window * 5.0 * 2.0 / pow(squared, 1.5) / PI;
-        const lmb_rgb found = traced_irradiance(&level, (lmb_vec3){places[i].x, 1e-5f, 0}, up, 4096);
-        CHECK_NEAR(found.c[0], expected, 5e-3 * expected, "at %g", (double)places[i].x);
+        const double expected = (double)positions[i].share * window * 5.0 * 2.0 / pow(squared, 1.5) / PI;
+        const lmb_rgb found = traced_irradiance(&level, (lmb_vec3){positions[i].x, 1e-5f, 0}, up, 4096);
+        CHECK_NEAR(found.c[0], expected, 5e-3 * expected, "at %g", (double)positions[i].x);
     }
     level_fixture_close(&level);
 }
@@ -261,16 +256,16 @@ static void soft_lights_add_up(void)
         uint64_t state = 5;
         double expected = 0.0;
         for (int i = 0; i < counts[k]; ++i) {
-            const lmb_vec3 place = {(float)(8.0 * number_next(&state) - 4.0), (float)(1.0 + number_next(&state)),
-                                    (float)(8.0 * number_next(&state) - 4.0)};
+            const lmb_vec3 position = {(float)(8.0 * variate_next(&state) - 4.0), (float)(1.0 + variate_next(&state)),
+                                       (float)(8.0 * variate_next(&state) - 4.0)};
             const soft_light lamp =
-                lamp_of((float)(1.0 + 20.0 * number_next(&state)), i % 4 ? (float)number_next(&state) : 0.0f);
-            light_add(builder, &lamp, place, (lmb_vec3){0, -1, 0});
-            const double squared = (double)place.x * (double)place.x + (double)place.y * (double)place.y +
-                                   (double)place.z * (double)place.z;
-            expected += (double)lamp.light.intensity * (double)place.y / pow(squared, 1.5) / PI;
-            const soft_light sun = sun_of((float)(0.5 + number_next(&state)), i % 3 ? 20.0f : 0.0f);
-            const double elevation = 0.3 + 1.2 * number_next(&state);
+                lamp_of((float)(1.0 + 20.0 * variate_next(&state)), i % 4 ? (float)variate_next(&state) : 0.0f);
+            light_add(builder, &lamp, position, (lmb_vec3){0, -1, 0});
+            const double squared = (double)position.x * (double)position.x + (double)position.y * (double)position.y +
+                                   (double)position.z * (double)position.z;
+            expected += (double)lamp.light.intensity * (double)position.y / pow(squared, 1.5) / PI;
+            const soft_light sun = sun_of((float)(0.5 + variate_next(&state)), i % 3 ? 20.0f : 0.0f);
+            const double elevation = 0.3 + 1.2 * variate_next(&state);
             light_add(builder, &sun, (lmb_vec3){0, 0, 0},
                       (lmb_vec3){-(float)cos(elevation), -(float)sin(elevation), 0});
             expected += (double)sun.light.intensity * sin(elevation) / PI;
@@ -293,11 +288,11 @@ static void few_stand_for_all(void)
     uint64_t state = 11;
     double expected = 0.0;
     for (int i = 0; i < LIGHTS; ++i) {
-        const lmb_vec3 place = {(float)(6.0 * number_next(&state) - 3.0), 1.5f,
-                                (float)(6.0 * number_next(&state) - 3.0)};
+        const lmb_vec3 position = {(float)(6.0 * variate_next(&state) - 3.0), 1.5f,
+                                   (float)(6.0 * variate_next(&state) - 3.0)};
         const soft_light lamp = lamp_of(1.0f + (float)(i % 7), 0.1f * (float)(i % 10));
-        light_add(builder, &lamp, place, (lmb_vec3){0, -1, 0});
-        const double squared = 2.25 + (double)place.x * (double)place.x + (double)place.z * (double)place.z;
+        light_add(builder, &lamp, position, (lmb_vec3){0, -1, 0});
+        const double squared = 2.25 + (double)position.x * (double)position.x + (double)position.z * (double)position.z;
         expected += (double)lamp.light.intensity * 1.5 / pow(squared, 1.5);
     }
     level_fixture level;
@@ -307,9 +302,9 @@ static void few_stand_for_all(void)
     CHECK(lmb_emitters_punctual_are_soft(level.emitters) && !lmb_emitters_punctual_are_few(level.emitters), "soft");
     double sum = 0.0, squares = 0.0;
     for (int t = 0; t < TRIES; ++t) {
-        const float choice[2] = {(float)number_next(&state) * 0.999999f, (float)number_next(&state) * 0.999999f};
-        const lmb_punctual_query query = {
-            .normal = &up, .point = {(float)number_next(&state) * 0.999999f, (float)number_next(&state) * 0.999999f}};
+        const float choice[2] = {(float)variate_next(&state), (float)variate_next(&state)};
+        const lmb_punctual_query query = {.normal = &up,
+                                          .point = {(float)variate_next(&state), (float)variate_next(&state)}};
         lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX];
         const int count = lmb_emitters_punctual(level.emitters, &query, choice, 1, sample);
         const double found =
@@ -333,8 +328,8 @@ static void both_estimators_reflect_penumbrae(void)
     if (!floor_open(&level, builder)) {
         return;
     }
-    const lmb_vec3 place = {0.2f, 0.3f, 0.1f}, down = {0, -1, 0};
-    const lmb_rgb traced = traced_irradiance(&level, place, down, 65536);
+    const lmb_vec3 position = {0.2f, 0.3f, 0.1f}, down = {0, -1, 0};
+    const lmb_rgb traced = traced_irradiance(&level, position, down, 65536);
     lmb_surface_light_settings settings = lmb_surface_light_settings_default();
     settings.samples = 64;
     lmb_surface_light *light = NULL;
@@ -343,7 +338,7 @@ static void both_estimators_reflect_penumbrae(void)
     CHECK(lmb_surface_light_solve(&level.transport, &settings, level.pool, &light, &stats, &error) == LMB_OK, "%s",
           error.message);
     level.transport.surface = light;
-    const lmb_rgb cached = traced_irradiance(&level, place, down, 65536);
+    const lmb_rgb cached = traced_irradiance(&level, position, down, 65536);
     CHECK(traced.c[0] > 0.1f, "%g", (double)traced.c[0]);
     CHECK_NEAR(cached.c[0], traced.c[0], 0.01 * (double)traced.c[0], "cached");
     lmb_surface_light_destroy(light);

@@ -213,12 +213,12 @@ static void instances_have_their_own_light(void)
     const int tile = lmb_level_builder_add_mesh(builder, "tile");
     lmb_level_builder_add_quad(builder, tile, material, (lmb_vec3){-0.1f, 0, 0.1f}, (lmb_vec3){0.2f, 0, 0},
                                (lmb_vec3){0, 0, -0.2f});
-    static const lmb_vec3 places[] = {{0, 0, 0}, {3, 0, 0}, {8, 0, 0}};
-    lmb_level_builder_place(builder, "near", tile, places[0]);
-    lmb_level_builder_place(builder, "far", tile, places[1]);
+    static const lmb_vec3 positions[] = {{0, 0, 0}, {3, 0, 0}, {8, 0, 0}};
+    lmb_level_builder_place(builder, "near", tile, positions[0]);
+    lmb_level_builder_place(builder, "far", tile, positions[1]);
     lmb_level_node flipped = lmb_level_node_default("flipped");
     flipped.mesh = tile;
-    flipped.translation = places[2];
+    flipped.translation = positions[2];
     flipped.scale = (lmb_vec3){1, -1, 1};
     lmb_level_builder_add_node(builder, &flipped);
     const lmb_level_light lamp = {
@@ -235,9 +235,9 @@ static void instances_have_their_own_light(void)
         return;
     }
     for (int i = 0; i < 3; ++i) {
-        const double x = (double)places[i].x;
+        const double x = (double)positions[i].x;
         const double expected = 100.0 * 4.0 / pow(x * x + 16.0, 1.5) / PI;
-        const lmb_vec3 over = {places[i].x + 0.01f, 1.0f, 0.02f};
+        const lmb_vec3 over = {positions[i].x + 0.01f, 1.0f, 0.02f};
         const lmb_vec3 under = {over.x, -1.0f, over.z};
         bool front;
         CHECK_NEAR(light_and_side_seen(&level, over, (lmb_vec3){0, -1, 0}, &front).c[0], expected, 0.03 * expected,
@@ -358,15 +358,15 @@ static void threads_do_not_matter(void)
     }
 }
 
-enum { PLACES = 60 };
+enum { POINTS = 60 };
 
 /* Root mean square over random surface points of what is stored there less what the path tracer finds, relative. */
 static double stored_error(const solved_level *level, const lmb_hit *hits, const lmb_rgb *expected)
 {
     double off = 0.0, length = 0.0;
-    for (int i = 0; i < PLACES; ++i) {
+    for (int i = 0; i < POINTS; ++i) {
         lmb_rgb stored = {{0.0f, 0.0f, 0.0f}};
-        CHECK(lmb_surface_light_at(level->light, level->traced.tracer, &hits[i], true, &stored), "place %d", i);
+        CHECK(lmb_surface_light_at(level->light, level->traced.tracer, &hits[i], true, &stored), "point %d", i);
         for (int c = 0; c < 3; ++c) {
             off += pow((double)stored.c[c] - (double)expected[i].c[c], 2.0);
             length += pow((double)expected[i].c[c], 2.0);
@@ -384,13 +384,13 @@ static void bias_falls_with_cell_size(void)
     if (!level_fixture_load(&traced, output_path("bias"), NULL, 1)) {
         return;
     }
-    lmb_hit hits[PLACES];
-    lmb_rgb expected[PLACES];
+    lmb_hit hits[POINTS];
+    lmb_rgb expected[POINTS];
     int found = 0;
-    for (uint32_t number = 0; found < PLACES; ++number) {
+    for (uint32_t index = 0; found < POINTS; ++index) {
         /* What is seen from the middle of the box, but for the ceiling, where the lamp's back makes a narrow peak. */
-        const double z = 1.0 - 2.0 * ((number * 0.6180339887) - floor(number * 0.6180339887));
-        const double azimuth = 2.0 * PI * ((number * 0.7548776662) - floor(number * 0.7548776662));
+        const double z = 1.0 - 2.0 * ((index * 0.6180339887) - floor(index * 0.6180339887));
+        const double azimuth = 2.0 * PI * ((index * 0.7548776662) - floor(index * 0.7548776662));
         const double r = sqrt(1.0 - z * z);
         const lmb_vec3 direction = {(float)(r * cos(azimuth)), (float)z, (float)(r * sin(azimuth))};
         lmb_hit hit;
@@ -448,7 +448,7 @@ static void gather_agrees_with_reference(void)
             }
         }
         const double noise = sqrt((cached.squared_error + traced.squared_error) / traced.squared_length);
-        CHECK(noise < 0.04, "noise %g at place %zu", noise, i);
+        CHECK(noise < 0.04, "noise %g at point %zu", noise, i);
         CHECK_NEAR(sqrt(off / traced.squared_length), 0.0, 0.02 + 2.0 * noise, "at %g %g %g", (double)positions[i].x,
                    (double)positions[i].y, (double)positions[i].z);
     }

@@ -3,16 +3,11 @@
 
 #include "level_fixture.h"
 #include "scenes/level_builder.h"
-
-static double number_next(uint64_t *state)
-{
-    *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (double)(*state >> 11) * 0x1p-53;
-}
+#include "variates.h"
 
 static float between(uint64_t *state, float low, float high)
 {
-    return low + (high - low) * (float)number_next(state);
+    return low + (high - low) * (float)variate_next(state);
 }
 
 static lmb_vec3 point_next(uint64_t *state)

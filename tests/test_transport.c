@@ -229,7 +229,7 @@ static void quad_light_form_factor(void)
     }
 }
 
-static bool same_grid(const lmb_probes *a, const lmb_probes *b)
+static bool same_probes(const lmb_probes *a, const lmb_probes *b)
 {
     return a->count == b->count &&
            memcmp(a->radiance[0], b->radiance[0], (size_t)a->count * sizeof *a->radiance[0]) == 0 &&
@@ -239,7 +239,7 @@ static bool same_grid(const lmb_probes *a, const lmb_probes *b)
 static void threads_do_not_matter(void)
 {
     static const int threads[] = {1, 2, 7};
-    lmb_probes *grids[3] = {NULL, NULL, NULL};
+    lmb_probes *bakes[3] = {NULL, NULL, NULL};
     lmb_error error = {{0}};
     CHECK(lmb_level_cornell(output_path("cornell"), &error) == LMB_OK, "%s", error.message);
     for (int i = 0; i < 3; ++i) {
@@ -251,18 +251,18 @@ static void threads_do_not_matter(void)
         settings.spacing = 0.5f;
         lmb_placement_stats placement;
         lmb_gather_stats baked;
-        lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &grids[i], &placement, &error);
+        lmb_result result = lmb_placement_make(level.tracer, &settings, level.pool, &bakes[i], &placement, &error);
         if (result == LMB_OK) {
-            result = lmb_probes_bake(grids[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
+            result = lmb_probes_bake(bakes[i], &level.transport, &(lmb_gather_effort){.samples = 32}, level.pool, NULL,
                                      &baked);
         }
         CHECK(result == LMB_OK, "%d threads: %s", threads[i], error.message);
-        CHECK(i == 0 || (grids[0] && grids[i] && same_grid(grids[0], grids[i])), "%d threads differ from 1",
+        CHECK(i == 0 || (bakes[0] && bakes[i] && same_probes(bakes[0], bakes[i])), "%d threads differ from 1",
               threads[i]);
         level_fixture_close(&level);
     }
     for (int i = 0; i < 3; ++i) {
-        lmb_probes_destroy(grids[i]);
+        lmb_probes_destroy(bakes[i]);
     }
 }
 

@@ -1,14 +1,14 @@
 /* probes.vdb: what is written comes back, in the same bytes every time, under the names that other tools show. */
 #define _POSIX_C_SOURCE 200809L
 
-#include "probes_fixture.h"
+#include "folder_fixture.h"
 #include "harness.h"
+#include "probes_fixture.h"
 
 #include <lambent/file.h>
 #include <lambent/pack.h>
 #include <lambent/vdb.h>
 
-#include <dirent.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -19,58 +19,31 @@
 
 static const lmb_vdb_metadata metadata = {"{\"samples\": 64, \"level\": \"caf\xc3\xa9.glb\"}", "0123abcd"};
 
-/* The tests' own folder, empty. */
-static void start_folder(void)
-{
-    mkdir(FOLDER, 0777);
-    DIR *const folder = opendir(FOLDER);
-    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        char path[2048];
-        snprintf(path, sizeof path, FOLDER "/%s", entry->d_name);
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0) {
-            remove(path);
-        }
-    }
-    closedir(folder);
-}
-
-static int count_entries(void)
-{
-    int count = 0;
-    DIR *const folder = opendir(FOLDER);
-    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
-    }
-    closedir(folder);
-    return count;
-}
-
-static void write_grid(const lmb_probes *grid)
+static void write_probes(const lmb_probes *probes)
 {
     lmb_error error = {""};
-    const lmb_result result = lmb_vdb_write(PATH, grid, &metadata, &error);
+    const lmb_result result = lmb_vdb_write(PATH, probes, &metadata, &error);
     CHECK(result == LMB_OK, "write: %d, %s", result, error.message);
 }
 
 static void check_refused(const char *path, lmb_result expected, const char *reason)
 {
-    lmb_probes *grid = NULL;
+    lmb_probes *probes = NULL;
     char *settings = NULL;
     lmb_error error = {""};
-    const lmb_result result = lmb_vdb_read(path, &grid, &settings, NULL, &error);
+    const lmb_result result = lmb_vdb_read(path, &probes, &settings, NULL, &error);
     CHECK(result == expected, "%s: %d, %s", path, result, error.message);
-    CHECK(!grid && !settings, "%s: outputs were touched", path);
+    CHECK(!probes && !settings, "%s: outputs were touched", path);
     CHECK(strstr(error.message, path) && strstr(error.message, reason) && !strchr(error.message, '\n'), "%s: '%s'",
           path, error.message);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
     free(settings);
 }
 
-static void check_round_trip(const int32_t min[3], const int32_t size[3], float spacing, double density,
-                             double magnitude)
+static void check_round_trip(const lmb_lattice *lattice, double density, double magnitude)
 {
-    lmb_probes *const grid = fixture_grid(spacing, min, size, density, 0.7, magnitude, 7);
-    write_grid(grid);
+    lmb_probes *const probes = fixture_random_probes(lattice, density, 0.7, magnitude, 7);
+    write_probes(probes);
     lmb_probes *read = NULL;
     char *settings = NULL, *scene_hash = NULL;
     lmb_error error = {""};
@@ -79,16 +52,17 @@ static void check_round_trip(const int32_t min[3], const int32_t size[3], float 
     if (result == LMB_OK) {
         CHECK(strcmp(settings, metadata.settings) == 0 && strcmp(scene_hash, metadata.scene_hash) == 0, "'%s', '%s'",
               settings, scene_hash);
-        CHECK(read->level[0].lattice.spacing == spacing &&
-                  memcmp(read->level[0].lattice.min, min, sizeof read->level[0].lattice.min) == 0 &&
-                  memcmp(read->level[0].lattice.size, size, sizeof read->level[0].lattice.size) == 0 &&
-                  read->count == grid->count,
+        CHECK(read->level[0].lattice.spacing == lattice->spacing &&
+                  memcmp(read->level[0].lattice.min, lattice->min, sizeof lattice->min) == 0 &&
+                  memcmp(read->level[0].lattice.size, lattice->size, sizeof lattice->size) == 0 &&
+                  read->count == probes->count,
               "box or probes differ");
-        for (int32_t probe = 0; probe < grid->count && probe < read->count; ++probe) {
-            CHECK(memcmp(read->point[probe], grid->point[probe], sizeof grid->point[probe]) == 0, "probe %d", probe);
-            CHECK(read->validity[probe] == grid->validity[probe], "validity of probe %d", probe);
+        for (int32_t probe = 0; probe < probes->count && probe < read->count; ++probe) {
+            CHECK(memcmp(read->point[probe], probes->point[probe], sizeof probes->point[probe]) == 0, "probe %d",
+                  probe);
+            CHECK(read->validity[probe] == probes->validity[probe], "validity of probe %d", probe);
             for (int i = 0; i < 27; ++i) {
-                const double expected = (double)grid->radiance[0][probe].channel[i / 9].c[i % 9];
+                const double expected = (double)probes->radiance[0][probe].channel[i / 9].c[i % 9];
                 CHECK_NEAR(read->radiance[0][probe].channel[i / 9].c[i % 9], expected,
                            fabs(expected) * 0x1p-11 + magnitude * 1e-6, "probe %d, coefficient %d", probe, i);
             }
@@ -97,60 +71,61 @@ static void check_round_trip(const int32_t min[3], const int32_t size[3], float 
     free(settings);
     free(scene_hash);
     lmb_probes_destroy(read);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
 }
 
 static void test_round_trip(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     static const struct {
-        int32_t min[3];
-        int32_t size[3];
-        float spacing;
+        lmb_lattice lattice;
         double density;
         double magnitude;
     } cases[] = {
-        {{0, 0, 0}, {1, 1, 1}, 1.0f, 1.0, 1.0},         {{-9, 3, 5}, {11, 12, 13}, 0.3f, 0.7, 4.0},
-        {{-2, -2, -2}, {5, 5, 5}, 1e-3f, 1.0, 60000.0}, {{-2, -2, -2}, {5, 5, 5}, 3.7f, 1.0, 1e8},
-        {{-2, -2, -2}, {5, 5, 5}, 2.0f, 1.0, 1e-7},     {{100000, -5, 40}, {40, 3, 40}, 0.5f, 0.01, 2.0},
-        {{4, 4, 4}, {3, 3, 3}, 1.0f, 0.0, 1.0},
+        {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {1, 1, 1}}, 1.0, 1.0},
+        {{.spacing = 0.3f, .min = {-9, 3, 5}, .size = {11, 12, 13}}, 0.7, 4.0},
+        {{.spacing = 1e-3f, .min = {-2, -2, -2}, .size = {5, 5, 5}}, 1.0, 60000.0},
+        {{.spacing = 3.7f, .min = {-2, -2, -2}, .size = {5, 5, 5}}, 1.0, 1e8},
+        {{.spacing = 2.0f, .min = {-2, -2, -2}, .size = {5, 5, 5}}, 1.0, 1e-7},
+        {{.spacing = 0.5f, .min = {100000, -5, 40}, .size = {40, 3, 40}}, 0.01, 2.0},
+        {{.spacing = 1.0f, .min = {4, 4, 4}, .size = {3, 3, 3}}, 0.0, 1.0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const int before = test_failures;
-        check_round_trip(cases[i].min, cases[i].size, cases[i].spacing, cases[i].density, cases[i].magnitude);
+        check_round_trip(&cases[i].lattice, cases[i].density, cases[i].magnitude);
         CHECK(test_failures == before, "case %zu", i);
     }
-    CHECK(count_entries() == 1, "something was left beside the file");
+    CHECK(folder_entry_count(FOLDER) == 1, "something was left beside the file");
 }
 
-/* An unedited .vdb packs to the same .lmb as the grid that it was written from. */
+/* An unedited .vdb packs to the same .lmb as the probes that it was written from. */
 static void test_pack_of_vdb(void)
 {
-    const int32_t min[3] = {-9, 3, 5}, size[3] = {11, 12, 13};
-    lmb_probes *const grid = fixture_grid(0.3f, min, size, 0.7, 0.5, 4.0, 7);
-    CHECK(lmb_probes_dilate(grid) == LMB_OK, "dilate");
-    write_grid(grid);
+    const lmb_lattice lattice = {.spacing = 0.3f, .min = {-9, 3, 5}, .size = {11, 12, 13}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 0.7, 0.5, 4.0, 7);
+    CHECK(lmb_probes_dilate(probes) == LMB_OK, "dilate");
+    write_probes(probes);
     lmb_probes *read = NULL;
     CHECK(lmb_vdb_read(PATH, &read, NULL, NULL, NULL) == LMB_OK, "read");
     unsigned char *a = NULL, *b = NULL;
     size_t size_a = 0, size_b = 0;
-    CHECK(lmb_pack(grid, &a, &size_a, NULL) == LMB_OK, "pack");
+    CHECK(lmb_pack(probes, &a, &size_a, NULL) == LMB_OK, "pack");
     CHECK(read && lmb_pack(read, &b, &size_b, NULL) == LMB_OK, "pack what was read");
     CHECK(size_a == size_b && a && b && memcmp(a, b, size_a) == 0, "%zu and %zu bytes differ", size_a, size_b);
     free(a);
     free(b);
     lmb_probes_destroy(read);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
 }
 
 static void test_equal_bytes(void)
 {
-    start_folder();
-    const int32_t min[3] = {-20, 3, 5}, size[3] = {31, 12, 40};
-    lmb_probes *const grid = fixture_grid(0.3f, min, size, 0.7, 0.7, 4.0, 7);
+    folder_start(FOLDER);
+    const lmb_lattice lattice = {.spacing = 0.3f, .min = {-20, 3, 5}, .size = {31, 12, 40}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 0.7, 0.7, 4.0, 7);
     unsigned char *first = NULL, *second = NULL;
     size_t first_size = 0, second_size = 0;
-    write_grid(grid);
+    write_probes(probes);
     CHECK(lmb_file_read(PATH, &first, &first_size, NULL) == LMB_OK, "read");
     /* Other contents in freed memory, so that bytes that nobody set would show. */
     void *dirt[64];
@@ -161,30 +136,30 @@ static void test_equal_bytes(void)
     for (size_t i = 0; i < 64; ++i) {
         free(dirt[i]);
     }
-    write_grid(grid);
+    write_probes(probes);
     CHECK(lmb_file_read(PATH, &second, &second_size, NULL) == LMB_OK, "read");
-    CHECK(first_size == second_size && memcmp(first, second, first_size) == 0, "two writes of one grid differ");
+    CHECK(first_size == second_size && memcmp(first, second, first_size) == 0, "two writes of the same probes differ");
     CHECK(first_size > 57 && first[21 + 8] == '-' && first[21 + 14] == '8', "the UUID is not of version 8: %.36s",
           (const char *)first + 21);
 
-    grid->radiance[0][5].channel[1].c[3] += 1.0f;
+    probes->radiance[0][5].channel[1].c[3] += 1.0f;
     free(second);
-    write_grid(grid);
+    write_probes(probes);
     CHECK(lmb_file_read(PATH, &second, &second_size, NULL) == LMB_OK, "read");
-    CHECK(memcmp(first + 21, second + 21, 36) != 0, "another grid has the same UUID");
+    CHECK(memcmp(first + 21, second + 21, 36) != 0, "other probes have the same UUID");
     free(first);
     free(second);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
 }
 
 /* Every truncation, and changes all over the file, of a small one. */
 static void test_damage(void)
 {
-    start_folder();
-    const int32_t min[3] = {0, 0, 0}, size[3] = {2, 2, 2};
-    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 7);
-    write_grid(grid);
-    lmb_probes_destroy(grid);
+    folder_start(FOLDER);
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {2, 2, 2}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 4.0, 7);
+    write_probes(probes);
+    lmb_probes_destroy(probes);
     unsigned char *data = NULL;
     size_t bytes = 0;
     CHECK(lmb_file_read(PATH, &data, &bytes, NULL) == LMB_OK, "read");
@@ -210,7 +185,7 @@ static void test_damage(void)
 
 static void test_wrong_kind(void)
 {
-    start_folder();
+    folder_start(FOLDER);
     check_refused(FOLDER "/missing.vdb", LMB_ERROR_IO, "No such file");
     check_refused(FOLDER, LMB_ERROR_IO, "directory");
     CHECK(lmb_file_write(PATH, "", 0, NULL) == LMB_OK, "write");
@@ -247,7 +222,7 @@ static void test_foreign(void)
     unsigned char *data = NULL;
     size_t bytes = 0;
     CHECK(lmb_file_read(cases[0].path, &data, &bytes, NULL) == LMB_OK, "read");
-    start_folder();
+    folder_start(FOLDER);
     for (size_t kept = 1; data && kept < bytes; kept += 1 + kept / 5) {
         CHECK(lmb_file_write(PATH, data, kept, NULL) == LMB_OK, "write");
         check_refused(PATH, LMB_ERROR_FORMAT, "");
@@ -257,11 +232,11 @@ static void test_foreign(void)
 
 static void test_failed_writes(void)
 {
-    start_folder();
-    const int32_t min[3] = {0, 0, 0}, size[3] = {20, 20, 20};
-    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 7);
+    folder_start(FOLDER);
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {20, 20, 20}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 4.0, 7);
     lmb_error error = {""};
-    CHECK(lmb_vdb_write(FOLDER "/missing/a.vdb", grid, &metadata, &error) == LMB_ERROR_WRITE, "no such folder");
+    CHECK(lmb_vdb_write(FOLDER "/missing/a.vdb", probes, &metadata, &error) == LMB_ERROR_WRITE, "no such folder");
     CHECK(strstr(error.message, FOLDER "/missing/a.vdb") && strstr(error.message, "No such file"), "'%s'",
           error.message);
 
@@ -272,48 +247,48 @@ static void test_failed_writes(void)
     const struct rlimit lower = {10000, limit.rlim_max};
     void (*const previous)(int) = signal(SIGXFSZ, SIG_IGN);
     setrlimit(RLIMIT_FSIZE, &lower);
-    const lmb_result result = lmb_vdb_write(PATH, grid, &metadata, &error);
+    const lmb_result result = lmb_vdb_write(PATH, probes, &metadata, &error);
     setrlimit(RLIMIT_FSIZE, &limit);
     signal(SIGXFSZ, previous);
     CHECK(result == LMB_ERROR_WRITE, "a full disk: %d", result);
     CHECK(strstr(error.message, PATH ": cannot write: ") && !strchr(error.message, '\n'), "'%s'", error.message);
-    CHECK(count_entries() == 1, "%d entries are left", count_entries());
+    CHECK(folder_entry_count(FOLDER) == 1, "%d entries are left", folder_entry_count(FOLDER));
     unsigned char *data = NULL;
     size_t bytes = 0;
     CHECK(lmb_file_read(PATH, &data, &bytes, NULL) == LMB_OK && bytes == 3, "the old contents are gone");
     free(data);
 
-    grid->radiance[0][3].channel[0].c[0] = 3e38f;
-    CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_ERROR_ARGUMENT, "beyond every scale");
-    grid->radiance[0][3].channel[0].c[0] = NAN;
-    CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_ERROR_ARGUMENT, "NaN");
-    CHECK(count_entries() == 1, "%d entries are left", count_entries());
-    lmb_probes_destroy(grid);
+    probes->radiance[0][3].channel[0].c[0] = 3e38f;
+    CHECK(lmb_vdb_write(PATH, probes, &metadata, &error) == LMB_ERROR_ARGUMENT, "beyond every scale");
+    probes->radiance[0][3].channel[0].c[0] = NAN;
+    CHECK(lmb_vdb_write(PATH, probes, &metadata, &error) == LMB_ERROR_ARGUMENT, "NaN");
+    CHECK(folder_entry_count(FOLDER) == 1, "%d entries are left", folder_entry_count(FOLDER));
+    lmb_probes_destroy(probes);
 }
 
 /* What the format does not hold is refused, and leaves no file. */
 static void test_refused_probes(void)
 {
-    start_folder();
-    const int32_t min[3] = {0, 0, 0}, size[3] = {3, 3, 3};
-    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 4.0, 7);
-    const lmb_lattice straight = grid->level[0].lattice;
+    folder_start(FOLDER);
+    const lmb_lattice lattice = {.spacing = 1.0f, .size = {3, 3, 3}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 4.0, 7);
+    const lmb_lattice straight = probes->level[0].lattice;
     lmb_error error = {""};
-    CHECK(lmb_lattice_turn(&grid->level[0].lattice, (lmb_vec3d){0.0, 0.0, 1.0}, (lmb_vec3d){0.0, 1.0, 0.0}) &&
-              lmb_probes_validate(grid, NULL) == LMB_OK,
+    CHECK(lmb_lattice_turn(&probes->level[0].lattice, (lmb_vec3d){0.0, 0.0, 1.0}, (lmb_vec3d){0.0, 1.0, 0.0}) &&
+              lmb_probes_validate(probes, NULL) == LMB_OK,
           "turned");
-    CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_ERROR_ARGUMENT, "a turned lattice");
+    CHECK(lmb_vdb_write(PATH, probes, &metadata, &error) == LMB_ERROR_ARGUMENT, "a turned lattice");
     CHECK(strstr(error.message, PATH ": ") && strstr(error.message, "turned"), "'%s'", error.message);
-    CHECK(count_entries() == 0, "%d entries", count_entries());
-    grid->level[0].lattice = straight;
-    CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_OK, "%s", error.message);
+    CHECK(folder_entry_count(FOLDER) == 0, "%d entries", folder_entry_count(FOLDER));
+    probes->level[0].lattice = straight;
+    CHECK(lmb_vdb_write(PATH, probes, &metadata, &error) == LMB_OK, "%s", error.message);
     remove(PATH);
     uint32_t set;
-    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
-    CHECK(lmb_vdb_write(PATH, grid, &metadata, &error) == LMB_ERROR_ARGUMENT, "two sets");
+    CHECK(lmb_probes_add_set(probes, &set) == LMB_OK, "a set");
+    CHECK(lmb_vdb_write(PATH, probes, &metadata, &error) == LMB_ERROR_ARGUMENT, "two sets");
     CHECK(strstr(error.message, PATH ": ") && strstr(error.message, "one set"), "'%s'", error.message);
-    CHECK(count_entries() == 0, "%d entries", count_entries());
-    lmb_probes_destroy(grid);
+    CHECK(folder_entry_count(FOLDER) == 0, "%d entries", folder_entry_count(FOLDER));
+    lmb_probes_destroy(probes);
 }
 
 /* What OpenVDB's own tool reads from the file. */
@@ -323,11 +298,11 @@ static void test_vdb_print(void)
         test_skip("vdb_print is not installed");
         return;
     }
-    start_folder();
-    const int32_t min[3] = {-9, 3, 5}, size[3] = {4, 5, 6};
-    lmb_probes *const grid = fixture_grid(0.25f, min, size, 1.0, 1.0, 1e6, 7);
-    write_grid(grid);
-    lmb_probes_destroy(grid);
+    folder_start(FOLDER);
+    const lmb_lattice lattice = {.spacing = 0.25f, .min = {-9, 3, 5}, .size = {4, 5, 6}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 1e6, 7);
+    write_probes(probes);
+    lmb_probes_destroy(probes);
     CHECK(system("/usr/bin/vdb_print -l -m '" PATH "' > '" FOLDER "/printed' 2>&1") == 0, "vdb_print");
     unsigned char *text = NULL;
     size_t bytes = 0;
@@ -363,7 +338,7 @@ static void test_vdb_print(void)
 static const test_case cases[] = {
     {"round trip", test_round_trip},
     {"an unedited file packs to the same bytes", test_pack_of_vdb},
-    {"equal grids give equal bytes", test_equal_bytes},
+    {"equal probes give equal bytes", test_equal_bytes},
     {"damaged and truncated files", test_damage},
     {"other kinds of file", test_wrong_kind},
     {"other people's volumes", test_foreign},

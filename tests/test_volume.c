@@ -15,7 +15,7 @@
 #include <stddef.h>
 #include <unistd.h>
 
-/* A packed and opened grid. */
+/* Probes packed and opened. */
 typedef struct packed {
     unsigned char *data;
     size_t size;
@@ -23,10 +23,10 @@ typedef struct packed {
     lmb_volume *volume;
 } packed;
 
-static packed pack_and_open(const lmb_probes *grid)
+static packed pack_and_open(const lmb_probes *probes)
 {
     packed p = {NULL, 0, {0}, NULL};
-    const lmb_result result = lmb_pack(grid, &p.data, &p.size, &p.stats);
+    const lmb_result result = lmb_pack(probes, &p.data, &p.size, &p.stats);
     CHECK(result == LMB_OK, "pack: %d", result);
     const lmb_result opened = result == LMB_OK ? lmb_volume_open_memory(p.data, p.size, &p.volume) : result;
     CHECK(opened == LMB_OK, "open: %d", opened);
@@ -45,17 +45,17 @@ static void close_packed(packed *p)
 /* --------------------------------------------------------------------------------------------- the oracle */
 
 /* `lit[probe]`: does light reach the probe, by flooding over 26 neighbours until nothing changes? */
-static bool *flood_light(const lmb_probes *grid)
+static bool *flood_light(const lmb_probes *probes)
 {
-    bool *const lit = calloc((size_t)grid->count + 1, 1);
+    bool *const lit = calloc((size_t)probes->count + 1, 1);
     for (bool changed = true; changed;) {
         changed = false;
-        for (int32_t probe = 0; probe < grid->count; ++probe) {
-            bool reached = grid->validity[probe] >= 0.5f;
+        for (int32_t probe = 0; probe < probes->count; ++probe) {
+            bool reached = probes->validity[probe] >= 0.5f;
             for (int32_t n = 0; n < 27 && !reached; ++n) {
-                const int32_t *const at = grid->point[probe];
+                const int32_t *const at = probes->point[probe];
                 const int32_t other =
-                    lmb_probes_find(grid, 0, at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1);
+                    lmb_probes_find(probes, 0, at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1);
                 reached = other >= 0 && lit[other];
             }
             changed |= reached && !lit[probe];
@@ -67,7 +67,7 @@ static bool *flood_light(const lmb_probes *grid)
 
 /* Trilinear light at lattice coordinates relative to the box, clamped to it, the missing corners' weight given to the
  * others. @return the weight of the corners that hold light, 0 to 1 */
-static double oracle_sample(const lmb_probes *grid, const bool *lit, const double at[3], double light[27])
+static double oracle_sample(const lmb_probes *probes, const bool *lit, const double at[3], double light[27])
 {
     double weights = 0.0;
     for (int i = 0; i < 27; ++i) {
@@ -75,20 +75,20 @@ static double oracle_sample(const lmb_probes *grid, const bool *lit, const doubl
     }
     for (int corner = 0; corner < 8; ++corner) {
         double weight = 1.0;
-        int32_t place[3];
+        int32_t point[3];
         for (int axis = 0; axis < 3; ++axis) {
-            const double last = grid->level[0].lattice.size[axis] - 1;
+            const double last = probes->level[0].lattice.size[axis] - 1;
             const double inside = at[axis] < 0.0 ? 0.0 : at[axis] > last ? last : at[axis];
             const bool upper = corner >> axis & 1;
             const double below = floor(inside);
-            place[axis] = grid->level[0].lattice.min[axis] + (int32_t)below + upper;
+            point[axis] = probes->level[0].lattice.min[axis] + (int32_t)below + upper;
             weight *= upper ? inside - below : 1.0 - (inside - below);
         }
-        const int32_t probe = lmb_probes_find(grid, 0, place[0], place[1], place[2]);
+        const int32_t probe = lmb_probes_find(probes, 0, point[0], point[1], point[2]);
         if (weight > 0.0 && probe >= 0 && lit[probe]) {
             weights += weight;
             for (int i = 0; i < 27; ++i) {
-                light[i] += weight * (double)grid->radiance[0][probe].channel[i / 9].c[i % 9];
+                light[i] += weight * (double)probes->radiance[0][probe].channel[i / 9].c[i % 9];
             }
         }
     }
@@ -106,32 +106,33 @@ static float round_to_float(double value)
 }
 
 /* How far off, in cells, a float position may be before it counts as outside (docs/formats.md, sampling). */
-static double position_slack(const lmb_probes *grid)
+static double position_slack(const lmb_probes *probes)
 {
     double farthest = 1.0;
     for (int axis = 0; axis < 3; ++axis) {
         farthest =
-            fmax(farthest, fmax(fabs((double)grid->level[0].lattice.min[axis]),
-                                fabs(grid->level[0].lattice.min[axis] + grid->level[0].lattice.size[axis] - 1.0)));
+            fmax(farthest, fmax(fabs((double)probes->level[0].lattice.min[axis]),
+                                fabs(probes->level[0].lattice.min[axis] + probes->level[0].lattice.size[axis] - 1.0)));
     }
     return fmin(farthest * 0x1p-22, 0x1p-6);
 }
 
-static void check_point(const lmb_probes *grid, const bool *lit, const packed *p, const double at[3], double tolerance)
+static void check_point(const lmb_probes *probes, const bool *lit, const packed *p, const double at[3],
+                        double tolerance)
 {
-    const double slack = position_slack(grid);
+    const double slack = position_slack(probes);
     float position[3];
     double rounded[3]; /* where that float position really is */
     double outside = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
         position[axis] =
-            round_to_float((grid->level[0].lattice.min[axis] + at[axis]) * (double)grid->level[0].lattice.spacing);
+            round_to_float((probes->level[0].lattice.min[axis] + at[axis]) * (double)probes->level[0].lattice.spacing);
         rounded[axis] =
-            (double)position[axis] / (double)grid->level[0].lattice.spacing - grid->level[0].lattice.min[axis];
-        outside = fmax(outside, fmax(-rounded[axis], rounded[axis] - (grid->level[0].lattice.size[axis] - 1)));
+            (double)position[axis] / (double)probes->level[0].lattice.spacing - probes->level[0].lattice.min[axis];
+        outside = fmax(outside, fmax(-rounded[axis], rounded[axis] - (probes->level[0].lattice.size[axis] - 1)));
     }
     double expected[27];
-    const double weight = oracle_sample(grid, lit, rounded, expected);
+    const double weight = oracle_sample(probes, lit, rounded, expected);
     lmb_sh3_rgb light;
     memset(&light, 0xff, sizeof light);
     const bool inside = lmb_volume_sample(p->volume, (lmb_vec3){position[0], position[1], position[2]}, &light);
@@ -141,9 +142,9 @@ static void check_point(const lmb_probes *grid, const bool *lit, const packed *p
         CHECK(!inside, "(%g, %g, %g) is outside", at[0], at[1], at[2]);
     }
     if (at[0] == round(at[0]) && at[1] == round(at[1]) && at[2] == round(at[2]) && outside <= slack) {
-        const int32_t probe = lmb_probes_find(grid, 0, grid->level[0].lattice.min[0] + (int32_t)at[0],
-                                              grid->level[0].lattice.min[1] + (int32_t)at[1],
-                                              grid->level[0].lattice.min[2] + (int32_t)at[2]);
+        const int32_t probe = lmb_probes_find(probes, 0, probes->level[0].lattice.min[0] + (int32_t)at[0],
+                                              probes->level[0].lattice.min[1] + (int32_t)at[1],
+                                              probes->level[0].lattice.min[2] + (int32_t)at[2]);
         CHECK(inside == (probe >= 0 && lit[probe]), "lattice point (%g, %g, %g), however its position rounds", at[0],
               at[1], at[2]);
     }
@@ -159,34 +160,34 @@ static void check_point(const lmb_probes *grid, const bool *lit, const packed *p
 
 /* ---------------------------------------------------------------------------------------------- sampling */
 
-static void check_volume(const int32_t min[3], const int32_t size[3], float spacing, double density, double magnitude,
-                         uint64_t seed)
+static void check_volume(const lmb_lattice *lattice, double density, double magnitude, uint64_t seed)
 {
-    lmb_probes *const grid = fixture_grid(spacing, min, size, density, 0.6, magnitude, seed);
-    CHECK(lmb_probes_dilate(grid) == LMB_OK, "dilate");
-    bool *const lit = flood_light(grid);
-    packed p = pack_and_open(grid);
+    lmb_probes *const probes = fixture_random_probes(lattice, density, 0.6, magnitude, seed);
+    CHECK(lmb_probes_dilate(probes) == LMB_OK, "dilate");
+    bool *const lit = flood_light(probes);
+    packed p = pack_and_open(probes);
     /* Halfs hold 11 bits; interpolation adds float rounding and the rounding of t. */
     const double tolerance = magnitude * (0x1p-11 + 1e-5) + 0x1p-25 * (double)p.stats.scale;
 
     const lmb_volume_info info = lmb_volume_get_info(p.volume);
     uint64_t lit_count = 0;
-    for (int32_t probe = 0; probe < grid->count; ++probe) {
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
         lit_count += lit[probe];
     }
     CHECK(info.probe_count == lit_count, "%llu probes stored, %llu lit", (unsigned long long)info.probe_count,
           (unsigned long long)lit_count);
-    CHECK(lmb_volume_spacing_at(p.volume, info.bounds_min) == spacing && info.file_bytes == p.size &&
+    CHECK(lmb_volume_spacing_at(p.volume, info.bounds_min) == lattice->spacing && info.file_bytes == p.size &&
               p.stats.bytes == p.size,
           "info");
-    CHECK(info.bounds_min.x == min[0] * (double)spacing && info.bounds_min.z == min[2] * (double)spacing &&
-              info.bounds_max.y == (min[1] + (size[1] - 1)) * (double)spacing,
+    CHECK(info.bounds_min.x == lattice->min[0] * (double)lattice->spacing &&
+              info.bounds_min.z == lattice->min[2] * (double)lattice->spacing &&
+              info.bounds_max.y == (lattice->min[1] + (lattice->size[1] - 1)) * (double)lattice->spacing,
           "box");
 
-    for (int32_t z = 0; z < size[2]; ++z) {
-        for (int32_t y = 0; y < size[1]; ++y) {
-            for (int32_t x = 0; x < size[0]; ++x) {
-                check_point(grid, lit, &p, (double[3]){x, y, z}, tolerance);
+    for (int32_t z = 0; z < lattice->size[2]; ++z) {
+        for (int32_t y = 0; y < lattice->size[1]; ++y) {
+            for (int32_t x = 0; x < lattice->size[0]; ++x) {
+                check_point(probes, lit, &p, (double[3]){x, y, z}, tolerance);
             }
         }
     }
@@ -195,35 +196,39 @@ static void check_volume(const int32_t min[3], const int32_t size[3], float spac
         double at[3];
         for (int axis = 0; axis < 3; ++axis) {
             /* Up to half a cell outside the box; a quarter of the coordinates in the planes between points. */
-            at[axis] = fixture_random(&state) * size[axis] - 0.5;
+            at[axis] = fixture_random(&state) * lattice->size[axis] - 0.5;
             at[axis] = fixture_random(&state) < 0.25 ? round(at[axis]) : at[axis];
         }
-        check_point(grid, lit, &p, at, tolerance);
+        check_point(probes, lit, &p, at, tolerance);
     }
     close_packed(&p);
     free(lit);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
 }
 
 static void test_sample(void)
 {
     static const struct {
-        int32_t min[3];
-        int32_t size[3];
-        float spacing;
+        lmb_lattice lattice;
         double density;
         double magnitude;
     } cases[] = {
-        {{0, 0, 0}, {2, 2, 2}, 1.0f, 1.0, 1.0},        {{-4, 7, 2}, {9, 9, 9}, 0.5f, 1.0, 3.0},
-        {{-5, -6, -7}, {13, 6, 10}, 0.3f, 1.0, 100.0}, {{3, 3, 3}, {12, 11, 7}, 1.7f, 0.9, 5.0},
-        {{3, 3, 3}, {12, 11, 7}, 1.7f, 0.3, 5.0},      {{0, 0, 0}, {30, 3, 17}, 0.25f, 0.02, 5.0},
-        {{-2, -2, -2}, {6, 6, 1}, 1.0f, 1.0, 5.0},     {{0, 0, 0}, {1, 1, 1}, 2.0f, 1.0, 5.0},
-        {{0, 0, 0}, {1, 9, 1}, 2.0f, 1.0, 5.0},        {{0, 0, 0}, {6, 6, 6}, 1.0f, 1.0, 1e7},
-        {{0, 0, 0}, {6, 6, 6}, 1.0f, 1.0, 1e-9},       {{20000, -30000, 7}, {6, 7, 8}, 0.5f, 0.8, 2.0},
+        {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {2, 2, 2}}, 1.0, 1.0},
+        {{.spacing = 0.5f, .min = {-4, 7, 2}, .size = {9, 9, 9}}, 1.0, 3.0},
+        {{.spacing = 0.3f, .min = {-5, -6, -7}, .size = {13, 6, 10}}, 1.0, 100.0},
+        {{.spacing = 1.7f, .min = {3, 3, 3}, .size = {12, 11, 7}}, 0.9, 5.0},
+        {{.spacing = 1.7f, .min = {3, 3, 3}, .size = {12, 11, 7}}, 0.3, 5.0},
+        {{.spacing = 0.25f, .min = {0, 0, 0}, .size = {30, 3, 17}}, 0.02, 5.0},
+        {{.spacing = 1.0f, .min = {-2, -2, -2}, .size = {6, 6, 1}}, 1.0, 5.0},
+        {{.spacing = 2.0f, .min = {0, 0, 0}, .size = {1, 1, 1}}, 1.0, 5.0},
+        {{.spacing = 2.0f, .min = {0, 0, 0}, .size = {1, 9, 1}}, 1.0, 5.0},
+        {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {6, 6, 6}}, 1.0, 1e7},
+        {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {6, 6, 6}}, 1.0, 1e-9},
+        {{.spacing = 0.5f, .min = {20000, -30000, 7}, .size = {6, 7, 8}}, 0.8, 2.0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const int before = test_failures;
-        check_volume(cases[i].min, cases[i].size, cases[i].spacing, cases[i].density, cases[i].magnitude, i + 1);
+        check_volume(&cases[i].lattice, cases[i].density, cases[i].magnitude, i + 1);
         CHECK(test_failures == before, "case %zu", i);
     }
 }
@@ -246,9 +251,9 @@ static bool is_dark(const lmb_sh3_rgb *light)
 
 static void test_far_and_broken_positions(void)
 {
-    const int32_t min[3] = {-4, 0, 4}, size[3] = {6, 6, 6};
-    lmb_probes *const grid = fixture_grid(0.5f, min, size, 1.0, 1.0, 5.0, 3);
-    packed p = pack_and_open(grid);
+    const lmb_lattice lattice = {.spacing = 0.5f, .min = {-4, 0, 4}, .size = {6, 6, 6}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 5.0, 3);
+    packed p = pack_and_open(probes);
     static const float odd[] = {0.0f, -0.0f, 1.0f, 1e30f, -FLT_MAX, FLT_MAX, FLT_MIN, 1e-45f, INFINITY, -INFINITY, NAN};
     enum { COUNT = sizeof odd / sizeof odd[0] };
     for (int i = 0; i < COUNT * COUNT * COUNT; ++i) {
@@ -264,26 +269,26 @@ static void test_far_and_broken_positions(void)
               "(%g, %g, %g) is not inside", (double)position.x, (double)position.y, (double)position.z);
     }
     close_packed(&p);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
 }
 
 /* 10 000 km away a position in double finds what one at the origin finds; there a float is exact to 1 m. */
 static void test_positions_in_double(void)
 {
-    const int32_t near[3] = {-3, 2, 0}, away[3] = {100000000, -99999999, 2}, size[3] = {6, 5, 4};
-    const float spacing = 0.1f;
-    lmb_probes *const near_grid = fixture_grid(spacing, near, size, 1.0, 1.0, 5.0, 4);
-    lmb_probes *const far_grid = fixture_grid(spacing, away, size, 1.0, 1.0, 5.0, 4);
-    packed a = pack_and_open(near_grid), b = pack_and_open(far_grid);
+    const lmb_lattice near = {.spacing = 0.1f, .min = {-3, 2, 0}, .size = {6, 5, 4}};
+    const lmb_lattice away = {.spacing = 0.1f, .min = {100000000, -99999999, 2}, .size = {6, 5, 4}};
+    lmb_probes *const near_probes = fixture_random_probes(&near, 1.0, 1.0, 5.0, 4);
+    lmb_probes *const far_probes = fixture_random_probes(&away, 1.0, 1.0, 5.0, 4);
+    packed a = pack_and_open(near_probes), b = pack_and_open(far_probes);
     uint64_t state = 5;
     for (int i = 0; i < 500; ++i) {
         double at[3], there[3];
         bool at_the_edge = false; /* out there both kinds of position are inside up to a 64th of a cell beyond it */
         for (int axis = 0; axis < 3; ++axis) {
-            const double cells = fixture_random(&state) * size[axis] - 0.5;
-            at_the_edge |= fabs(cells) < 0x1p-5 || fabs(cells - (size[axis] - 1)) < 0x1p-5;
-            at[axis] = (near[axis] + cells) * (double)spacing;
-            there[axis] = (away[axis] + cells) * (double)spacing;
+            const double cells = fixture_random(&state) * near.size[axis] - 0.5;
+            at_the_edge |= fabs(cells) < 0x1p-5 || fabs(cells - (near.size[axis] - 1)) < 0x1p-5;
+            at[axis] = (near.min[axis] + cells) * (double)near.spacing;
+            there[axis] = (away.min[axis] + cells) * (double)near.spacing;
         }
         lmb_sh3_rgb light, light_there, light_float;
         /* Volatile: gcc 12 takes a pair of doubles to float and back without rounding them (-O2, vectors). */
@@ -308,8 +313,8 @@ static void test_positions_in_double(void)
     }
     close_packed(&a);
     close_packed(&b);
-    lmb_probes_destroy(near_grid);
-    lmb_probes_destroy(far_grid);
+    lmb_probes_destroy(near_probes);
+    lmb_probes_destroy(far_probes);
 }
 
 /* Packing looks at probes, not at the bricks of the box: eight million here, of which the ends hold light. */
@@ -340,12 +345,12 @@ static void test_few_in_a_large_box(void)
 /* What is beyond even the largest scale keeps its direction: the whole probe is scaled. */
 static void test_overflow(void)
 {
-    const int32_t min[3] = {0, 0, 0}, size[3] = {2, 2, 2};
-    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 3);
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {2, 2, 2}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 1.0, 3);
     for (int i = 0; i < 27; ++i) {
-        grid->radiance[0][0].channel[i / 9].c[i % 9] = (float)(i - 13) * 2e37f;
+        probes->radiance[0][0].channel[i / 9].c[i % 9] = (float)(i - 13) * 2e37f;
     }
-    packed p = pack_and_open(grid);
+    packed p = pack_and_open(probes);
     CHECK(p.stats.overflow_count == 26, "%llu overflows", (unsigned long long)p.stats.overflow_count);
     CHECK(p.stats.scale == 0x1p96f, "scale %g", (double)p.stats.scale);
     lmb_sh3_rgb light;
@@ -359,9 +364,9 @@ static void test_overflow(void)
 
     /* Sunlight beside candles: a scale, no overflow. */
     for (int32_t probe = 0; probe < 8; ++probe) {
-        grid->radiance[0][probe] = (lmb_sh3_rgb){{{{probe % 2 ? 3e6f : 1.0f}}}};
+        probes->radiance[0][probe] = (lmb_sh3_rgb){{{{probe % 2 ? 3e6f : 1.0f}}}};
     }
-    p = pack_and_open(grid);
+    p = pack_and_open(probes);
     CHECK(p.stats.overflow_count == 0 && p.stats.scale == 128.0f, "scale %g", (double)p.stats.scale);
     CHECK(lmb_volume_get_info(p.volume).scale == p.stats.scale, "scale in the file");
     CHECK(lmb_volume_sample(p.volume, (lmb_vec3){0, 0, 0}, &light), "inside");
@@ -369,42 +374,42 @@ static void test_overflow(void)
     CHECK(lmb_volume_sample(p.volume, (lmb_vec3){1, 1, 1}, &light), "inside");
     CHECK_NEAR(light.channel[0].c[0], 3e6, 3e3, "the sun");
     close_packed(&p);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
 }
 
 static void test_pack_refuses(void)
 {
-    const int32_t min[3] = {0, 0, 0}, size[3] = {3, 3, 3};
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {3, 3, 3}};
     unsigned char *data = NULL;
     size_t bytes = 0;
-    lmb_probes *grid = fixture_grid(1.0f, min, size, 0.0, 1.0, 1.0, 1);
-    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "no probes");
-    lmb_probes_destroy(grid);
-    grid = fixture_grid(1.0f, min, size, 1.0, 0.0, 1.0, 1);
-    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "no probe with light");
-    lmb_probes_destroy(grid);
-    grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
-    grid->radiance[0][26].channel[2].c[8] = NAN;
-    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "NaN");
-    grid->radiance[0][26].channel[2].c[8] = INFINITY;
-    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "infinity");
-    lmb_probes_destroy(grid);
-    grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
-    CHECK(lmb_lattice_turn(&grid->level[0].lattice, (lmb_vec3d){-1.0, 0.0, 0.0}, (lmb_vec3d){0.0, 1.0, 0.0}) &&
-              lmb_probes_validate(grid, NULL) == LMB_OK,
+    lmb_probes *probes = fixture_random_probes(&lattice, 0.0, 1.0, 1.0, 1);
+    CHECK(lmb_pack(probes, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "no probes");
+    lmb_probes_destroy(probes);
+    probes = fixture_random_probes(&lattice, 1.0, 0.0, 1.0, 1);
+    CHECK(lmb_pack(probes, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "no probe with light");
+    lmb_probes_destroy(probes);
+    probes = fixture_random_probes(&lattice, 1.0, 1.0, 1.0, 1);
+    probes->radiance[0][26].channel[2].c[8] = NAN;
+    CHECK(lmb_pack(probes, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "NaN");
+    probes->radiance[0][26].channel[2].c[8] = INFINITY;
+    CHECK(lmb_pack(probes, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "infinity");
+    lmb_probes_destroy(probes);
+    probes = fixture_random_probes(&lattice, 1.0, 1.0, 1.0, 1);
+    CHECK(lmb_lattice_turn(&probes->level[0].lattice, (lmb_vec3d){-1.0, 0.0, 0.0}, (lmb_vec3d){0.0, 1.0, 0.0}) &&
+              lmb_probes_validate(probes, NULL) == LMB_OK,
           "turned");
-    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "a turned lattice");
-    lmb_probes_destroy(grid);
-    grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
+    CHECK(lmb_pack(probes, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "a turned lattice");
+    lmb_probes_destroy(probes);
+    probes = fixture_random_probes(&lattice, 1.0, 1.0, 1.0, 1);
     uint32_t set;
-    CHECK(lmb_probes_add_set(grid, &set) == LMB_OK, "a set");
-    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "two sets");
-    lmb_probes_destroy(grid);
-    grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 1.0, 1);
+    CHECK(lmb_probes_add_set(probes, &set) == LMB_OK, "a set");
+    CHECK(lmb_pack(probes, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "two sets");
+    lmb_probes_destroy(probes);
+    probes = fixture_random_probes(&lattice, 1.0, 1.0, 1.0, 1);
     const lmb_lattice coarse = {.spacing = 2.0f, .size = {1, 1, 1}};
-    CHECK(lmb_probes_add_level(grid, &coarse, (const int32_t[1][3]){{0, 0, 0}}, 1) == LMB_OK, "a level");
-    CHECK(lmb_pack(grid, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "two levels");
-    lmb_probes_destroy(grid);
+    CHECK(lmb_probes_add_level(probes, &coarse, (const int32_t[1][3]){{0, 0, 0}}, 1) == LMB_OK, "a level");
+    CHECK(lmb_pack(probes, &data, &bytes, NULL) == LMB_ERROR_ARGUMENT, "two levels");
+    lmb_probes_destroy(probes);
     CHECK(!data && bytes == 0, "outputs untouched");
 }
 
@@ -424,10 +429,10 @@ static lmb_result open_copy(const unsigned char *data, size_t size, unsigned cha
 
 static packed pack_small(void)
 {
-    const int32_t min[3] = {-3, 0, 3}, size[3] = {6, 3, 2};
-    lmb_probes *const grid = fixture_grid(0.5f, min, size, 0.9, 0.7, 5.0, 17);
-    packed p = pack_and_open(grid);
-    lmb_probes_destroy(grid);
+    const lmb_lattice lattice = {.spacing = 0.5f, .min = {-3, 0, 3}, .size = {6, 3, 2}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 0.9, 0.7, 5.0, 17);
+    packed p = pack_and_open(probes);
+    lmb_probes_destroy(probes);
     return p;
 }
 
@@ -577,10 +582,10 @@ static void test_forged_fields(void)
         {"probes outside the box", 192 + 12, UINT32_MAX, LMB_ERROR_FORMAT},
         {"half behind the last probe", 192 + 24 + 6748, 0x10000, LMB_ERROR_FORMAT},
     };
-    const int32_t min[3] = {1, 1, 1}, size[3] = {6, 2, 2};
-    lmb_probes *const grid = fixture_grid(1.0f, min, size, 1.0, 1.0, 5.0, 17);
-    packed p = pack_and_open(grid);
-    lmb_probes_destroy(grid);
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {1, 1, 1}, .size = {6, 2, 2}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 5.0, 17);
+    packed p = pack_and_open(probes);
+    lmb_probes_destroy(probes);
     CHECK(lmb_volume_get_info(p.volume).brick_count == 2, "two bricks");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         unsigned char *copy = malloc(p.size);
@@ -648,18 +653,18 @@ static void test_files(void)
     unlink(path);
 }
 
-/* The same grid always packs to the same bytes: those of tests/golden/small.lmb, which builds for other machines read.
+/* The same probes always pack to the same bytes: those of tests/golden/small.lmb, which builds for other machines read.
  * Only a new version of the format changes them: what is packed now then lies in the tests' output folder. */
 static void test_golden_file(void)
 {
-    static const int32_t min[3] = {-3, 0, 2}, size[3] = {7, 4, 5};
-    lmb_probes *const grid = fixture_grid(0.75f, min, size, 0.97, 1.0, 0.5, 14);
-    for (int32_t probe = 0; probe < grid->count; ++probe) {
+    static const lmb_lattice lattice = {.spacing = 0.75f, .min = {-3, 0, 2}, .size = {7, 4, 5}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 0.97, 1.0, 0.5, 14);
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
         for (int channel = 0; channel < 3; ++channel) {
-            grid->radiance[0][probe].channel[channel].c[0] += 2.0f; /* as real light has it: above all else */
+            probes->radiance[0][probe].channel[channel].c[0] += 2.0f; /* as real light has it: above all else */
         }
     }
-    packed p = pack_and_open(grid);
+    packed p = pack_and_open(probes);
     unsigned char *golden = NULL;
     size_t size_of_golden = 0;
     CHECK(lmb_file_read(LMB_GOLDEN_DIR "/small.lmb", &golden, &size_of_golden, NULL) == LMB_OK, "small.lmb");
@@ -670,16 +675,16 @@ static void test_golden_file(void)
     }
     free(golden);
     close_packed(&p);
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
 }
 
 static const test_case cases[] = {
-    {"samples are the grid's trilinear light", test_sample},
+    {"samples are the probes' trilinear light", test_sample},
     {"far and broken positions", test_far_and_broken_positions},
     {"positions in double", test_positions_in_double},
     {"few probes in a large box", test_few_in_a_large_box},
     {"light beyond fp16", test_overflow},
-    {"grids that cannot be packed", test_pack_refuses},
+    {"probes that cannot be packed", test_pack_refuses},
     {"every truncation is refused", test_truncation},
     {"corrupted bytes are refused", test_corruption},
     {"forged bytes do no harm", test_forgery},

@@ -122,7 +122,7 @@ int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t 
 }
 
 /* "X,Y,Z", finite as floats too. */
-static bool place_parse(const char *text, lmb_vec3d *place)
+static bool position_parse(const char *text, lmb_vec3d *position)
 {
     double parsed[3];
     for (int i = 0; i < 3; ++i) {
@@ -133,25 +133,25 @@ static bool place_parse(const char *text, lmb_vec3d *place)
         }
         text = end + 1;
     }
-    *place = (lmb_vec3d){parsed[0], parsed[1], parsed[2]};
+    *position = (lmb_vec3d){parsed[0], parsed[1], parsed[2]};
     return true;
 }
 
 lmb_vec3d arguments_place(lmb_arguments *arguments, const char *option)
 {
     const char *text = arguments_text(arguments, option);
-    lmb_vec3d place = {0.0, 0.0, 0.0};
-    if (!arguments->failed && !place_parse(text, &place)) {
+    lmb_vec3d position = {0.0, 0.0, 0.0};
+    if (!arguments->failed && !position_parse(text, &position)) {
         fprintf(stderr, "lambent %s: %s takes three numbers X,Y,Z, not '%s'\n", arguments->command, option, text);
         arguments->failed = true;
     }
-    return place;
+    return position;
 }
 
 lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option)
 {
-    const lmb_vec3d place = arguments_place(arguments, option);
-    return (lmb_vec3){(float)place.x, (float)place.y, (float)place.z};
+    const lmb_vec3d position = arguments_place(arguments, option);
+    return (lmb_vec3){(float)position.x, (float)position.y, (float)position.z};
 }
 
 int exit_of_result(lmb_result result)

@@ -15,7 +15,7 @@ static const double missing = (double)NAN;
 
 enum { NORMALS = 8, AMBIENT_RAYS = 256, COINCIDENT_SAMPLES_FACTOR = 4 };
 
-/* What streams of random numbers are for. */
+/* What streams of variates are for. */
 enum { STREAM_SURFACE = 1, STREAM_NORMALS, STREAM_AMBIENT, STREAM_FREE, STREAM_FREE_DIRECTIONS, STREAM_REFERENCE };
 
 static const struct {
@@ -113,7 +113,7 @@ static void gather_reference(const check_work *work, const lmb_gather_point *poi
 
 /* One surface point, with what is known there. */
 typedef struct surface_sample {
-    size_t number;
+    size_t index;
     lmb_gather_point point;
     lmb_vec3 normals[NORMALS];
     irradiance_set reference[2];
@@ -137,7 +137,7 @@ static void record(check_work *work, const surface_sample *sample, check_pair pa
     default:
         break;
     }
-    work->errors[pair][sample->number] = point_error_of(x->at, r1->at, r2->at, NORMALS);
+    work->errors[pair][sample->index] = point_error_of(x->at, r1->at, r2->at, NORMALS);
 }
 
 static surface_sample sample_make(const check_work *work, size_t task)
@@ -148,7 +148,7 @@ static surface_sample sample_make(const check_work *work, size_t task)
         lmb_opaque_surface_point(&work->surface, lmb_mix(seed, STREAM_SURFACE), (uint32_t)task, work->settings.points);
     const lmb_place place = lmb_trace_place(subject->transport->tracer, &at);
     const float texel = subject->lightmap ? subject->lightmap->region[at.instance].texel_size : work->default_texel;
-    surface_sample sample = {.number = task};
+    surface_sample sample = {.index = task};
     bool pushed_out;
     sample.point = lmb_surface_gather_point(subject->transport->tracer, &place, texel, &pushed_out);
     shading_normals(sample.point.normal, lmb_mix(lmb_mix(seed, STREAM_NORMALS), task), NORMALS, sample.normals);
@@ -166,7 +166,7 @@ static void record_coincident(check_work *work, const surface_sample *sample)
     const lmb_gather_point whole = {.position = sample->point.position, .hemisphere = false};
     lmb_gathered gathered;
     lmb_gather_sh3(&work->transport, &whole, COINCIDENT_SAMPLES_FACTOR * work->settings.samples, &gathered);
-    work->coincident[sample->number] = (coincident_noise){gathered.squared_error, gathered.squared_length};
+    work->coincident[sample->index] = (coincident_noise){gathered.squared_error, gathered.squared_length};
     irradiance_set x;
     evaluate_probe(LMB_MODEL_FOR_SURFACE, &gathered.moments, sample->point.normal, 0.0f, sample->normals, &x);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &x);
@@ -175,7 +175,7 @@ static void record_coincident(check_work *work, const surface_sample *sample)
 
 static void record_cone(check_work *work, const surface_sample *sample, const lmb_sh3_rgb *radiance)
 {
-    const uint64_t stream = lmb_mix(lmb_mix(work->settings.seed, STREAM_AMBIENT), sample->number);
+    const uint64_t stream = lmb_mix(lmb_mix(work->settings.seed, STREAM_AMBIENT), sample->index);
     const lmb_scene *scene = lmb_tracer_scene(work->subject->transport->tracer);
     const float spacing =
         lmb_volume_spacing_at(work->subject->volume, lmb_scene_to_world(scene, sample->point.position));

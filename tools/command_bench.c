@@ -87,14 +87,14 @@ static void json_add_rates(cJSON *json, const lmb_bench_phase *phase)
     cJSON_AddNumberToObject(json, "cpu_ratio", quotient(phase->bare_cpu_seconds, phase->cpu_seconds));
 }
 
-static cJSON *phase_json(const lmb_bench_phase *phase, lmb_bake_phase number)
+static cJSON *phase_json(const lmb_bench_phase *measured, lmb_bake_phase phase)
 {
     cJSON *json = cJSON_CreateObject();
-    cJSON_AddStringToObject(json, "name", lmb_bake_phase_name(number));
-    json_add_rates(json, phase);
+    cJSON_AddStringToObject(json, "name", lmb_bake_phase_name(phase));
+    json_add_rates(json, measured);
     cJSON *best = cJSON_AddObjectToObject(json, "best");
-    cJSON_AddStringToObject(best, "nearest", call_names[phase->best[LMB_RAY_NEAREST]]);
-    cJSON_AddStringToObject(best, "occluded", call_names[phase->best[LMB_RAY_OCCLUDED]]);
+    cJSON_AddStringToObject(best, "nearest", call_names[measured->best[LMB_RAY_NEAREST]]);
+    cJSON_AddStringToObject(best, "occluded", call_names[measured->best[LMB_RAY_OCCLUDED]]);
     return json;
 }
 

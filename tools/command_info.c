@@ -41,8 +41,8 @@ static cJSON *lmb_describe(const lmb_volume *volume)
     cJSON_AddNumberToObject(json, "spacing", spacing);
     json_add_range(json, "lattice_min", first);
     json_add_range(json, "lattice_size", size);
-    cJSON_AddItemToObject(json, "bounds_min", json_place(info.bounds_min));
-    cJSON_AddItemToObject(json, "bounds_max", json_place(info.bounds_max));
+    cJSON_AddItemToObject(json, "bounds_min", json_position(info.bounds_min));
+    cJSON_AddItemToObject(json, "bounds_max", json_position(info.bounds_max));
     cJSON_AddNumberToObject(json, "bricks", info.brick_count);
     cJSON_AddNumberToObject(json, "scale", (double)info.scale);
     cJSON_AddNumberToObject(json, "bytes", (double)info.file_bytes);
@@ -51,23 +51,23 @@ static cJSON *lmb_describe(const lmb_volume *volume)
     return json;
 }
 
-static cJSON *vdb_describe(const lmb_probes *grid, const char *settings, const char *scene_hash)
+static cJSON *vdb_describe(const lmb_probes *probes, const char *settings, const char *scene_hash)
 {
     double mean[3] = {0.0, 0.0, 0.0};
     int32_t valid = 0;
-    for (int32_t i = 0; i < grid->count; ++i) {
-        valid += grid->validity[i] >= LMB_PROBES_MIN_VALIDITY;
+    for (int32_t i = 0; i < probes->count; ++i) {
+        valid += probes->validity[i] >= LMB_PROBES_MIN_VALIDITY;
         for (int c = 0; c < 3; ++c) {
-            mean[c] += (double)grid->radiance[0][i].channel[c].c[0] * 0.28209479177387814 / grid->count;
+            mean[c] += (double)probes->radiance[0][i].channel[c].c[0] * 0.28209479177387814 / probes->count;
         }
     }
     cJSON *json = cJSON_CreateObject();
     cJSON_AddStringToObject(json, "kind", "lambent probe grid");
-    cJSON_AddNumberToObject(json, "probes", grid->count);
+    cJSON_AddNumberToObject(json, "probes", probes->count);
     cJSON_AddNumberToObject(json, "probes_valid", valid);
-    cJSON_AddNumberToObject(json, "spacing", (double)grid->level[0].lattice.spacing);
-    json_add_range(json, "lattice_min", grid->level[0].lattice.min);
-    json_add_range(json, "lattice_size", grid->level[0].lattice.size);
+    cJSON_AddNumberToObject(json, "spacing", (double)probes->level[0].lattice.spacing);
+    json_add_range(json, "lattice_min", probes->level[0].lattice.min);
+    json_add_range(json, "lattice_size", probes->level[0].lattice.size);
     cJSON_AddItemToObject(json, "mean_radiance", cJSON_CreateDoubleArray(mean, 3));
     cJSON_AddStringToObject(json, "scene_hash", scene_hash);
     cJSON *parsed = cJSON_Parse(settings);
@@ -89,15 +89,15 @@ static lmb_result lmb_info(const char *path, cJSON **json, lmb_error *error)
 
 static lmb_result vdb_info(const char *path, cJSON **json, lmb_error *error)
 {
-    lmb_probes *grid;
+    lmb_probes *probes;
     char *settings;
     char *scene_hash;
-    const lmb_result result = lmb_vdb_read(path, &grid, &settings, &scene_hash, error);
+    const lmb_result result = lmb_vdb_read(path, &probes, &settings, &scene_hash, error);
     if (result != LMB_OK) {
         return result;
     }
-    *json = vdb_describe(grid, settings, scene_hash);
-    lmb_probes_destroy(grid);
+    *json = vdb_describe(probes, settings, scene_hash);
+    lmb_probes_destroy(probes);
     free(settings);
     free(scene_hash);
     return LMB_OK;

@@ -25,12 +25,12 @@ typedef struct pack_options {
     bool quiet;
 } pack_options;
 
-static lmb_result pack_write(const pack_options *options, const lmb_probes *grid, lmb_pack_stats *stats,
+static lmb_result pack_write(const pack_options *options, const lmb_probes *probes, lmb_pack_stats *stats,
                              lmb_error *error)
 {
     unsigned char *data = NULL;
     size_t size;
-    lmb_result result = lmb_pack(grid, &data, &size, stats);
+    lmb_result result = lmb_pack(probes, &data, &size, stats);
     if (result == LMB_ERROR_ARGUMENT) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no probe has light: validity is below %g everywhere",
                              options->source, (double)LMB_PROBES_MIN_VALIDITY);
@@ -45,14 +45,14 @@ static lmb_result pack_write(const pack_options *options, const lmb_probes *grid
 
 static lmb_result pack_run(const pack_options *options, lmb_error *error)
 {
-    lmb_probes *grid = NULL;
+    lmb_probes *probes = NULL;
     lmb_pack_stats stats;
     lmb_result result = output_file_check(options->output, error);
     if (result == LMB_OK) {
-        result = lmb_vdb_read(options->source, &grid, NULL, NULL, error);
+        result = lmb_vdb_read(options->source, &probes, NULL, NULL, error);
     }
     if (result == LMB_OK) {
-        result = pack_write(options, grid, &stats, error);
+        result = pack_write(options, probes, &stats, error);
     }
     if (result == LMB_OK && stats.overflow_count > 0) {
         char line[LMB_ERROR_MESSAGE_SIZE];
@@ -61,17 +61,11 @@ static lmb_result pack_run(const pack_options *options, lmb_error *error)
         console_warning(line, options->quiet);
     }
     if (result == LMB_OK && !options->quiet) {
-        printf("written   %s (%d probes at %g m, %.1f kB)\n", options->output, grid->count,
-               (double)grid->level[0].lattice.spacing, 1e-3 * (double)stats.bytes);
+        printf("written   %s (%d probes at %g m, %.1f kB)\n", options->output, probes->count,
+               (double)probes->level[0].lattice.spacing, 1e-3 * (double)stats.bytes);
     }
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
     return result;
-}
-
-static bool has_ending(const char *path, const char *ending)
-{
-    const size_t length = strlen(path), ending_length = strlen(ending);
-    return length > ending_length && strcmp(path + length - ending_length, ending) == 0;
 }
 
 int command_pack(int count, char **values)
@@ -96,7 +90,7 @@ int command_pack(int count, char **values)
         arguments_error(&arguments, "missing argument", "FILE.vdb");
     } else if (!options.output) {
         arguments_error(&arguments, "missing option", "-o FILE.lmb");
-    } else if (!has_ending(options.output, ".lmb")) {
+    } else if (!output_file_ends_in(options.output, ".lmb")) {
         arguments_error(&arguments, "-o takes a .lmb, not", options.output); /* not over the .vdb by mistake */
     }
     if (arguments.failed) {

@@ -52,7 +52,7 @@ static lmb_result probe_trace(const lmb_level *level, const lmb_query *query, ui
                               const lmb_progress *progress, lmb_probe_answer *answer)
 {
     const double start = seconds_now();
-    const lmb_gather_point point = {.position = lmb_scene_from_world(level->scene, query->place)};
+    const lmb_gather_point point = {.position = lmb_scene_from_world(level->scene, query->position)};
     lmb_result result =
         lmb_gather_sh3_parallel(&level->transport, &point, samples, level->pool, progress, &answer->gathered);
     if (result == LMB_OK && query->has_normal) {
@@ -83,7 +83,7 @@ static double answer_relative_error(const lmb_probe_answer *answer)
 static int answer_print_json(const lmb_query *query, const lmb_probe_answer *answer)
 {
     cJSON *object = cJSON_CreateObject();
-    cJSON_AddItemToObject(object, "position", json_place(query->place));
+    cJSON_AddItemToObject(object, "position", json_position(query->position));
     cJSON_AddItemToObject(object, "sh3", json_sh3(&answer->gathered.moments));
     cJSON_AddNumberToObject(object, "std_error", answer_relative_error(answer));
     if (query->has_normal) {
@@ -99,7 +99,7 @@ static int answer_print_json(const lmb_query *query, const lmb_probe_answer *ans
 static int answer_print(const lmb_query *query, const lmb_probe_answer *answer)
 {
     static const char *const names[LMB_SH3_COUNT] = {"0,0", "1,-1", "1,0", "1,1", "2,-2", "2,-1", "2,0", "2,1", "2,2"};
-    printf("probe at %.9g, %.9g, %.9g\n", query->place.x, query->place.y, query->place.z);
+    printf("probe at %.9g, %.9g, %.9g\n", query->position.x, query->position.y, query->position.z);
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {
         printf("  l%-5s %12.6g %12.6g %12.6g\n", names[i], (double)answer->gathered.moments.channel[0].c[i],
                (double)answer->gathered.moments.channel[1].c[i], (double)answer->gathered.moments.channel[2].c[i]);

@@ -107,9 +107,9 @@ static void size_read(lmb_arguments *arguments, const char *option, render_optio
 /* "--object FILE" adds an object; "--object-at" places the one just added, or a sphere. */
 static void object_read(lmb_arguments *arguments, const char *option, render_options *options)
 {
-    const bool is_place = strcmp(option, "--object-at") == 0;
+    const bool is_position = strcmp(option, "--object-at") == 0;
     object_option *last = options->object_count > 0 ? &options->objects[options->object_count - 1] : NULL;
-    if (is_place && last && !last->has_position) {
+    if (is_position && last && !last->has_position) {
         last->position = arguments_place(arguments, option);
         last->has_position = true;
         return;
@@ -119,18 +119,12 @@ static void object_read(lmb_arguments *arguments, const char *option, render_opt
         return;
     }
     object_option *added = &options->objects[options->object_count++];
-    *added = (object_option){.has_position = is_place};
-    if (is_place) {
+    *added = (object_option){.has_position = is_position};
+    if (is_position) {
         added->position = arguments_place(arguments, option);
     } else {
         added->path = arguments_text(arguments, option);
     }
-}
-
-static bool has_ending(const char *path, const char *ending)
-{
-    const size_t length = strlen(path), ending_length = strlen(ending);
-    return length > ending_length && strcmp(path + length - ending_length, ending) == 0;
 }
 
 /* Takes an option about the view. */
@@ -194,7 +188,7 @@ static void options_read(lmb_arguments *arguments, render_options *options)
         arguments_error(arguments, "missing option", "-o FILE.png|FILE.exr");
     } else if (options->camera_node && (options->has_camera || options->has_look)) {
         arguments_error(arguments, "--camera-node does not go with", options->has_camera ? "--camera" : "--look");
-    } else if (!has_ending(options->output, ".png") && !has_ending(options->output, ".exr")) {
+    } else if (!output_file_ends_in(options->output, ".png") && !output_file_ends_in(options->output, ".exr")) {
         arguments_error(arguments, "-o takes a .png or .exr, not", options->output);
     }
 }
@@ -254,7 +248,7 @@ static lmb_result camera_of_options(const render_options *options, const lmb_tra
 }
 
 /* Half way to what the camera looks at. */
-static lmb_vec3 place_before_camera(const lmb_camera *camera, const lmb_tracer *tracer, float diagonal)
+static lmb_vec3 position_before_camera(const lmb_camera *camera, const lmb_tracer *tracer, float diagonal)
 {
     lmb_hit hit;
     const bool found = lmb_trace_nearest(tracer, camera->position, camera->forward, 0.0f, FLT_MAX, &hit);
@@ -280,7 +274,7 @@ static lmb_result objects_open(const render_options *options, const lmb_camera *
     const float diagonal = level_diagonal(scene);
     for (*opened_count = 0; *opened_count < options->object_count; ++*opened_count) {
         const object_option *option = &options->objects[*opened_count];
-        const lmb_vec3 before = place_before_camera(camera, tracer, diagonal);
+        const lmb_vec3 before = position_before_camera(camera, tracer, diagonal);
         const lmb_vec3d at = option->position, from = scene->origin;
         const lmb_vec3d position = option->has_position
                                        ? (lmb_vec3d){at.x - from.x, at.y - from.y, at.z - from.z}
@@ -381,7 +375,7 @@ static lmb_result picture_make(const render_options *options, const lmb_shader *
     console_finish(&console);
     if (result != LMB_OK) {
         lmb_error_set(error, result, "render: %s", lmb_result_text(result));
-    } else if (has_ending(options->output, ".exr")) {
+    } else if (output_file_ends_in(options->output, ".exr")) {
         result = exr_write(options, rgb, pixel_count, error);
     } else {
         result = png_write(options, rgb, pixel_count, reference_mean, error);

@@ -34,11 +34,11 @@ static const char *usage(void)
 static int answer_print(const lmb_query *query, const lmb_model *model, const lmb_volume *volume, bool json)
 {
     lmb_sh3_rgb radiance;
-    const bool inside = lmb_volume_sample_at(volume, query->place, &radiance);
+    const bool inside = lmb_volume_sample_at(volume, query->position, &radiance);
     const lmb_rgb irradiance = query->has_normal ? query_irradiance(query, model, &radiance) : (lmb_rgb){{0}};
     if (json) {
         cJSON *object = cJSON_CreateObject();
-        cJSON_AddItemToObject(object, "position", json_place(query->place));
+        cJSON_AddItemToObject(object, "position", json_position(query->position));
         if (query->has_normal) {
             cJSON_AddItemToObject(object, "normal", json_vector(query->normal));
             cJSON_AddItemToObject(object, "irradiance", json_rgb(irradiance));
@@ -47,7 +47,7 @@ static int answer_print(const lmb_query *query, const lmb_model *model, const lm
         cJSON_AddBoolToObject(object, "outside", !inside);
         return json_print_line(object);
     }
-    printf("%.9g %.9g %.9g%s", query->place.x, query->place.y, query->place.z, inside ? "" : " (outside)");
+    printf("%.9g %.9g %.9g%s", query->position.x, query->position.y, query->position.z, inside ? "" : " (outside)");
     if (query->has_normal) {
         printf("  irradiance %.6g %.6g %.6g", (double)irradiance.c[0], (double)irradiance.c[1],
                (double)irradiance.c[2]);

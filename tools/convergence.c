@@ -72,41 +72,33 @@ typedef struct convergence {
 
 static lmb_result probes_take(convergence *work, lmb_error *error)
 {
-    lmb_probes *grid = NULL;
+    lmb_probes *probes = NULL;
     lmb_placement_settings settings = lmb_placement_settings_default();
     settings.spacing = work->spacing;
     lmb_placement_stats stats;
-    const lmb_result result = lmb_placement_make(work->level.tracer, &settings, work->level.pool, &grid, &stats, error);
+    const lmb_result result =
+        lmb_placement_make(work->level.tracer, &settings, work->level.pool, &probes, &stats, error);
     if (result != LMB_OK) {
         return result;
     }
     point_set *set = work->set[0];
     const int32_t valid = stats.probes_valid;
     int32_t passed = 0;
-    for (int32_t i = 0; i < grid->count; ++i) {
-        if (grid->validity[i] < LMB_PROBES_MIN_VALIDITY) {
+    for (int32_t i = 0; i < probes->count; ++i) {
+        if (probes->validity[i] < LMB_PROBES_MIN_VALIDITY) {
             continue;
         }
         if (set->count < work->points && (int64_t)passed * work->points >= (int64_t)set->count * valid) {
             uint64_t rays = 0;
-            set->point[set->count++] =
-                (lmb_gather_point){.position = lmb_placement_relocate(work->level.tracer, lmb_probes_position(grid, i),
-                                                                      grid->level[0].lattice.spacing, &rays),
-                                   .min_light_distance = 0.5f * grid->level[0].lattice.spacing};
+            set->point[set->count++] = (lmb_gather_point){
+                .position = lmb_placement_relocate(work->level.tracer, lmb_probes_position(probes, i),
+                                                   probes->level[0].lattice.spacing, &rays),
+                .min_light_distance = 0.5f * probes->level[0].lattice.spacing};
         }
         ++passed;
     }
-    lmb_probes_destroy(grid);
+    lmb_probes_destroy(probes);
     return LMB_OK;
-}
-
-static double triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
-{
-    lmb_vec3 corner[3];
-    lmb_trace_corners(tracer, instance, triangle, corner);
-    const lmb_vec3 a = lmb_vec3_sub(corner[1], corner[0]);
-    const lmb_vec3 b = lmb_vec3_sub(corner[2], corner[0]);
-    return 0.5 * (double)lmb_vec3_length(lmb_vec3_cross(a, b));
 }
 
 static double level_area(const lmb_level *level)
@@ -115,21 +107,20 @@ static double level_area(const lmb_level *level)
     for (uint32_t i = 0; i < level->scene->instance_count; ++i) {
         const lmb_instance *instance = &level->scene->instances[i];
         for (uint32_t t = 0; t < level->scene->meshes[instance->mesh].triangle_count && !instance->dynamic; ++t) {
-            area += triangle_area(level->tracer, i, t);
+            area += (double)lmb_trace_triangle_area(level->tracer, i, t);
         }
     }
     return area;
 }
 
-/* A point on the front of a triangle, by the number of the point. */
-static lmb_gather_point texel_point(const lmb_level *level, uint32_t instance, uint32_t triangle, uint32_t number)
+/* A point on the front of a triangle, by the index of the point. */
+static lmb_gather_point texel_point(const lmb_level *level, uint32_t instance, uint32_t triangle, uint32_t index)
 {
     float u[2];
-    lmb_sequence_2d(level->settings.seed, number, 0, u);
-    const float root = sqrtf(u[0]);
-    const lmb_place place = lmb_trace_place(
-        level->tracer,
-        &(lmb_hit){.instance = instance, .triangle = triangle, .u = root * (1.0f - u[1]), .v = root * u[1]});
+    lmb_sequence_2d(level->settings.seed, index, 0, u);
+    lmb_hit hit = {.instance = instance, .triangle = triangle};
+    lmb_triangle_point(u, &hit.u, &hit.v);
+    const lmb_place place = lmb_trace_place(level->tracer, &hit);
     bool pushed_out;
     return lmb_surface_gather_point(level->tracer, &place, 0.0f, &pushed_out);
 }
@@ -144,7 +135,7 @@ static void texels_take(convergence *work)
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const uint32_t count = scene->meshes[scene->instances[i].mesh].triangle_count;
         for (uint32_t t = 0; t < count && !scene->instances[i].dynamic; ++t) {
-            passed += triangle_area(work->level.tracer, i, t);
+            passed += (double)lmb_trace_triangle_area(work->level.tracer, i, t);
             for (; set->count < work->points && passed * work->points > (set->count + 0.5) * total; ++set->count) {
                 set->point[set->count] = texel_point(&work->level, i, t, (uint32_t)set->count);
             }

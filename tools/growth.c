@@ -41,11 +41,11 @@ typedef struct growth_case {
 
 enum { MOST_ROWS = 6 };
 
-/* One number of growth_case takes the values. */
+/* One field of growth_case takes the values. */
 typedef struct growth_table {
     const char *name;
     growth_case fixed;
-    size_t offset; /* of that number */
+    size_t offset; /* of that field */
     double values[MOST_ROWS];
 } growth_table;
 
@@ -120,11 +120,11 @@ static void point_lights_add(lmb_level_builder *builder, double count)
                                    .type = LMB_LEVEL_LIGHT_POINT,
                                    .color = {{1.0f, 1.0f, 1.0f}},
                                    .intensity = (float)(100.0 / count)};
-    const int number = lmb_level_builder_add_light(builder, &light);
+    const int index = lmb_level_builder_add_light(builder, &light);
     const int across = (int)ceil(sqrt(count));
     for (int i = 0; i < (int)count; ++i) {
         lmb_level_node node = lmb_level_node_default("light");
-        node.light = number;
+        node.light = index;
         node.translation =
             (lmb_vec3){(float)(((i % across + 0.5) / across - 0.5) * SIDE_M), 6.0f + 0.01f * (float)(i % 7),
                        (float)(((double)(i / across) + 0.5) / across * SIDE_M - SIDE_M / 2)};

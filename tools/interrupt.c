@@ -25,8 +25,8 @@ static void cleanup_run(void)
 static void *signals_await(void *unused)
 {
     (void)unused;
-    int number;
-    while (sigwait(&signals, &number) != 0) {
+    int signal_number;
+    while (sigwait(&signals, &signal_number) != 0) {
     }
     pthread_mutex_lock(&ending);
     cleanup_run();
@@ -34,9 +34,9 @@ static void *signals_await(void *unused)
     _exit(EXIT_INTERRUPTED);
 }
 
-static void on_signal(int number)
+static void on_signal(int signal_number)
 {
-    (void)number;
+    (void)signal_number;
     static const char message[] = "lambent: interrupted\n";
     const ssize_t written = write(STDERR_FILENO, message, sizeof message - 1);
     (void)written;

@@ -92,8 +92,8 @@ static int run(int count, char **values)
  * stands in for it fails. */
 static void streams_hold(void)
 {
-    for (int number = STDIN_FILENO; number <= STDERR_FILENO; ++number) {
-        if (fcntl(number, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) {
+    for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor) {
+        if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) {
             break;
         }
     }

@@ -40,3 +40,9 @@ lmb_result output_file_check(const char *path, lmb_error *error)
     interrupt_release();
     return LMB_OK;
 }
+
+bool output_file_ends_in(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), ending_length = strlen(ending);
+    return length > ending_length && strcmp(path + length - ending_length, ending) == 0;
+}

@@ -8,7 +8,7 @@
 bool query_argument(lmb_query_arguments *query, lmb_arguments *arguments, const char *option)
 {
     if (strcmp(option, "--at") == 0) {
-        query->one.place = arguments_place(arguments, option);
+        query->one.position = arguments_place(arguments, option);
         query->has_position = true;
     } else if (strcmp(option, "--normal") == 0) {
         query->one.normal = arguments_vector(arguments, option);
@@ -74,7 +74,7 @@ int query_read_line(lmb_query *query, int *line_number)
         }
     }
     const bool whole = at[strspn(at, " \t\r\n")] == '\0';
-    *query = (lmb_query){.place = {value[0], value[1], value[2]}, .cone_cos = cone_cos};
+    *query = (lmb_query){.position = {value[0], value[1], value[2]}, .cone_cos = cone_cos};
     query->has_normal = count >= 6;
     bool good = whole && (count == 3 || count == 6 || count == 7 || count == 10);
     if (good && query->has_normal) {
@@ -104,9 +104,9 @@ cJSON *json_vector(lmb_vec3 vector)
     return cJSON_CreateFloatArray((const float[3]){vector.x, vector.y, vector.z}, 3);
 }
 
-cJSON *json_place(lmb_vec3d place)
+cJSON *json_position(lmb_vec3d position)
 {
-    return cJSON_CreateDoubleArray((const double[3]){place.x, place.y, place.z}, 3);
+    return cJSON_CreateDoubleArray((const double[3]){position.x, position.y, position.z}, 3);
 }
 
 cJSON *json_rgb(lmb_rgb colour)

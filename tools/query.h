@@ -9,7 +9,7 @@
 #include "command.h"
 
 typedef struct lmb_query {
-    lmb_vec3d place; /* in the world */
+    lmb_vec3d position; /* in the world */
     bool has_normal;
     lmb_vec3 normal;        /* n */
     lmb_vec3 vertex_normal; /* n_v */
@@ -42,7 +42,7 @@ lmb_rgb query_irradiance(const lmb_query *query, const lmb_model *model, const l
 
 /* Arrays for --json output. */
 cJSON *json_vector(lmb_vec3 vector);
-cJSON *json_place(lmb_vec3d place);
+cJSON *json_position(lmb_vec3d position);
 cJSON *json_rgb(lmb_rgb colour);
 cJSON *json_sh3(const lmb_sh3_rgb *radiance); /* 9 lists of RGB */
 /* Prints one line and frees the object. @return exit status */

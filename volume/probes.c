@@ -41,7 +41,7 @@ static bool axes_are_valid(const lmb_lattice *lattice)
 
 /* ---------------------------------------------------------------------------------------- finding probes */
 
-/* The block of a point, and its number within it. */
+/* The block of a point, and its index within it. */
 static unsigned block_of(const int32_t point[3], int32_t at[3])
 {
     unsigned within = 0;
@@ -88,7 +88,7 @@ static bool slots_grow(lmb_probe_index *index)
     return true;
 }
 
-/* The block at that place, made if there is none; NULL: no memory. Room for blocks doubles with every power of two. */
+/* The block at `at`, made if there is none; NULL: no memory. Room for blocks doubles with every power of two. */
 static lmb_probe_block *block_make(lmb_probe_index *index, const int32_t at[3])
 {
     if (2 * index->block_count >= index->slot_count && !slots_grow(index)) {
@@ -120,9 +120,9 @@ void lmb_probe_index_free(lmb_probe_index *index)
     *index = (lmb_probe_index){0};
 }
 
-lmb_result lmb_probe_index_add(lmb_probe_index *index, const int32_t point[3], int32_t number)
+lmb_result lmb_probe_index_add(lmb_probe_index *index, const int32_t point[3], int32_t probe)
 {
-    assert(index && number >= 0);
+    assert(index && probe >= 0);
     int32_t at[3];
     const unsigned within = block_of(point, at);
     lmb_probe_block *const block = block_make(index, at);
@@ -132,7 +132,7 @@ lmb_result lmb_probe_index_add(lmb_probe_index *index, const int32_t point[3], i
     if (block->probe[within] >= 0) {
         return LMB_ERROR_ARGUMENT;
     }
-    block->probe[within] = number;
+    block->probe[within] = probe;
     return LMB_OK;
 }
 
@@ -281,9 +281,9 @@ const lmb_probe_level *lmb_probes_level_of(const lmb_probes *probes, int32_t pro
 
 lmb_vec3 lmb_probes_position(const lmb_probes *probes, int32_t probe)
 {
-    const lmb_vec3d place = lmb_lattice_position(&lmb_probes_level_of(probes, probe)->lattice, probes->point[probe]);
-    return (lmb_vec3){(float)(place.x - probes->origin.x), (float)(place.y - probes->origin.y),
-                      (float)(place.z - probes->origin.z)};
+    const lmb_vec3d world = lmb_lattice_position(&lmb_probes_level_of(probes, probe)->lattice, probes->point[probe]);
+    return (lmb_vec3){(float)(world.x - probes->origin.x), (float)(world.y - probes->origin.y),
+                      (float)(world.z - probes->origin.z)};
 }
 
 float lmb_probes_footprint(const lmb_probes *probes, int32_t probe)
@@ -352,7 +352,7 @@ static lmb_result validate_level(const lmb_probes *probes, const lmb_probe_level
             return result;
         }
     }
-    /* A probe has one point, so none is found twice: an equal number means that none is lost. */
+    /* A probe has one point, so none is found twice: an equal count means that none is lost. */
     if (found != level->count) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: %d of a level, but %lld points with one", level->count,
                              (long long)found);

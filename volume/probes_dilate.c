@@ -10,7 +10,7 @@
 
 enum { NEIGHBOUR_COUNT = 26 };
 
-/* Probe at offset number `n` (x fastest, the probe itself left out), or -1; `*distance_squared` is 1, 2 or 3. */
+/* Probe at offset `n` (x fastest, the probe itself left out), or -1; `*distance_squared` is 1, 2 or 3. */
 static int32_t neighbour_of(const lmb_probes *probes, int32_t probe, int n, int *distance_squared)
 {
     const int step = n < NEIGHBOUR_COUNT / 2 ? n : n + 1;

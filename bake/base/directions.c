@@ -8,15 +8,15 @@
 #include "base/vectorised.h"
 
 /* Height of the point of the unit sphere by the lobe's distribution over heights. */
-static inline float lobe_height(lmb_lobe lobe, float number)
+static inline float lobe_height(lmb_lobe lobe, float u)
 {
     switch (lobe) {
     case LMB_LOBE_SPHERE:
-        return 1.0f - 2.0f * number;
+        return 1.0f - 2.0f * u;
     case LMB_LOBE_HEMISPHERE: /* its distribution function is (z + z^2)/2 */
-        return 0.5f * (sqrtf(9.0f - 8.0f * number) - 1.0f);
+        return 0.5f * (sqrtf(9.0f - 8.0f * u) - 1.0f);
     default:
-        return sqrtf(1.0f - number);
+        return sqrtf(1.0f - u);
     }
 }
 

@@ -10,7 +10,7 @@
 
 typedef struct worker {
     lmb_pool *pool;
-    int number;
+    int index;
     pthread_t thread;
 } worker;
 
@@ -49,7 +49,7 @@ static size_t task_in_turn(size_t turn, size_t count)
     return block * BLOCK + turn % BLOCK;
 }
 
-static bool task_run_next(lmb_pool *pool, int number)
+static bool task_run_next(lmb_pool *pool, int index)
 {
     if (atomic_load_explicit(&pool->stop, memory_order_relaxed)) {
         return false;
@@ -58,7 +58,7 @@ static bool task_run_next(lmb_pool *pool, int number)
     if (turn >= pool->count) {
         return false;
     }
-    pool->function(pool->context, task_in_turn(turn, pool->count), number);
+    pool->function(pool->context, task_in_turn(turn, pool->count), index);
     return true;
 }
 
@@ -77,7 +77,7 @@ static void *worker_main(void *argument)
         }
         seen = pool->generation;
         pthread_mutex_unlock(&pool->mutex);
-        while (task_run_next(pool, self->number)) {
+        while (task_run_next(pool, self->index)) {
         }
         pthread_mutex_lock(&pool->mutex);
         if (--pool->busy == 0) {
@@ -108,7 +108,7 @@ lmb_result lmb_pool_create(int threads, lmb_pool **pool)
     pthread_cond_init(&created->work_done, NULL);
     for (int i = 1; i < threads; ++i) {
         workers[i].pool = created;
-        workers[i].number = i;
+        workers[i].index = i;
         if (pthread_create(&workers[i].thread, NULL, worker_main, &workers[i]) != 0) {
             lmb_pool_destroy(created);
             return LMB_ERROR_MEMORY;

@@ -14,7 +14,7 @@ uint64_t lmb_mix(uint64_t a, uint64_t b)
 
 uint64_t lmb_stream_of_position(uint64_t seed, lmb_vec3 position)
 {
-    /* + 0.0f makes -0 and 0 the same place. */
+    /* + 0.0f makes -0 and 0 the same position. */
     const float coordinate[3] = {position.x + 0.0f, position.y + 0.0f, position.z + 0.0f};
     uint64_t stream = lmb_mix(seed, 0);
     for (int axis = 0; axis < 3; ++axis) {
@@ -63,11 +63,6 @@ static uint32_t sobol_second_reversed(uint32_t index)
     return index;
 }
 
-static float unit_float(uint32_t bits)
-{
-    return (float)(int32_t)(bits >> 8) * 0x1p-24f; /* from a signed number: vectors can */
-}
-
 LMB_VECTORISED
 void lmb_sequence_2d_batch(uint64_t stream, uint32_t first, uint32_t count, uint32_t pair, float *restrict x,
                            float *restrict y)
@@ -79,8 +74,8 @@ void lmb_sequence_2d_batch(uint64_t stream, uint32_t first, uint32_t count, uint
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t shuffled = scramble(first + i, order);
         /* The first Sobol dimension is the bit-reversed index. */
-        x[i] = unit_float(bits_reverse(scramble_reversed(shuffled, digits_x)));
-        y[i] = unit_float(bits_reverse(scramble_reversed(sobol_second_reversed(shuffled), digits_y)));
+        x[i] = lmb_unit_float(bits_reverse(scramble_reversed(shuffled, digits_x)));
+        y[i] = lmb_unit_float(bits_reverse(scramble_reversed(sobol_second_reversed(shuffled), digits_y)));
     }
 }
 
@@ -91,6 +86,6 @@ void lmb_sequence_2d(uint64_t stream, uint32_t index, uint32_t pair, float point
 
 float lmb_random(uint64_t stream, uint32_t index, uint32_t dimension, uint32_t count)
 {
-    const uint64_t place = ((uint64_t)dimension << 32) | count;
-    return unit_float((uint32_t)(lmb_mix(lmb_mix(stream ^ UINT64_C(0x5851f42d4c957f2d), index), place) >> 32));
+    const uint64_t counter = ((uint64_t)dimension << 32) | count;
+    return lmb_unit_float((uint32_t)(lmb_mix(lmb_mix(stream ^ UINT64_C(0x5851f42d4c957f2d), index), counter) >> 32));
 }

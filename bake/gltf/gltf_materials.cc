@@ -10,11 +10,6 @@ namespace lmb_gltf {
 
 namespace {
 
-float clamp01(double value)
-{
-    return value > 0.0 ? float(std::min(value, 1.0)) : 0.0f;
-}
-
 lmb_alpha_mode alpha_mode_of(const std::string &word)
 {
     return word == "MASK" ? LMB_ALPHA_MASK : word == "BLEND" ? LMB_ALPHA_BLEND : LMB_ALPHA_OPAQUE;
@@ -27,13 +22,13 @@ texture_use read_base_color(const tinygltf::Material &source, float factor[4])
     if (glossiness.IsObject()) {
         const Value &diffuse = member(glossiness, "diffuseFactor");
         for (int c = 0; c < 4; ++c) {
-            factor[c] = diffuse.IsArray() ? clamp01(number(diffuse.Get(c), 1.0)) : 1.0f;
+            factor[c] = diffuse.IsArray() ? lmb_saturate(to_float(number(diffuse.Get(c), 1.0))) : 1.0f;
         }
         return describe_texture(member(glossiness, "diffuseTexture"));
     }
     const tinygltf::PbrMetallicRoughness &pbr = source.pbrMetallicRoughness;
     for (size_t c = 0; c < 4; ++c) {
-        factor[c] = clamp01(pbr.baseColorFactor[c]);
+        factor[c] = lmb_saturate(to_float(pbr.baseColorFactor[c]));
     }
     return describe_texture(pbr.baseColorTexture);
 }
@@ -59,7 +54,7 @@ materials::textures materials::read(const tinygltf::Material &source, lmb_materi
     material.emissive_texture = uses.emissive.texture;
     material.normal_texture = uses.normal.texture;
     material.normal_scale = to_float(source.normalTexture.scale);
-    material.transmission = clamp01(extension("KHR_materials_transmission", "transmissionFactor", 0.0));
+    material.transmission = lmb_saturate(to_float(extension("KHR_materials_transmission", "transmissionFactor", 0.0)));
     material.alpha_mode = alpha_mode_of(source.alphaMode);
     material.alpha_cutoff = to_float(source.alphaCutoff);
     material.double_sided = source.doubleSided;

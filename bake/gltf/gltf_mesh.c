@@ -28,11 +28,6 @@ static float finite_or(float value, float other)
     return isfinite(value) ? value : other;
 }
 
-static float clamp01(float value)
-{
-    return value > 0.0f ? fminf(value, 1.0f) : 0.0f; /* NaN becomes 0 */
-}
-
 /* Copies vertex `from` of the part to vertex `to` of the mesh; the normal is the caller's. */
 static void copy_vertex(const lmb_gltf_part *p, uint32_t from, lmb_mesh *mesh, uint32_t to)
 {
@@ -48,7 +43,7 @@ static void copy_vertex(const lmb_gltf_part *p, uint32_t from, lmb_mesh *mesh, u
     if (mesh->color) {
         const float *const color = p->color ? p->color + p->color_components * (size_t)from : NULL;
         for (uint32_t c = 0; c < 4; ++c) {
-            mesh->color[to][c] = color && c < p->color_components ? clamp01(color[c]) : 1.0f;
+            mesh->color[to][c] = color && c < p->color_components ? lmb_saturate(color[c]) : 1.0f;
         }
     }
     if (mesh->tangent) {

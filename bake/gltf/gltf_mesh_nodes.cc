@@ -140,7 +140,7 @@ void mesh_nodes::add_instance(const placement &placing, const lmb_affine &to_wor
         return;
     }
     instance.node = int32_t(placing.node);
-    instance.place = int32_t(placing.place);
+    instance.place = int32_t(placing.index);
     instance.mesh = placing.mesh;
     instance.position_step = std::max(placing.step, lmb_position_step(placed.file_reach, &to_world));
     instance.dynamic = placing.dynamic;
@@ -153,7 +153,7 @@ void mesh_nodes::add_instance(const placement &placing, const lmb_affine &to_wor
 }
 
 /* EXT_mesh_gpu_instancing. */
-void mesh_nodes::add_places(uint32_t node, uint32_t mesh, const Value &attributes, bool dynamic)
+void mesh_nodes::add_instances(uint32_t node, uint32_t mesh, const Value &attributes, bool dynamic)
 {
     const lmb_affine &to_world = nodes_[node].to_world;
     std::vector<float> values[3];
@@ -167,15 +167,15 @@ void mesh_nodes::add_places(uint32_t node, uint32_t mesh, const Value &attribute
             values[i] = document_.decode(uint32_t(index_of(attributes.Get(names[i]))));
         }
     }
-    for (uint32_t place = 0; place < count; ++place) {
+    for (uint32_t index = 0; index < count; ++index) {
         lmb_affine local;
         float reach;
-        if (!lmb_gltf_instancing_place(values[0].empty() ? nullptr : &values[0][3 * place],
-                                       values[1].empty() ? nullptr : &values[1][4 * place],
-                                       values[2].empty() ? nullptr : &values[2][3 * place], &local, &reach)) {
-            document_.fail(LMB_ERROR_FORMAT, "nodes[%u]: instance %u is not finite", node, place);
+        if (!lmb_gltf_instancing_transform(values[0].empty() ? nullptr : &values[0][3 * index],
+                                           values[1].empty() ? nullptr : &values[1][4 * index],
+                                           values[2].empty() ? nullptr : &values[2][3 * index], &local, &reach)) {
+            document_.fail(LMB_ERROR_FORMAT, "nodes[%u]: instance %u is not finite", node, index);
         }
-        add_instance({node, place, mesh, dynamic, lmb_position_step(reach, &to_world)}, product(to_world, local));
+        add_instance({node, index, mesh, dynamic, lmb_position_step(reach, &to_world)}, product(to_world, local));
     }
 }
 
@@ -185,7 +185,7 @@ void mesh_nodes::add(uint32_t index, bool dynamic)
     const uint32_t mesh = mesh_of(index);
     const Value &attributes = member(find_extension(node.extensions, "EXT_mesh_gpu_instancing"), "attributes");
     if (node.skin < 0 && attributes.IsObject()) {
-        add_places(index, mesh, attributes, dynamic);
+        add_instances(index, mesh, attributes, dynamic);
     } else {
         /* Joints alone place a skinned mesh (glTF 2.0, 3.7.3.3). */
         add_instance({index, 0, mesh, dynamic, 0.0f}, node.skin >= 0 ? identity : nodes_[index].to_world);

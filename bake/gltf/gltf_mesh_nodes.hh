@@ -19,10 +19,10 @@ class mesh_nodes {
   private:
     struct placement {
         uint32_t node;
-        uint32_t place; /* of EXT_mesh_gpu_instancing */
+        uint32_t index; /* in EXT_mesh_gpu_instancing */
         uint32_t mesh;
         bool dynamic;
-        float step; /* lmb_instance.position_step that comes from the place */
+        float step; /* lmb_instance.position_step that comes from the translation */
     };
 
     uint32_t mesh_of(uint32_t node);
@@ -31,7 +31,7 @@ class mesh_nodes {
     lmb_gltf_primitive read_primitive(const tinygltf::Primitive &source, const cJSON *item, uint32_t mesh,
                                       uint32_t index);
     void find_uvs(const tinygltf::Primitive &source, lmb_gltf_primitive &primitive, uint32_t mesh);
-    void add_places(uint32_t node, uint32_t mesh, const Value &attributes, bool dynamic);
+    void add_instances(uint32_t node, uint32_t mesh, const Value &attributes, bool dynamic);
     void add_instance(const placement &placing, const lmb_affine &to_world);
 
     const document &document_;

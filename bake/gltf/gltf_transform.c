@@ -57,14 +57,14 @@ static bool floats_take(const float *from, int count, double *values)
     return true;
 }
 
-bool lmb_gltf_instancing_place(const float *translation, const float *rotation, const float *scale, lmb_affine *place,
-                               float *reach)
+bool lmb_gltf_instancing_transform(const float *translation, const float *rotation, const float *scale,
+                                   lmb_affine *transform, float *reach)
 {
     double t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
     if (!floats_take(translation, 3, t) || !floats_take(rotation, 4, q) || !floats_take(scale, 3, s)) {
         return false;
     }
-    *place = lmb_gltf_compose(t, q, s);
+    *transform = lmb_gltf_compose(t, q, s);
     *reach = (float)fmax(fmax(fabs(t[0]), fabs(t[1])), fabs(t[2]));
     return true;
 }

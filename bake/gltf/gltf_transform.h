@@ -25,10 +25,10 @@ lmb_affine lmb_gltf_compose(const double t[3], const double q[4], const double s
  * @return the determinant */
 double lmb_gltf_cofactors(const lmb_affine *t, lmb_affine *cofactor);
 
-/* One place of EXT_mesh_gpu_instancing from its floats, each NULL where the node has none, and the largest of its
+/* One transform of EXT_mesh_gpu_instancing from its floats, each NULL where the node has none, and the largest of its
  * translation. @return false when one is not finite */
-bool lmb_gltf_instancing_place(const float *translation, const float *rotation, const float *scale, lmb_affine *place,
-                               float *reach);
+bool lmb_gltf_instancing_transform(const float *translation, const float *rotation, const float *scale,
+                                   lmb_affine *transform, float *reach);
 
 /* Unit, where a node's -Z points; -Z of the world where it has no direction. */
 lmb_vec3 lmb_gltf_forward(const lmb_affine *to_world);

@@ -7,6 +7,8 @@
 
 #include <lambent/file.h>
 
+#include "base/hex_digit.h"
+
 static int base64_digit(unsigned char c)
 {
     if (c >= 'A' && c <= 'Z') {
@@ -43,18 +45,13 @@ static bool base64_decode(const char *text, unsigned char *bytes, size_t *size)
     return strspn(text, "=") == strlen(text) && strlen(text) <= 2;
 }
 
-static int hex_digit(char c)
-{
-    return isdigit((unsigned char)c) ? c - '0' : isxdigit((unsigned char)c) ? tolower((unsigned char)c) - 'a' + 10 : -1;
-}
-
 /* Undoes %XX; anything else stays. @return number of bytes written, at most strlen(text) */
 static size_t percent_decode(const char *text, unsigned char *bytes)
 {
     size_t used = 0;
     while (*text) {
-        if (text[0] == '%' && hex_digit(text[1]) >= 0 && hex_digit(text[2]) >= 0) {
-            bytes[used++] = (unsigned char)(hex_digit(text[1]) * 16 + hex_digit(text[2]));
+        if (text[0] == '%' && lmb_hex_digit(text[1]) >= 0 && lmb_hex_digit(text[2]) >= 0) {
+            bytes[used++] = (unsigned char)(lmb_hex_digit(text[1]) * 16 + lmb_hex_digit(text[2]));
             text += 3;
         } else {
             bytes[used++] = (unsigned char)*text++;

@@ -104,11 +104,11 @@ static bool is_run_length_coded(const unsigned char *at, int32_t length)
 }
 
 /* Each of the four bytes of the scanline's pixels in turn, as runs (128 + n, value) and literals (n, n values). */
-static lmb_result scanline_unpack(reader *in, int32_t number, int32_t length, unsigned char *rgbe)
+static lmb_result scanline_unpack(reader *in, int32_t index, int32_t length, unsigned char *rgbe)
 {
     if ((in->at[2] << 8 | in->at[3]) != length) {
         return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: %s %d is not as long as the picture", in->name, in->line,
-                             number);
+                             index);
     }
     in->at += 4;
     for (int c = 0; c < 4; ++c) {
@@ -120,11 +120,11 @@ static lmb_result scanline_unpack(reader *in, int32_t number, int32_t length, un
             const int count = run ? code - 128 : code;
             if (left < 1 || left < 1 + (run ? 1 : count)) {
                 return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: the file ends in %s %d", in->name, in->line,
-                                     number);
+                                     index);
             }
             if (count == 0 || count > length - x) {
                 return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: %s %d has a bad run length", in->name, in->line,
-                                     number);
+                                     index);
             }
             ++in->at;
             for (int i = 0; i < count; ++i) {
@@ -136,11 +136,11 @@ static lmb_result scanline_unpack(reader *in, int32_t number, int32_t length, un
     return LMB_OK;
 }
 
-static lmb_result scanline_read(reader *in, int32_t number, int32_t length, unsigned char *rgbe)
+static lmb_result scanline_read(reader *in, int32_t index, int32_t length, unsigned char *rgbe)
 {
     const size_t left = (size_t)(in->end - in->at);
     if (left >= 4 && is_run_length_coded(in->at, length)) {
-        return scanline_unpack(in, number, length, rgbe);
+        return scanline_unpack(in, index, length, rgbe);
     }
     const size_t flat = 4 * (size_t)length;
     const size_t whole = left < flat ? left / 4 * 4 : flat;
@@ -151,7 +151,7 @@ static lmb_result scanline_read(reader *in, int32_t number, int32_t length, unsi
         }
     }
     if (left < flat) {
-        return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: the file ends in %s %d", in->name, in->line, number);
+        return lmb_error_set(in->error, LMB_ERROR_FORMAT, "%s: the file ends in %s %d", in->name, in->line, index);
     }
     memcpy(rgbe, in->at, flat);
     in->at += flat;
@@ -159,9 +159,9 @@ static lmb_result scanline_read(reader *in, int32_t number, int32_t length, unsi
 }
 
 /* Puts a scanline's pixels where they are in the picture. */
-static void scanline_place(const unsigned char *rgbe, const scan_order *order, int32_t number, lmb_image *image)
+static void scanline_place(const unsigned char *rgbe, const scan_order *order, int32_t index, lmb_image *image)
 {
-    const int32_t line = order->backwards[0] ? order->lines - 1 - number : number;
+    const int32_t line = order->backwards[0] ? order->lines - 1 - index : index;
     for (int32_t i = 0; i < order->length; ++i, rgbe += 4) {
         const int32_t along = order->backwards[1] ? order->length - 1 - i : i;
         const int32_t x = order->columns ? line : along;

@@ -5,7 +5,7 @@
 
 #include <lambent/sequence.h>
 
-/* Texel numbers beyond this are no places any more: float texture coordinates are coarser. */
+/* Texel indices beyond this are no positions any more: float texture coordinates are coarser. */
 #define MOST_TEXELS 1e9
 
 /* Parts of less than this share of the triangle count by the cells about them when light is added up. */

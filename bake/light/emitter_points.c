@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include <lambent/sequence.h>
 #include <lambent/vector.h>
 
 #include "base/vectorised.h"
@@ -64,9 +65,8 @@ LMB_VECTORISED
 void lmb_emitter_points_even(lmb_emitter_points *restrict points, const float *restrict x, const float *restrict y)
 {
     for (uint32_t i = 0; i < points->count; ++i) {
-        const float root = sqrtf(x[i]);
-        points->u[i] = root * (1.0f - y[i]);
-        points->v[i] = root * y[i];
+        const float point[2] = {x[i], y[i]};
+        lmb_triangle_point(point, &points->u[i], &points->v[i]);
     }
 }
 

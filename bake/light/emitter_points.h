@@ -6,7 +6,7 @@
 
 #include <lambent/surface.h>
 
-/* A triangle, as an array of numbers that vector code can pick from. */
+/* A triangle, as an array of floats that vector code can pick from. */
 typedef struct lmb_emitter_shape {
     float corner[3], edge_u[3], edge_v[3], middle[3];
     float normal[3]; /* unit */

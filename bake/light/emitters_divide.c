@@ -130,7 +130,7 @@ static double bounded_power(double power)
     return power <= 3.0e38 ? power : 3.0e38;
 }
 
-/* Divides an emitter in two; the first keeps its number. */
+/* Divides an emitter in two; the first keeps its index. */
 static bool emitter_divide(dividing *work, const wide_emitter *divided)
 {
     lmb_emitters *emitters = work->emitters;

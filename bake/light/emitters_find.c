@@ -56,7 +56,7 @@ static float vertices_opacity(const lmb_scene *scene, const lmb_mesh *mesh, uint
     *most = 0.0f;
     for (int k = 0; k < 3; ++k) {
         const float color = mesh->color ? mesh->color[mesh->triangle[triangle][k]][3] : 1.0f;
-        const float alpha = lmb_smaller(lmb_larger(color * material->base_color[3], 0.0f), 1.0f);
+        const float alpha = lmb_saturate(color * material->base_color[3]);
         sum += alpha;
         *most = lmb_larger(*most, alpha);
     }

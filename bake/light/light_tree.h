@@ -33,17 +33,17 @@ void lmb_light_tree_destroy(lmb_light_tree *tree);
 
 size_t lmb_light_tree_bytes(const lmb_light_tree *tree);
 
-/* How a node's children are chosen from a place: the probability of child k and those before it. The last is 1. */
+/* How a node's children are chosen from a position: the probability of child k and those before it. The last is 1. */
 enum { LMB_LIGHT_CHILDREN = 8 };
 typedef struct lmb_light_shares {
     double up_to[LMB_LIGHT_CHILDREN];
 } lmb_light_shares;
 
-/* Shares of one query at some of a tree's nodes, so that asking again and again from one place costs little. `node`
+/* Shares of one query at some of a tree's nodes, so that asking again and again from one position costs little. `node`
  * is all 0 at first. */
 enum { LMB_LIGHT_MEMO = 64 };
 typedef struct lmb_light_memo {
-    uint32_t node[LMB_LIGHT_MEMO]; /* a node's number + 1 */
+    uint32_t node[LMB_LIGHT_MEMO]; /* a node's index + 1 */
     lmb_light_shares shares[LMB_LIGHT_MEMO];
 } lmb_light_memo;
 
@@ -52,7 +52,7 @@ typedef struct lmb_light_query {
     lmb_vec3 position;
     const lmb_vec3 *normal; /* unit; lights behind this plane give nothing. NULL: a point in space */
     float min_distance;     /* nearer lights count as this far */
-    lmb_light_memo *memo;   /* of this place and this tree; NULL: none */
+    lmb_light_memo *memo;   /* of this position and this tree; NULL: none */
 } lmb_light_query;
 
 /* Share of the choices that any light that gives light has the same chance of. What is chosen by strength alone never

@@ -4,7 +4,7 @@
 
 #include "light/light_tree.h"
 
-/* Up to LMB_LIGHT_CHILDREN children, one array for each number. Lanes past the last one have no power and no lights. */
+/* Up to LMB_LIGHT_CHILDREN children, as a structure of arrays. Lanes past the last one have no power and no lights. */
 typedef struct lmb_light_node {
     float middle[3][LMB_LIGHT_CHILDREN];
     float radius[LMB_LIGHT_CHILDREN]; /* of the sphere about the child's box */

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <lambent/sequence.h>
 #include <lambent/vector.h>
 
 #include "base/vectorised.h"
@@ -22,7 +23,7 @@ typedef struct lamp_lanes {
 
 /* Lights of a kind. */
 typedef struct punctual_kind {
-    uint32_t *light; /* numbers in the scene */
+    uint32_t *light; /* indices in the scene */
     uint32_t count;
     lmb_light_tree *tree; /* NULL while they are few enough to look at all */
     bool soft;            /* some have an extent */
@@ -164,11 +165,11 @@ static float lamp_fall(const lmb_light *light, lmb_vec3 direction, float distanc
 {
     if (light->range > 0.0f) {
         const float ratio = distance / light->range;
-        factor *= lmb_smaller(lmb_larger(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
+        factor *= lmb_saturate(1.0f - ratio * ratio * ratio * ratio);
     }
     if (light->type == LMB_LIGHT_SPOT) {
         const float cosine = -lmb_vec3_dot(direction, light->direction);
-        const float fall = lmb_smaller(lmb_larger((cosine - light->cos_outer) / spot_width(light), 0.0f), 1.0f);
+        const float fall = lmb_saturate((cosine - light->cos_outer) / spot_width(light));
         factor *= fall * fall;
     }
     return factor;
@@ -204,7 +205,7 @@ static void point_of_light(const float point[2], uint32_t light, float moved[2])
 {
     static const uint32_t step[2] = {UINT32_C(3242174889), UINT32_C(2447445414)}; /* 0.75488, 0.56984 of 2^32 */
     for (int k = 0; k < 2; ++k) {
-        const float sum = point[k] + (float)(light * step[k] >> 8) * 0x1p-24f;
+        const float sum = point[k] + lmb_unit_float(light * step[k]);
         moved[k] = sum < 1.0f ? sum : sum - 1.0f;
     }
 }
@@ -305,9 +306,9 @@ static void lamps_weigh(const lamp_lanes *lamps, const lmb_punctual_query *query
         const float inverse = 1.0f / distance;
         const float along = (x * lamps->axis[0][i] + y * lamps->axis[1][i] + z * lamps->axis[2][i]) * -inverse;
         const float fall = (along - lamps->cos_outer[i]) * lamps->inverse_width[i];
-        const float fall_in_bounds = lmb_smaller(lmb_larger(fall, 0.0f), 1.0f);
+        const float fall_in_bounds = lmb_saturate(fall);
         const float ratio = distance * lamps->inverse_range[i];
-        const float window = lmb_smaller(lmb_larger(1.0f - ratio * ratio * ratio * ratio, 0.0f), 1.0f);
+        const float window = lmb_saturate(1.0f - ratio * ratio * ratio * ratio);
         const float counted = lmb_larger(distance, query->min_distance);
         const float factor = window * fall_in_bounds * fall_in_bounds / (counted * counted);
         const float cosine = (x * normal.x + y * normal.y + z * normal.z) * inverse + cosine_anyway;
@@ -338,7 +339,7 @@ static void candidates_of_few(const lmb_punctual *punctual, const punctual_kind 
 static void candidates_of_many(const lmb_punctual *punctual, const punctual_kind *set, const lmb_punctual_query *query,
                                float choice, int max, candidates *found)
 {
-    /* Suns have no place: for them all bounds are their power. */
+    /* Suns have no position: for them all bounds are their power. */
     const bool suns = punctual->scene->lights[set->light[0]].type == LMB_LIGHT_DIRECTIONAL;
     const lmb_light_query asked = suns ? (lmb_light_query){.min_distance = 1.0f}
                                        : (lmb_light_query){query->position, query->normal, query->min_distance, NULL};

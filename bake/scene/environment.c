@@ -10,11 +10,13 @@
 #include <lambent/environment.h>
 #include <lambent/texture.h>
 
+#include "base/hex_digit.h"
+
 static const double RAD_PER_DEG = 0.017453292519943295769;
 
 /* What a description says, apart from the pixels. */
 typedef struct description {
-    char *place; /* path, #rrggbb or none */
+    char *source; /* path, #rrggbb or none */
     float rotation_rad;
     float strength;
 } description;
@@ -71,40 +73,32 @@ static lmb_result description_parse(const char *text, description *parsed, lmb_e
 {
     unsigned seen = 0;
     *parsed = (description){malloc(strlen(text) + 1), 0.0f, 1.0f};
-    if (!parsed->place) {
+    if (!parsed->source) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "environment: no memory");
     }
-    strcpy(parsed->place, text);
+    strcpy(parsed->source, text);
     lmb_result result = LMB_OK;
-    for (char *option = option_find_last(parsed->place); option && result == LMB_OK;
-         option = option_find_last(parsed->place)) {
+    for (char *option = option_find_last(parsed->source); option && result == LMB_OK;
+         option = option_find_last(parsed->source)) {
         *option = '\0';
         result = option_parse(option + 1, parsed, &seen, error);
     }
-    if (result == LMB_OK && parsed->place[0] == '\0') {
+    if (result == LMB_OK && parsed->source[0] == '\0') {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' names no picture or colour", text);
     }
     if (result != LMB_OK) {
-        free(parsed->place);
-        parsed->place = NULL;
+        free(parsed->source);
+        parsed->source = NULL;
     }
     return result;
-}
-
-static int hex_digit(char c)
-{
-    return c >= '0' && c <= '9'   ? c - '0'
-           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                  : -1;
 }
 
 static lmb_result colour_parse(const char *text, unsigned char bytes[3], lmb_error *error)
 {
     bool good = strlen(text) == 7;
     for (int c = 0; c < 3 && good; ++c) {
-        const int high = hex_digit(text[1 + 2 * c]);
-        const int low = hex_digit(text[2 + 2 * c]);
+        const int high = lmb_hex_digit(text[1 + 2 * c]);
+        const int low = lmb_hex_digit(text[2 + 2 * c]);
         good = high >= 0 && low >= 0;
         bytes[c] = good ? (unsigned char)(16 * high + low) : 0;
     }
@@ -141,7 +135,7 @@ static bool shape_is(const lmb_image *image, int32_t across, int32_t down)
 }
 
 /* A picture of another shape than an equirectangular one's would be stretched over the sphere all the same. */
-static lmb_result shape_check(const char *place, const lmb_image *image, lmb_error *error)
+static lmb_result shape_check(const char *source, const lmb_image *image, lmb_error *error)
 {
     if (shape_is(image, 2, 1)) {
         return LMB_OK;
@@ -156,16 +150,16 @@ static lmb_result shape_check(const char *place, const lmb_image *image, lmb_err
     }
     return lmb_error_set(error, LMB_ERROR_UNSUPPORTED,
                          "%s: an environment is an equirectangular picture, twice as wide as high, not %d x %d%s",
-                         place, image->width, image->height, found);
+                         source, image->width, image->height, found);
 }
 
-/* Fills what depends on the place; `hash` is continued with what was read. */
-static lmb_result place_read(const char *place, lmb_environment *environment, uint64_t *hash, lmb_error *error)
+/* Fills what depends on the source; `hash` is continued with what was read. */
+static lmb_result source_read(const char *source, lmb_environment *environment, uint64_t *hash, lmb_error *error)
 {
     environment->present = true;
-    if (place[0] == '#') {
+    if (source[0] == '#') {
         unsigned char bytes[3];
-        const lmb_result result = colour_parse(place, bytes, error);
+        const lmb_result result = colour_parse(source, bytes, error);
         for (int c = 0; c < 3 && result == LMB_OK; ++c) {
             environment->constant.c[c] = lmb_srgb_to_linear(bytes[c]);
         }
@@ -174,15 +168,15 @@ static lmb_result place_read(const char *place, lmb_environment *environment, ui
     }
     unsigned char *data = NULL;
     size_t size = 0;
-    lmb_result result = lmb_file_read(place, &data, &size, error);
+    lmb_result result = lmb_file_read(source, &data, &size, error);
     if (result == LMB_OK) {
-        result = lmb_image_decode(&(lmb_image_bytes){place, data, size}, &environment->image, &environment->axes, NULL,
+        result = lmb_image_decode(&(lmb_image_bytes){source, data, size}, &environment->image, &environment->axes, NULL,
                                   error);
         *hash = lmb_hash(*hash, data, size);
         free(data);
     }
     if (result == LMB_OK) {
-        result = shape_check(place, &environment->image, error);
+        result = shape_check(source, &environment->image, error);
         if (result != LMB_OK) {
             lmb_image_free(&environment->image);
         }
@@ -200,11 +194,11 @@ lmb_result lmb_scene_set_environment(lmb_scene *scene, const char *text, lmb_err
     }
     lmb_environment environment = {.rotation_rad = parsed.rotation_rad, .strength = parsed.strength};
     uint64_t hash = scene->content_hash;
-    if (strcmp(parsed.place, "none") != 0) {
-        result = place_read(parsed.place, &environment, &hash, error);
+    if (strcmp(parsed.source, "none") != 0) {
+        result = source_read(parsed.source, &environment, &hash, error);
         hash = float_hash(float_hash(hash, parsed.rotation_rad), parsed.strength);
     }
-    free(parsed.place);
+    free(parsed.source);
     if (result == LMB_OK) {
         lmb_image_free(&scene->environment.image);
         scene->environment = environment;

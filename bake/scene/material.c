@@ -49,7 +49,7 @@ void lmb_material_base_color(const lmb_mesh_point *point, float rgba[4])
             vertex_color = (1.0f - u - v) * mesh->color[vertex[0]][i] + u * mesh->color[vertex[1]][i] +
                            v * mesh->color[vertex[2]][i];
         }
-        rgba[i] = lmb_smaller(lmb_larger(rgba[i] * material->base_color[i] * vertex_color, 0.0f), 1.0f);
+        rgba[i] = lmb_saturate(rgba[i] * material->base_color[i] * vertex_color);
     }
 }
 

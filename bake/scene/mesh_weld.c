@@ -7,7 +7,7 @@
 
 static uint64_t position_hash(lmb_vec3 p)
 {
-    const float positive_zero[3] = {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}; /* -0 and 0 are the same place */
+    const float positive_zero[3] = {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}; /* -0 and 0 are the same position */
     return lmb_hash(LMB_HASH_SEED, positive_zero, sizeof positive_zero);
 }
 

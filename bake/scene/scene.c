@@ -83,10 +83,10 @@ void lmb_scene_destroy(lmb_scene *scene)
     free(scene);
 }
 
-lmb_vec3 lmb_scene_from_world(const lmb_scene *scene, lmb_vec3d place)
+lmb_vec3 lmb_scene_from_world(const lmb_scene *scene, lmb_vec3d world)
 {
-    return lmb_vec3_of((float)(place.x - scene->origin.x), (float)(place.y - scene->origin.y),
-                       (float)(place.z - scene->origin.z));
+    return lmb_vec3_of((float)(world.x - scene->origin.x), (float)(world.y - scene->origin.y),
+                       (float)(world.z - scene->origin.z));
 }
 
 lmb_vec3d lmb_scene_to_world(const lmb_scene *scene, lmb_vec3 position)
@@ -152,28 +152,28 @@ static const char *vertex_fault(const lmb_mesh *mesh, uint32_t v)
     return NULL;
 }
 
-static lmb_result validate_mesh(const lmb_scene *scene, uint32_t number, lmb_error *error)
+static lmb_result validate_mesh(const lmb_scene *scene, uint32_t index, lmb_error *error)
 {
-    const lmb_mesh *const mesh = &scene->meshes[number];
+    const lmb_mesh *const mesh = &scene->meshes[index];
     if (!mesh->position || !mesh->normal || !mesh->triangle || !mesh->material || !mesh->source_primitive ||
         !mesh->source_triangle) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: mesh %u: arrays are missing", scene->path, number);
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: mesh %u: arrays are missing", scene->path, index);
     }
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
         const char *const fault = vertex_fault(mesh, v);
         if (fault) {
-            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: mesh %u: vertex %u: %s", scene->path, number, v, fault);
+            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: mesh %u: vertex %u: %s", scene->path, index, v, fault);
         }
     }
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         const uint32_t *const corner = mesh->triangle[t];
         if (corner[0] >= mesh->vertex_count || corner[1] >= mesh->vertex_count || corner[2] >= mesh->vertex_count) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: mesh %u: triangle %u: corner out of range", scene->path,
-                                 number, t);
+                                 index, t);
         }
         if (mesh->material[t] >= scene->material_count) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: mesh %u: triangle %u: material out of range",
-                                 scene->path, number, t);
+                                 scene->path, index, t);
         }
     }
     return LMB_OK;
@@ -196,9 +196,9 @@ static double determinant(const lmb_affine *t)
            t->m[0][2] * (t->m[1][0] * t->m[2][1] - t->m[1][1] * t->m[2][0]);
 }
 
-static lmb_result validate_instance(const lmb_scene *scene, uint32_t number, lmb_error *error)
+static lmb_result validate_instance(const lmb_scene *scene, uint32_t index, lmb_error *error)
 {
-    const lmb_instance *const instance = &scene->instances[number];
+    const lmb_instance *const instance = &scene->instances[index];
     const char *fault = NULL;
     if (instance->mesh >= scene->mesh_count) {
         fault = "mesh out of range";
@@ -219,7 +219,7 @@ static lmb_result validate_instance(const lmb_scene *scene, uint32_t number, lmb
             fault = "normal transform is not the inverse transpose";
         }
     }
-    return fault ? lmb_error_set(error, LMB_ERROR_FORMAT, "%s: instance %u: %s", scene->path, number, fault) : LMB_OK;
+    return fault ? lmb_error_set(error, LMB_ERROR_FORMAT, "%s: instance %u: %s", scene->path, index, fault) : LMB_OK;
 }
 
 static const char *texture_fault(const lmb_scene *scene, const lmb_texture *texture)
@@ -238,9 +238,9 @@ static const char *texture_fault(const lmb_scene *scene, const lmb_texture *text
     return NULL;
 }
 
-static lmb_result validate_material(const lmb_scene *scene, uint32_t number, lmb_error *error)
+static lmb_result validate_material(const lmb_scene *scene, uint32_t index, lmb_error *error)
 {
-    const lmb_material *const material = &scene->materials[number];
+    const lmb_material *const material = &scene->materials[index];
     const lmb_texture *const textures[] = {&material->base_color_texture, &material->emissive_texture,
                                            &material->normal_texture};
     const char *fault = NULL;
@@ -260,12 +260,12 @@ static lmb_result validate_material(const lmb_scene *scene, uint32_t number, lmb
     if (!fault && !(isfinite(material->alpha_cutoff) && isfinite(material->normal_scale))) {
         fault = "alpha cutoff or normal scale is not finite";
     }
-    return fault ? lmb_error_set(error, LMB_ERROR_FORMAT, "%s: material %u: %s", scene->path, number, fault) : LMB_OK;
+    return fault ? lmb_error_set(error, LMB_ERROR_FORMAT, "%s: material %u: %s", scene->path, index, fault) : LMB_OK;
 }
 
-static lmb_result validate_light(const lmb_scene *scene, uint32_t number, lmb_error *error)
+static lmb_result validate_light(const lmb_scene *scene, uint32_t index, lmb_error *error)
 {
-    const lmb_light *const light = &scene->lights[number];
+    const lmb_light *const light = &scene->lights[index];
     const char *fault = NULL;
     if (!is_finite3(light->position)) {
         fault = "position is not finite";
@@ -283,7 +283,7 @@ static lmb_result validate_light(const lmb_scene *scene, uint32_t number, lmb_er
                !(light->cos_inner >= light->cos_outer && light->cos_inner <= 1.0f && light->cos_outer >= -1.0f)) {
         fault = "cone is inside out";
     }
-    return fault ? lmb_error_set(error, LMB_ERROR_FORMAT, "%s: light %u: %s", scene->path, number, fault) : LMB_OK;
+    return fault ? lmb_error_set(error, LMB_ERROR_FORMAT, "%s: light %u: %s", scene->path, index, fault) : LMB_OK;
 }
 
 static lmb_result validate_points(const lmb_scene *scene, lmb_error *error)
@@ -358,11 +358,11 @@ static bool material_has_light(const lmb_scene *scene, const lmb_material *mater
     if (!lmb_material_emits(material)) {
         return false;
     }
-    const int32_t number = material->emissive_texture.image;
-    if (number < 0 || (uint32_t)number >= scene->image_count) {
+    const int32_t index = material->emissive_texture.image;
+    if (index < 0 || (uint32_t)index >= scene->image_count) {
         return true;
     }
-    const lmb_texture_image *image = &scene->images[number];
+    const lmb_texture_image *image = &scene->images[index];
     const size_t count = 4 * (size_t)image->width * (size_t)image->height;
     for (size_t i = 0; i < count; ++i) {
         if (i % 4 < 3 && image->rgba[i] > 0 && material->emissive.c[i % 4] > 0.0f) {

@@ -29,7 +29,7 @@ typedef struct placed_triangle {
     double area;
 } placed_triangle;
 
-static placed_triangle triangle_place(const lmb_scene *scene, const lmb_instance *instance, uint32_t triangle)
+static placed_triangle placed_triangle_of(const lmb_scene *scene, const lmb_instance *instance, uint32_t triangle)
 {
     const lmb_mesh *const mesh = &scene->meshes[instance->mesh];
     const lmb_affine *const t = &instance->to_world;
@@ -94,11 +94,11 @@ static uint32_t samples_take(const lmb_scene *scene, bool any_static, placed_tri
         const uint64_t end = before + scene->meshes[instance->mesh].triangle_count;
         for (; taken < wanted; ++taken) {
             /* The first of part `taken` of `wanted` equal parts. */
-            const uint64_t number = total / wanted * taken + total % wanted * taken / wanted;
-            if (number >= end) {
+            const uint64_t triangle = total / wanted * taken + total % wanted * taken / wanted;
+            if (triangle >= end) {
                 break;
             }
-            samples[taken] = triangle_place(scene, instance, (uint32_t)(number - before));
+            samples[taken] = placed_triangle_of(scene, instance, (uint32_t)(triangle - before));
         }
         before = end;
     }
@@ -131,7 +131,7 @@ static double area_suffering(const lmb_scene *scene, bool any_static, const doub
         const uint32_t count =
             instance_counts(scene, instance, any_static) ? scene->meshes[instance->mesh].triangle_count : 0;
         for (uint32_t t = 0; t < count; ++t) {
-            const placed_triangle placed = triangle_place(scene, instance, t);
+            const placed_triangle placed = placed_triangle_of(scene, instance, t);
             const double sizes = distance_along_axes(placed.middle, origin) / placed.size;
             if (sizes > GOOD_SIZES) {
                 sum += placed.area * fmin((sizes - GOOD_SIZES) / RUINED_SIZES, 1.0);

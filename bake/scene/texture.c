@@ -83,7 +83,7 @@ static double coordinate_wrap(double t, lmb_wrap wrap)
     }
 }
 
-/* A texel number at most one step outside [0, size) to the texel that stands there. */
+/* A texel index at most one step outside [0, size) to the texel that stands there. */
 static int32_t texel_wrap(int32_t i, int32_t size, lmb_wrap wrap)
 {
     if (i >= 0 && i < size) {

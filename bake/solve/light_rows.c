@@ -36,10 +36,10 @@ static void cell_samples_set(const lmb_light_rows *rows, uint32_t samples)
             const uint32_t least =
                 lmb_cell_is_small(light, &light->grid[t]) ? LMB_ROWS_SMALL_SAMPLES : LMB_ROWS_PILOT_SAMPLES;
             lmb_cell cell = {i, t - light->triangle_first[i], 0, &light->grid[t]};
-            for (; cell.grid->first + cell.number < cell.grid[1].first; ++cell.number) {
+            for (; cell.grid->first + cell.index < cell.grid[1].first; ++cell.index) {
                 const float share = fminf(lmb_cell_area(&cell, rows->transport->tracer) / full_area, 1.0f);
                 const uint32_t wanted = share > 0.0f ? (uint32_t)ceilf((float)samples * share) : 0;
-                rows->cell_samples[cell.grid->first + cell.number] = wanted > least ? wanted : least;
+                rows->cell_samples[cell.grid->first + cell.index] = wanted > least ? wanted : least;
             }
         }
     }
@@ -104,7 +104,7 @@ static void queue_take(const lmb_light_rows *rows, sample_queue *queue)
     queue->count = 0;
 }
 
-/* Which of the side's starts is sample number `sample` of a piece: its own take turns. */
+/* Which of the side's starts is sample `sample` of a piece: its own take turns. */
 static uint32_t piece_start(const lmb_cell_piece *piece, uint32_t sample)
 {
     uint32_t starts = piece->starts;

@@ -169,7 +169,7 @@ static void openness_find(sample_batch *batch)
 static void link_weigh(lmb_link *link, lmb_rgb weight)
 {
     for (int c = 0; c < 3; ++c) {
-        link->weight[c] = (uint16_t)(lmb_smaller(lmb_larger(weight.c[c], 0.0f), 1.0f) * 65535.0f + 0.5f);
+        link->weight[c] = (uint16_t)(lmb_saturate(weight.c[c]) * 65535.0f + 0.5f);
     }
 }
 
@@ -274,7 +274,7 @@ static void links_find(sample_batch *batch)
 uint64_t lmb_side_stream(const lmb_transport *transport, const lmb_cell *cell, uint32_t side)
 {
     const uint64_t instance = lmb_mix(transport->seed ^ STREAM_OF_CELLS, cell->instance);
-    return lmb_mix(lmb_mix(instance, cell->triangle), 2 * (uint64_t)cell->number + (side & 1));
+    return lmb_mix(lmb_mix(instance, cell->triangle), 2 * (uint64_t)cell->index + (side & 1));
 }
 
 static void batch_begin(sample_batch *batch, const lmb_surface_light *light, lmb_side_sample *samples, uint32_t count)

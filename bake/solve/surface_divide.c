@@ -19,8 +19,7 @@ enum { SIDES_PER_TASK = 512 };
 #define INSET_SHARE 0.02f
 
 /* Below this share of the longest cell's length a side is no longer divided, but a hole: time against the huts of
- * test_dark_places. What a torch hangs on may well
- * be small, and is aimed at only if it has light. */
+ * test_dark_places. What a torch hangs on may well be small, and is aimed at only if it has light. */
 #define HOLE_SHARE 0.12f
 
 /* A plane figure: the cell, off the surface on one side. */
@@ -103,8 +102,8 @@ static void list_add(piece_list *list, const lmb_cell_piece *piece)
     list->piece[list->count++] = *piece;
 }
 
-/* The place that stands for a start: higher than the surface, unless something lies on that. */
-static lmb_vec3 place_of_start(const lmb_tracer *tracer, const side_frame *frame, lmb_vec3 start, uint64_t *rays)
+/* The point that stands for a start: higher than the surface, unless something lies on that. */
+static lmb_vec3 point_of_start(const lmb_tracer *tracer, const side_frame *frame, lmb_vec3 start, uint64_t *rays)
 {
     const lmb_vec3 low = lmb_vec3_add(start, frame->off);
     const lmb_vec3 high = lmb_vec3_add(start, frame->lift);
@@ -112,7 +111,7 @@ static lmb_vec3 place_of_start(const lmb_tracer *tracer, const side_frame *frame
 }
 
 /* Which starts see each other: a bit for each of the others. */
-static void starts_see(const lmb_tracer *tracer, const lmb_vec3 *place, uint32_t sees[LMB_CELL_STARTS],
+static void starts_see(const lmb_tracer *tracer, const lmb_vec3 *point, uint32_t sees[LMB_CELL_STARTS],
                        uint64_t *rays_traced)
 {
     lmb_ray_batch rays;
@@ -120,7 +119,7 @@ static void starts_see(const lmb_tracer *tracer, const lmb_vec3 *place, uint32_t
     rays.count = 0;
     for (int i = 0; i < LMB_CELL_STARTS; ++i) {
         for (int k = i + 1; k < LMB_CELL_STARTS; ++k) {
-            lmb_ray_batch_add(&rays, place[i], lmb_vec3_sub(place[k], place[i]), LMB_TRACE_UP_TO_END);
+            lmb_ray_batch_add(&rays, point[i], lmb_vec3_sub(point[k], point[i]), LMB_TRACE_UP_TO_END);
         }
     }
     lmb_trace_transmittance_batch(tracer, &rays, share, rays_traced);
@@ -184,8 +183,8 @@ static void side_divide(const pieces_work *work, const side_frame *frame, uint32
         const int first = start_most_open(sees, left);
         const uint32_t taken = piece_take(sees, left, first);
         left &= ~taken;
-        const lmb_vec3 place = place_of_start(tracer, frame, start[first], &list->rays);
-        const lmb_cell_piece piece = {place, side, (uint16_t)taken, left == 0 || count + 1 == LMB_CELL_MOST_PIECES};
+        const lmb_vec3 point = point_of_start(tracer, frame, start[first], &list->rays);
+        const lmb_cell_piece piece = {point, side, (uint16_t)taken, left == 0 || count + 1 == LMB_CELL_MOST_PIECES};
         list_add(list, &piece);
     }
 }

@@ -166,8 +166,8 @@ size_t lmb_bright_cells_bytes(const lmb_bright_cells *bright)
 bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_light_query *query, lmb_vec3 position, float choice,
                           const float point[2], lmb_bright_aim *aim)
 {
-    aim->number = lmb_light_tree_choose(bright->tree, query, (double)choice, &aim->probability);
-    const bright_cell *chosen = &bright->cell[aim->number];
+    aim->cell = lmb_light_tree_choose(bright->tree, query, (double)choice, &aim->probability);
+    const bright_cell *chosen = &bright->cell[aim->cell];
     const lmb_vec3 towards = lmb_vec3_sub(bright_cell_point(chosen, point), position);
     const float distance = lmb_vec3_length(towards);
     if (!(distance > 0.0f) || !(lmb_vec3_dot(towards, chosen->normal) < 0.0f)) {
@@ -186,7 +186,7 @@ static float density_of(const bright_cell *cell, double probability, lmb_vec3 di
 
 float lmb_bright_aim_density(const lmb_bright_cells *bright, const lmb_bright_aim *aim, const lmb_hit *hit)
 {
-    return density_of(&bright->cell[aim->number], aim->probability, aim->direction, hit);
+    return density_of(&bright->cell[aim->cell], aim->probability, aim->direction, hit);
 }
 
 float lmb_bright_cells_density(const lmb_surface_light *light, const lmb_light_query *query, lmb_vec3 direction,

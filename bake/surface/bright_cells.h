@@ -17,13 +17,13 @@ size_t lmb_bright_cells_bytes(const lmb_bright_cells *bright);
 /* What is aimed at: a point of a patch's cell. It counts when nothing is in the way, so that a ray in its direction
  * finds that patch (lmb_surface_light_find). */
 typedef struct lmb_bright_aim {
-    uint32_t number;
+    uint32_t cell; /* index among the bright ones */
     uint32_t patch;
     double probability;
     lmb_vec3 direction; /* unit */
 } lmb_bright_aim;
 
-/* Aims from `position` at a cell that `query`, which is that place or one near it, chooses. False when it shows its
+/* Aims from `position` at a cell that `query`, which is that position or one near it, chooses. False when it shows its
  * other side. `choice` and `point` in [0, 1). */
 bool lmb_bright_cells_aim(const lmb_bright_cells *bright, const lmb_light_query *query, lmb_vec3 position, float choice,
                           const float point[2], lmb_bright_aim *aim);

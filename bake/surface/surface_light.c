@@ -240,9 +240,9 @@ lmb_cell lmb_cell_find(const lmb_surface_light *light, uint32_t cell)
 lmb_cell_part lmb_cell_part_of(const lmb_cell *cell)
 {
     const lmb_cell_grid *grid = cell->grid;
-    return (lmb_cell_part){.strip = (float)(cell->number / grid->columns),
+    return (lmb_cell_part){.strip = (float)(cell->index / grid->columns),
                            .strips = (float)grid->strips,
-                           .column = (float)(cell->number % grid->columns),
+                           .column = (float)(cell->index % grid->columns),
                            .columns = (float)grid->columns};
 }
 
@@ -262,14 +262,10 @@ lmb_hit lmb_cell_point(const lmb_cell *cell, const float u[2])
 float lmb_cell_area(const lmb_cell *cell, const lmb_tracer *tracer)
 {
     const lmb_cell_grid *grid = cell->grid;
-    const float strip = (float)(cell->number / grid->columns);
+    const float strip = (float)(cell->index / grid->columns);
     const float strips = (float)grid->strips;
     const float share = (2.0f * strip + 1.0f) / (strips * strips * (float)grid->columns);
-    lmb_vec3 corner[3];
-    lmb_trace_corners(tracer, cell->instance, cell->triangle, corner);
-    return 0.5f *
-           lmb_vec3_length(lmb_vec3_cross(lmb_vec3_sub(corner[1], corner[0]), lmb_vec3_sub(corner[2], corner[0]))) *
-           share;
+    return lmb_trace_triangle_area(tracer, cell->instance, cell->triangle) * share;
 }
 
 float lmb_patch_area(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_cell *cell, uint32_t patch)

@@ -19,8 +19,8 @@ typedef struct lmb_cell_grid {
     float cell_size;      /* metres: the longest edge of its cells */
 } lmb_cell_grid;
 
-/* Metres: what looks at a cell from nearer than half its length sees one place of it, for which its mean is no measure.
- * That mean is over the places that rays from farther off reach. */
+/* Metres: what looks at a cell from nearer than half its length sees one point of it, for which its mean is no measure.
+ * That mean is over the points that rays from farther off reach. */
 static inline float lmb_cell_near(const lmb_cell_grid *grid)
 {
     return 0.5f * grid->cell_size;
@@ -29,7 +29,7 @@ static inline float lmb_cell_near(const lmb_cell_grid *grid)
 /* Whether rays get that far from the cell. The light of a mixed one is that of its open part. */
 typedef enum lmb_openness { LMB_CELL_HIDDEN, LMB_CELL_MIXED, LMB_CELL_OPEN } lmb_openness;
 
-/* A side on which a wall or a thing stands holds no light of its own: each of its pieces is what one place of it sees.
+/* A side on which a wall or a thing stands holds no light of its own: each of its pieces is what one point of it sees.
  */
 #define LMB_SIDE_WHOLE UINT32_MAX
 #define LMB_SIDE_HOLE (UINT32_MAX - 1) /* no light at all, because its cell is small: hits are looked at one by one */
@@ -42,14 +42,14 @@ enum {
 #define LMB_PIECE_OPEN_SHARE 0.5f
 
 typedef struct lmb_cell_piece {
-    lmb_vec3 place; /* just off the surface */
+    lmb_vec3 point; /* just off the surface */
     uint32_t side;
     uint16_t starts; /* those of the side's first LMB_CELL_STARTS samples' starts that belong to it, a bit each */
     bool last;       /* of its side */
 } lmb_cell_piece;
 
 /* What has light of its own is a patch: a side is patch 2 cell (the front) or 2 cell + 1 (the back), and a piece is
- * patch 2 cell_count + its number. */
+ * patch 2 cell_count + its index. */
 struct lmb_surface_light {
     uint32_t instance_count;
     uint32_t triangle_count; /* of all static instances together */
@@ -69,11 +69,11 @@ struct lmb_surface_light {
     float cell_size;                 /* metres: the largest of all */
 };
 
-/* A cell found from its number. */
+/* A cell found from its index. */
 typedef struct lmb_cell {
     uint32_t instance;
     uint32_t triangle; /* of the instance's mesh */
-    uint32_t number;   /* within the triangle */
+    uint32_t index;    /* within the triangle */
     const lmb_cell_grid *grid;
 } lmb_cell;
 
@@ -187,7 +187,7 @@ static inline void lmb_surface_light_prefetch(const lmb_surface_light *light, co
     __builtin_prefetch(lmb_cell_grid_at(light, hit));
 }
 
-/* Makes of the side at a hit, `*patch`, the piece that the hit sees; false when it sees the place of none. Adds to
+/* Makes of the side at a hit, `*patch`, the piece that the hit sees; false when it sees the point of none. Adds to
  * `*rays`. */
 bool lmb_surface_light_piece_find(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit,
                                   bool front, uint64_t *rays, uint32_t *patch);

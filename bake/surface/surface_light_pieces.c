@@ -22,7 +22,7 @@ bool lmb_surface_light_piece_find(const lmb_surface_light *light, const lmb_trac
     float distance[LMB_CELL_MOST_PIECES];
     int count = 0;
     do {
-        towards[count] = lmb_vec3_sub(light->piece[first + (uint32_t)count].place, from);
+        towards[count] = lmb_vec3_sub(light->piece[first + (uint32_t)count].point, from);
         distance[count] = lmb_vec3_dot(towards[count], towards[count]);
     } while (!light->piece[first + (uint32_t)count++].last);
     /* The nearest that is seen: through a slit, others are too. */

@@ -11,6 +11,7 @@
 
 #include "base/affine.h"
 #include "base/directions.h"
+#include "base/interval.h"
 #include "base/vec3d.h"
 #include "trace/trace_internal.h"
 
@@ -111,33 +112,18 @@ static lmb_result candidate_make(const facing_work *work, uint32_t instance, con
     return LMB_OK;
 }
 
-static uint32_t triangle_at_area(const candidate *object, double target)
+/* Cosine-distributed rays from the index-th point, on the side of the front (side 1) or of the back (-1). */
+static void surface_rays(const candidate *object, uint32_t index, float side, lmb_hit hit[RAYS_PER_POINT])
 {
-    uint32_t low = 0, high = instance_mesh(object->scene, object->instance)->triangle_count;
-    while (high - low > 1) {
-        const uint32_t middle = low + (high - low) / 2;
-        if (object->area_before[middle] <= target) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
-/* Cosine-distributed rays from the number-th point, on the side of the front (side 1) or of the back (-1). */
-static void surface_rays(const candidate *object, uint32_t number, float side, lmb_hit hit[RAYS_PER_POINT])
-{
-    const double area = object->area_before[instance_mesh(object->scene, object->instance)->triangle_count];
-    const uint64_t stream = lmb_mix(object->instance, number);
+    const uint32_t triangles = instance_mesh(object->scene, object->instance)->triangle_count;
+    const double target = ((double)index + 0.5) / object->work->points * object->area_before[triangles];
+    const uint64_t stream = lmb_mix(object->instance, index);
     float point[2];
     lmb_sequence_2d(stream, 0, 1, point);
-    const float root = sqrtf(point[0]);
-    const uint32_t triangle = triangle_at_area(object, ((double)number + 0.5) / object->work->points * area);
-    const lmb_place place = lmb_trace_place(object->tracer, &(lmb_hit){.instance = object->instance,
-                                                                       .triangle = triangle,
-                                                                       .u = root * (1.0f - point[1]),
-                                                                       .v = root * point[1]});
+    lmb_hit start = {.instance = object->instance,
+                     .triangle = (uint32_t)lmb_interval_find(object->area_before, triangles, target)};
+    lmb_triangle_point(point, &start.u, &start.v);
+    const lmb_place place = lmb_trace_place(object->tracer, &start);
     const lmb_vec3 normal = lmb_vec3_scale(place.geometric_normal, side);
     const lmb_vec3 origin = trace_offset(place.position, place.geometric_normal, place.rounding, normal);
     float x[RAYS_PER_POINT], y[RAYS_PER_POINT];

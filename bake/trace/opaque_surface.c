@@ -5,10 +5,11 @@
 
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
-#include <lambent/vector.h>
+
+#include "base/interval.h"
 
 /* Dimension pairs of a point's sequence. */
-enum { PAIR_TRIANGLE, PAIR_PLACE };
+enum { PAIR_TRIANGLE, PAIR_POINT };
 
 static bool triangle_is_opaque(const lmb_scene *scene, const lmb_mesh *mesh, uint32_t triangle)
 {
@@ -18,10 +19,7 @@ static bool triangle_is_opaque(const lmb_scene *scene, const lmb_mesh *mesh, uin
 
 static double triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
 {
-    lmb_vec3 corner[3];
-    lmb_trace_corners(tracer, instance, triangle, corner);
-    const double area = 0.5 * (double)lmb_vec3_length(lmb_vec3_cross(lmb_vec3_sub(corner[1], corner[0]),
-                                                                     lmb_vec3_sub(corner[2], corner[0])));
+    const double area = (double)lmb_trace_triangle_area(tracer, instance, triangle);
     return isfinite(area) ? area : 0.0;
 }
 
@@ -76,21 +74,6 @@ double lmb_opaque_surface_area(const lmb_opaque_surface *surface)
     return surface->area_before[surface->entry_count];
 }
 
-/* The entry with area_before[entry] <= target < area_before[entry + 1]. */
-static uint64_t entry_at_area(const lmb_opaque_surface *surface, double target)
-{
-    uint64_t low = 0, high = surface->entry_count;
-    while (high - low > 1) {
-        const uint64_t middle = low + (high - low) / 2;
-        if (surface->area_before[middle] <= target) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
 static uint32_t instance_of_entry(const lmb_opaque_surface *surface, uint64_t entry)
 {
     uint32_t low = 0, high = lmb_tracer_scene(surface->tracer)->instance_count;
@@ -105,24 +88,21 @@ static uint32_t instance_of_entry(const lmb_opaque_surface *surface, uint64_t en
     return low;
 }
 
-lmb_hit lmb_opaque_surface_point(const lmb_opaque_surface *surface, uint64_t seed, uint32_t number, uint32_t count)
+lmb_hit lmb_opaque_surface_point(const lmb_opaque_surface *surface, uint64_t seed, uint32_t index, uint32_t count)
 {
-    const uint64_t stream = lmb_mix(seed, number);
-    float choice[2], place[2];
+    const uint64_t stream = lmb_mix(seed, index);
+    float choice[2], u[2];
     lmb_sequence_2d(stream, 0, PAIR_TRIANGLE, choice);
-    lmb_sequence_2d(stream, 0, PAIR_PLACE, place);
+    lmb_sequence_2d(stream, 0, PAIR_POINT, u);
     const double area = lmb_opaque_surface_area(surface);
-    double target = ((double)number + (double)choice[0]) / (double)count * area;
+    double target = ((double)index + (double)choice[0]) / (double)count * area;
     if (target >= area) {
         target = nextafter(area, 0.0);
     }
-    const uint64_t entry = entry_at_area(surface, target);
+    const uint64_t entry = lmb_interval_find(surface->area_before, surface->entry_count, target);
     lmb_hit point;
     point.instance = instance_of_entry(surface, entry);
     point.triangle = (uint32_t)(entry - surface->first[point.instance]);
-    /* Uniform in the triangle (Osada et al. 2002, "Shape distributions"). */
-    const float root = sqrtf(place[0]);
-    point.u = root * (1.0f - place[1]);
-    point.v = root * place[1];
+    lmb_triangle_point(u, &point.u, &point.v);
     return point;
 }

@@ -9,16 +9,24 @@
 #include "trace/surface_internal.h"
 #include "trace/trace_internal.h"
 
-void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance_number, uint32_t triangle, lmb_vec3 corner[3])
+void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance_index, uint32_t triangle, lmb_vec3 corner[3])
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
-    const lmb_instance *instance = &scene->instances[instance_number];
+    const lmb_instance *instance = &scene->instances[instance_index];
     const lmb_mesh *mesh = &scene->meshes[instance->mesh];
-    const lmb_vec3 *world = lmb_tracer_world_vertices(tracer, instance_number);
+    const lmb_vec3 *world = lmb_tracer_world_vertices(tracer, instance_index);
     for (int k = 0; k < 3; ++k) {
         const uint32_t vertex = mesh->triangle[triangle][k];
         corner[k] = world ? world[vertex] : affine_point(&instance->to_world, mesh->position[vertex]);
     }
+}
+
+float lmb_trace_triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
+{
+    lmb_vec3 corner[3];
+    lmb_trace_corners(tracer, instance, triangle, corner);
+    return 0.5f *
+           lmb_vec3_length(lmb_vec3_cross(lmb_vec3_sub(corner[1], corner[0]), lmb_vec3_sub(corner[2], corner[0])));
 }
 
 /* Rounding may put a point near a triangle's edge behind the wall that stands there; its rays would start outside the

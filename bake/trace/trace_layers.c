@@ -56,13 +56,13 @@ float lmb_layers_left_from(const lmb_layers *passed, float end)
     return last < end ? lmb_trace_beyond(last) : 0.0f;
 }
 
-/* A number, at an offset of Embree's structure of `count` rays or hits. */
+/* A word, at an offset of Embree's structure of `count` rays or hits. */
 static float shown_float(const void *structure, unsigned count, unsigned offset, unsigned i)
 {
     return ((const float *)structure)[offset * count + i];
 }
 
-static uint32_t shown_number(const void *structure, unsigned count, unsigned offset, unsigned i)
+static uint32_t shown_index(const void *structure, unsigned count, unsigned offset, unsigned i)
 {
     return ((const uint32_t *)structure)[offset * count + i];
 }
@@ -74,13 +74,13 @@ bool lmb_layer_shown(const struct RTCFilterFunctionNArguments *arguments, unsign
 {
     const lmb_tracer *tracer = ((const lmb_layer_walk *)arguments->context)->tracer;
     const unsigned count = arguments->N;
-    const uint32_t instance = shown_number(arguments->hit, count, HIT_INSTANCE, i);
+    const uint32_t instance = shown_index(arguments->hit, count, HIT_INSTANCE, i);
     shown->instance =
-        instance != RTC_INVALID_GEOMETRY_ID ? instance : shown_number(arguments->hit, count, HIT_GEOMETRY, i);
+        instance != RTC_INVALID_GEOMETRY_ID ? instance : shown_index(arguments->hit, count, HIT_GEOMETRY, i);
     if (!tracer->has_layers[shown->instance]) {
         return false;
     }
-    shown->triangle = shown_number(arguments->hit, count, HIT_TRIANGLE, i);
+    shown->triangle = shown_index(arguments->hit, count, HIT_TRIANGLE, i);
     const lmb_mesh *mesh = &tracer->scene->meshes[tracer->scene->instances[shown->instance].mesh];
     const uint32_t material = mesh->material[shown->triangle];
     if (!tracer->is_see_through[material]) {
@@ -92,7 +92,7 @@ bool lmb_layer_shown(const struct RTCFilterFunctionNArguments *arguments, unsign
     } else {
         shown->coverage = tracer->coverage[material];
     }
-    shown->lane = shown_number(arguments->ray, count, RAY_ID, i);
+    shown->lane = shown_index(arguments->ray, count, RAY_ID, i);
     shown->distance = shown_float(arguments->ray, count, RAY_FAR, i);
     return lmb_rgb_max(shown->coverage.pass) > 0.0f;
 }

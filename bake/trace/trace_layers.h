@@ -1,7 +1,7 @@
 /* Light through see-through surfaces, the layers, in one walk through the BVH.
  *
  * Embree shows a filter every triangle that a ray meets on its way, in the order of its tree. Nothing may depend on
- * that order, so a layer lets pass or stops by a number of the ray and the triangle, and what layers leave of the light
+ * that order, so a layer lets pass or stops by a hash of the ray and the triangle, and what layers leave of the light
  * is multiplied when the walk is done, nearest first. The BVH is built without spatial splits: none is shown twice. */
 #ifndef LMB_TRACE_LAYERS_H
 #define LMB_TRACE_LAYERS_H
@@ -20,7 +20,7 @@ typedef struct lmb_layer {
 
 /* The nearest layers that a ray has passed. */
 typedef struct lmb_layers {
-    lmb_layer layer[LMB_LAYERS]; /* nearest first; equally near ones by their numbers */
+    lmb_layer layer[LMB_LAYERS]; /* nearest first; equally near ones by instance and triangle */
     uint32_t count;
     bool more; /* others lie farther off than the last */
 } lmb_layers;

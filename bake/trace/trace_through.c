@@ -6,11 +6,11 @@
 
 #include "trace/trace_layers.h"
 
-/* In [0, 1). */
-static float chance_number(uint64_t chance, const lmb_shown_hit *shown)
+/* A uniform variate in [0, 1) of the ray and the triangle. */
+static float chance_variate(uint64_t chance, const lmb_shown_hit *shown)
 {
-    const uint64_t place = ((uint64_t)shown->instance << 32) | shown->triangle;
-    return (float)(int32_t)(lmb_mix(chance, place) >> 40) * 0x1p-24f;
+    const uint64_t triangle = ((uint64_t)shown->instance << 32) | shown->triangle;
+    return lmb_unit_float((uint32_t)(lmb_mix(chance, triangle) >> 32));
 }
 
 /* Sends rays on through layers by chance: in proportion to the light of the channel that passes best, so that no
@@ -25,7 +25,7 @@ static void chance_filter(const struct RTCFilterFunctionNArguments *arguments)
         }
         const float pass = lmb_rgb_max(shown.coverage.pass);
         const float all = pass + shown.coverage.opacity;
-        if (chance_number(walk->chance[shown.lane], &shown) * all < pass) {
+        if (chance_variate(walk->chance[shown.lane], &shown) * all < pass) {
             const lmb_layer found = {shown.distance, shown.instance, shown.triangle,
                                      lmb_rgb_scale(lmb_rgb_scale(shown.coverage.pass, 1.0f / pass), all)};
             lmb_layer_add(&walk->passed[shown.lane], &found);

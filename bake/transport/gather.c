@@ -28,7 +28,7 @@ typedef struct gather_batch {
     uint64_t stream;
     uint32_t first;
     uint32_t count;
-    lmb_receiver receiver;      /* that samples share, but for the place */
+    lmb_receiver receiver;      /* that samples share, but for the position */
     lmb_vec3 position[SAMPLES]; /* of each sample's receiver */
     uint32_t per_receiver;      /* samples that one point has */
     bool second_half;           /* they start at points of the second half */
@@ -268,9 +268,9 @@ static void soft_aim(gather_batch *batch, aimed_lights *lights, const receiver_s
     lmb_punctual_query query = lmb_receiver_punctual(&samples->receiver);
     for (uint32_t i = 0; i < (uint32_t)count * each; ++i) {
         lmb_punctual_sample *sample = &light[i / each];
-        const uint32_t number = samples->first + i % samples->count;
-        query.point[0] = points->x[number];
-        query.point[1] = points->y[number];
+        const uint32_t index = samples->first + i % samples->count;
+        query.point[0] = points->x[index];
+        query.point[1] = points->y[index];
         lmb_emitters_punctual_again(batch->transport->emitters, &query, sample);
         punctual_add(batch, lights, &samples->receiver, sample, (float)samples->count / (float)each);
     }
@@ -386,21 +386,21 @@ static void ray_give(gather_batch *batch, uint32_t sample, lmb_rgb radiance, flo
 static void skies_gather(gather_batch *batch, const lmb_hit *hit, const float *density)
 {
     float direction[3][SAMPLES];
-    uint32_t number[SAMPLES];
+    uint32_t ray[SAMPLES]; /* their indices in the batch */
     uint32_t count = 0;
     for (uint32_t i = 0; i < batch->count; ++i) {
         if (hit[i].instance == LMB_HIT_NOTHING) {
             for (int axis = 0; axis < 3; ++axis) {
                 direction[axis][count] = batch->rays.direction[axis][i];
             }
-            number[count++] = i;
+            ray[count++] = i;
         }
     }
     lmb_environment_seen seen[SAMPLES];
     const float *const arrays[3] = {direction[0], direction[1], direction[2]};
     lmb_emitters_environment_look(batch->transport->emitters, arrays, count, seen);
     for (uint32_t k = 0; k < count; ++k) {
-        const uint32_t i = number[k];
+        const uint32_t i = ray[k];
         const lmb_rgb sky = lmb_segment_sky(&batch->receiver, ray_direction(batch, i), &seen[k]);
         ray_give(batch, i, batch->layers ? lmb_rgb_mul(sky, batch->share[i]) : sky, density[i]);
     }

@@ -132,14 +132,19 @@ static void add_lattices(lmb_level_builder *builder, const demo_materials *mater
 static void add_columns_and_lamp(lmb_level_builder *builder, const demo_materials *materials)
 {
     const int column = lmb_level_builder_add_mesh(builder, "column");
-    lmb_level_builder_add_cylinder(builder, column, materials->plaster, (lmb_vec3){0, -0.05f, 0}, 0.16f, 2.9f, 24);
+    lmb_level_builder_add_cylinder(
+        builder, column, materials->plaster,
+        &(lmb_level_cylinder){.base = {0, -0.05f, 0}, .radius = 0.16f, .height = 2.9f, .segments = 24});
     lmb_level_builder_place(builder, "sunny column", column, (lmb_vec3){7.9f, 0, 5.3f});
     lmb_level_builder_place(builder, "shady column", column, (lmb_vec3){5.8f, 0, 2.8f});
     const int lamp = lmb_level_builder_add_mesh(builder, "lamp");
-    lmb_level_builder_add_sphere(builder, lamp, materials->lamp, (lmb_vec3){0, 0, 0}, 0.3f, 5, false);
+    lmb_level_builder_add_sphere(builder, lamp, materials->lamp,
+                                 &(lmb_level_sphere){.centre = {0, 0, 0}, .radius = 0.3f, .divisions = 5});
     lmb_level_builder_place(builder, "lamp", lamp, (lmb_vec3){2.6f, 2.1f, 3.2f});
     const int cord = lmb_level_builder_add_mesh(builder, "lamp cord");
-    lmb_level_builder_add_cylinder(builder, cord, materials->iron, (lmb_vec3){0, 0.25f, 0}, 0.02f, 0.5f, 8);
+    lmb_level_builder_add_cylinder(
+        builder, cord, materials->iron,
+        &(lmb_level_cylinder){.base = {0, 0.25f, 0}, .radius = 0.02f, .height = 0.5f, .segments = 8});
     lmb_level_builder_place(builder, "lamp cord", cord, (lmb_vec3){2.6f, 2.1f, 3.2f});
 }
 
@@ -243,8 +248,11 @@ lmb_result lmb_demo_object_write(const char *path, lmb_error *error)
     material.base_color = (lmb_rgb){{0.8f, 0.8f, 0.8f}};
     const int clay = lmb_level_builder_add_material(builder, &material);
     const int body = lmb_level_builder_add_mesh(builder, "body");
-    lmb_level_builder_add_cylinder(builder, body, clay, (lmb_vec3){0, -0.2f, 0}, 0.11f, 0.08f, 32);
-    lmb_level_builder_add_sphere(builder, body, clay, (lmb_vec3){0, 0.04f, 0}, 0.16f, 12, false);
+    lmb_level_builder_add_cylinder(
+        builder, body, clay,
+        &(lmb_level_cylinder){.base = {0, -0.2f, 0}, .radius = 0.11f, .height = 0.08f, .segments = 32});
+    lmb_level_builder_add_sphere(builder, body, clay,
+                                 &(lmb_level_sphere){.centre = {0, 0.04f, 0}, .radius = 0.16f, .divisions = 12});
     lmb_level_builder_place(builder, "body", body, (lmb_vec3){0, 0, 0});
     const torus shape = {0.2, 0.03};
     const lmb_level_patch ring = {48, 16, 1.26f, 0.19f, torus_point, &shape};

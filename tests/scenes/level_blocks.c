@@ -113,15 +113,20 @@ static int face_below(const block_grid *grid, int axis, const size_t cell[3])
     return solid_below ? 1 + material : -(1 + material);
 }
 
-/* Emits the rectangle of cells [from, to] of a plane. */
-static void add_face(lmb_level_builder *builder, int mesh, const block_grid *grid, int axis, const size_t from[3],
-                     const size_t to[3], int face)
+/* The cells from one to another, both included. */
+typedef struct cell_range {
+    size_t from[3], to[3];
+} cell_range;
+
+/* Emits a rectangle of cells of a plane across `axis`. */
+static void add_face(lmb_level_builder *builder, int mesh, const block_grid *grid, int axis, const cell_range *cells,
+                     int face)
 {
     lmb_level_box box = {
         .material = {LMB_LEVEL_NONE, LMB_LEVEL_NONE, LMB_LEVEL_NONE, LMB_LEVEL_NONE, LMB_LEVEL_NONE, LMB_LEVEL_NONE}};
     for (int i = 0; i < 3; ++i) {
-        set_axis(&box.min, i, grid->plane[i][from[i]]);
-        set_axis(&box.max, i, grid->plane[i][i == axis ? from[i] : to[i] + 1]);
+        set_axis(&box.min, i, grid->plane[i][cells->from[i]]);
+        set_axis(&box.max, i, grid->plane[i][i == axis ? cells->from[i] : cells->to[i] + 1]);
     }
     box.material[2 * axis + (face > 0 ? 1 : 0)] = abs(face) - 1;
     level_add_box(builder, mesh, &box, true);
@@ -165,15 +170,13 @@ static void add_plane(lmb_level_builder *builder, int mesh, const block_grid *gr
                 faces[j * width + i] = 0;
             }
         }
-        size_t from[3] = {0};
-        size_t to[3] = {0};
-        from[axis] = plane;
-        to[axis] = plane;
-        from[a] = a0;
-        from[b] = b0;
-        to[a] = a1;
-        to[b] = b1;
-        add_face(builder, mesh, grid, axis, from, to, face);
+        cell_range cells;
+        cells.from[axis] = cells.to[axis] = plane;
+        cells.from[a] = a0;
+        cells.from[b] = b0;
+        cells.to[a] = a1;
+        cells.to[b] = b1;
+        add_face(builder, mesh, grid, axis, &cells, face);
     }
 }
 

@@ -108,13 +108,25 @@ typedef struct lmb_level_patch {
 
 void lmb_level_builder_add_patch(lmb_level_builder *builder, int mesh, int material, const lmb_level_patch *patch);
 
-/* A cube laid on a sphere: 12 * divisions^2 triangles with smooth normals, looking outward or inward. */
-void lmb_level_builder_add_sphere(lmb_level_builder *builder, int mesh, int material, lmb_vec3 centre, float radius,
-                                  int divisions, bool inward);
+/* A cube laid on a sphere: 12 * divisions^2 triangles with smooth normals. */
+typedef struct lmb_level_sphere {
+    lmb_vec3 centre;
+    float radius;
+    int divisions; /* of each edge of the cube */
+    bool inward;   /* the front is inside */
+} lmb_level_sphere;
+
+void lmb_level_builder_add_sphere(lmb_level_builder *builder, int mesh, int material, const lmb_level_sphere *sphere);
 
 /* A closed upright cylinder: 4 * segments - 4 triangles, smooth around, flat ends. */
-void lmb_level_builder_add_cylinder(lmb_level_builder *builder, int mesh, int material, lmb_vec3 base, float radius,
-                                    float height, int segments);
+typedef struct lmb_level_cylinder {
+    lmb_vec3 base; /* the centre of its lower end */
+    float radius, height;
+    int segments; /* 3 or more */
+} lmb_level_cylinder;
+
+void lmb_level_builder_add_cylinder(lmb_level_builder *builder, int mesh, int material,
+                                    const lmb_level_cylinder *cylinder);
 
 /* Triangles so far; 0 for LMB_LEVEL_NONE. */
 size_t lmb_level_builder_triangle_count(const lmb_level_builder *builder, int mesh);
@@ -164,7 +176,7 @@ lmb_level_node lmb_level_node_default(const char *name);
 
 int lmb_level_builder_add_node(lmb_level_builder *builder, const lmb_level_node *node);
 
-/* A node that puts a mesh at a place. */
+/* A node that puts a mesh somewhere. */
 int lmb_level_builder_place(lmb_level_builder *builder, const char *name, int mesh, lmb_vec3 translation);
 
 /* Sets `rotation` so that -Z points along `direction` (any length but 0) and +Y stays as upright as it can. */

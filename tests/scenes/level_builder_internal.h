@@ -9,7 +9,7 @@ typedef struct level_vertex {
     lmb_vec3 normal;
     float tangent[4];
     float uv[2];
-    float chart_m[2];     /* place within its chart */
+    float chart_m[2];     /* position within its chart */
     float lightmap_uv[2]; /* set when the level is written */
     uint32_t chart;
     int material;
@@ -73,7 +73,7 @@ level_mesh *level_mesh_at(lmb_level_builder *builder, int mesh);
 /* As lmb_level_builder_add_box; aligned textures run on from box to box, as if laid out once in mesh space. */
 void level_add_box(lmb_level_builder *builder, int mesh, const lmb_level_box *box, bool align_textures);
 
-/* Packs the charts into a square by shelves, `gutter_m` apart and from the border, and sets their places.
+/* Packs the charts into a square by shelves, `gutter_m` apart and from the border, and sets their positions.
  * @return the square's side in metres, or a negative number when memory has run out */
 float level_layout_pack(level_chart *charts, size_t count, float gutter_m);
 

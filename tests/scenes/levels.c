@@ -66,7 +66,7 @@ lmb_result lmb_level_open_ground(const char *path, float size_m, float albedo, l
 }
 
 /* A block that stands on the floor, turned about +Y. */
-static void place_block(lmb_level_builder *builder, const char *name, int material, lmb_vec3 size, lmb_vec3 place,
+static void place_block(lmb_level_builder *builder, const char *name, int material, lmb_vec3 size, lmb_vec3 position,
                         float angle_rad)
 {
     const int mesh = lmb_level_builder_add_mesh(builder, name);
@@ -75,7 +75,7 @@ static void place_block(lmb_level_builder *builder, const char *name, int materi
     lmb_level_builder_add_box(builder, mesh, &box);
     lmb_level_node node = lmb_level_node_default(name);
     node.mesh = mesh;
-    node.translation = place;
+    node.translation = position;
     lmb_level_turn(angle_rad, node.rotation);
     lmb_level_builder_add_node(builder, &node);
 }
@@ -198,7 +198,9 @@ lmb_result lmb_level_sphere_room(const char *path, float radius_m, int divisions
     lmb_level_builder *builder = lmb_level_builder_create(radius_m * gutter_share);
     const int material = add_diffuse(builder, "wall", albedo, albedo, albedo);
     const int mesh = lmb_level_builder_add_mesh(builder, "sphere");
-    lmb_level_builder_add_sphere(builder, mesh, material, (lmb_vec3){0, 0, 0}, radius_m, divisions, true);
+    lmb_level_builder_add_sphere(
+        builder, mesh, material,
+        &(lmb_level_sphere){.centre = {0, 0, 0}, .radius = radius_m, .divisions = divisions, .inward = true});
     lmb_level_builder_place(builder, "sphere", mesh, (lmb_vec3){0, 0, 0});
     const lmb_level_light light = {
         .name = "bulb", .type = LMB_LEVEL_LIGHT_POINT, .color = {{1, 1, 1}}, .intensity = intensity_cd};

@@ -1,4 +1,4 @@
-/* Transforms that places of a level are told by. */
+/* Transforms of a level's nodes. */
 #ifndef LAMBENT_AFFINE_H
 #define LAMBENT_AFFINE_H
 

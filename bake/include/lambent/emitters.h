@@ -31,7 +31,7 @@ typedef struct lmb_light_sample {
 typedef struct lmb_triangle_query {
     lmb_vec3 position;
     const lmb_vec3 *normal;      /* unit, of the surface there; NULL: a point in space */
-    struct lmb_light_memo *memo; /* what was found out about the triangles for this place; NULL: nothing is kept */
+    struct lmb_light_memo *memo; /* what was found out about the triangles for this position; NULL: nothing is kept */
 } lmb_triangle_query;
 
 /* Variates that choose points on emissive triangles, one of each array for a sample. */
@@ -42,8 +42,8 @@ typedef struct lmb_triangle_choices {
     const float *x, *y;       /* of the point, in [0, 1)^2 */
 } lmb_triangle_choices;
 
-/* A point on an emissive triangle for each: the triangle by what it may give to `query`, which is one of the places or
- * one near them; the point uniform in its area, or where its texture gives light, in proportion to that
+/* A point on an emissive triangle for each: the triangle by what it may give to `query`, which is one of the positions
+ * or near them; the point uniform in its area, or where its texture gives light, in proportion to that
  * (emission_part.h). Time grows with the logarithm of the number of triangles, of which there is one at least, and of
  * texels. Where a choice gives no light the density is 0. */
 void lmb_emitters_sample_triangles(const lmb_emitters *emitters, const lmb_triangle_query *query,
@@ -85,7 +85,7 @@ typedef struct lmb_punctual_sample {
     lmb_vec3 end;       /* the light's position; unused when `at_infinity` */
     bool at_infinity;
     lmb_rgb irradiance; /* on a surface that faces the light, unshadowed, divided by the choice's probability */
-    uint32_t light;     /* number in the scene */
+    uint32_t light;     /* index in the scene */
     bool soft;          /* it has an extent: this is one point of it, which stands for all */
     float weight;       /* how many lights it stands for, over the choice's probability */
 } lmb_punctual_sample;

@@ -37,7 +37,7 @@ typedef struct lmb_gather_samples {
     bool without_punctual; /* leaves out what lmb_gather_punctual gives */
 } lmb_gather_samples;
 
-/* Contributions, one array for each number: `weight` = radiance x solid angle that arrives from unit `direction`. Some
+/* Contributions, as a structure of arrays: `weight` = radiance x solid angle that arrives from unit `direction`. Some
  * have weight 0; none has a NaN, infinite or negative one. `count` is a multiple of LMB_CONTRIBUTION_LANES, filled up
  * by some of weight and direction 0. All come from points of one half of the element's: `second_half`. */
 enum { LMB_CONTRIBUTION_BATCH = 128, LMB_CONTRIBUTION_LANES = 8 };

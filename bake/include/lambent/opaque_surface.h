@@ -1,5 +1,5 @@
 /* Points on the opaque surfaces of a level, by area: where a bake is tried and measured. Each is a pure function of a
- * seed and a number, so that any thread may make any of them. */
+ * seed and an index, so that any thread may make any of them. */
 #ifndef LAMBENT_OPAQUE_SURFACE_H
 #define LAMBENT_OPAQUE_SURFACE_H
 
@@ -26,9 +26,9 @@ void lmb_opaque_surface_free(lmb_opaque_surface *surface);
 /* Square metres; 0 when there is no opaque triangle: then no point may be asked for. */
 double lmb_opaque_surface_area(const lmb_opaque_surface *surface);
 
-/* Point `number` of `count`: the total area is cut into `count` equal parts and one point taken in each, so that every
+/* Point `index` of `count`: the total area is cut into `count` equal parts and one point taken in each, so that every
  * area element is as likely as any other. */
-lmb_hit lmb_opaque_surface_point(const lmb_opaque_surface *surface, uint64_t seed, uint32_t number, uint32_t count);
+lmb_hit lmb_opaque_surface_point(const lmb_opaque_surface *surface, uint64_t seed, uint32_t index, uint32_t count);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,6 @@
 /* One pool of threads for all work, and how long work says how far it is.
  *
- * Work is a number of independent tasks; results go to places of their own, so that nothing depends on which thread
+ * Work is a number of independent tasks; results go to slots of their own, so that nothing depends on which thread
  * ran what. */
 #ifndef LAMBENT_POOL_H
 #define LAMBENT_POOL_H

@@ -4,7 +4,7 @@
  * never pointers between them. Meshes are in their own space and shared by instances.
  *
  * World positions of a scene count from its `origin`, in the world's axes: floats are finest near zero, so a level that
- * lies far out is moved to there. Whoever takes or gives a place of the world goes through lmb_scene_from_world and
+ * lies far out is moved to there. Whoever takes or gives a position in the world goes through lmb_scene_from_world and
  * lmb_scene_to_world. */
 #ifndef LAMBENT_SCENE_H
 #define LAMBENT_SCENE_H
@@ -77,22 +77,23 @@ typedef struct lmb_mesh {
     lmb_vec2 *uv[LMB_UV_SETS]; /* [vertex] NULL when absent from every primitive, or, beyond TEXCOORD_1, not needed */
     float (*color)[4];         /* [vertex] linear COLOR_0, or NULL */
     uint32_t triangle_count;
-    uint32_t (*triangle)[3];    /* [triangle] vertex numbers, wound counter-clockwise seen from the front */
+    uint32_t (*triangle)[3];    /* [triangle] vertex indices, wound counter-clockwise seen from the front */
     uint32_t *material;         /* [triangle] index into scene.materials (a default material always exists) */
     int32_t source_mesh;        /* index in the glTF file */
     int32_t source_node;        /* the node whose skin or morph weights pose this copy of the glTF mesh, or -1 */
     uint32_t *source_primitive; /* [triangle] primitive of the glTF mesh that it came from */
-    uint32_t *source_triangle;  /* [triangle] its number in that primitive, counting those that were dropped */
+    uint32_t *source_triangle;  /* [triangle] its index in that primitive, counting those that were dropped */
     lmb_vec3 shift;             /* what was taken off the file's positions: 0 but for meshes far from their origin */
     float file_reach;           /* the largest coordinate that the file itself has for a triangle's corner */
 } lmb_mesh;
 
-/* A mesh placed in the world: one for each glTF node that has one, or for each of its EXT_mesh_gpu_instancing places.
+/* A mesh placed in the world: one for each glTF node that has one, or for each of its transforms
+ * (EXT_mesh_gpu_instancing).
  */
 typedef struct lmb_instance {
     char *name;    /* the node's name, or "node N" */
     int32_t node;  /* index in the glTF file */
-    int32_t place; /* number of the instancing place, 0 when not instanced */
+    int32_t place; /* index of the transform in EXT_mesh_gpu_instancing, 0 without */
     uint32_t mesh;
     lmb_affine to_world;
     lmb_affine normal_to_world; /* inverse transpose of the linear part; translation 0 */
@@ -168,8 +169,8 @@ typedef struct lmb_scene {
 /* Frees everything; NULL is allowed. */
 void lmb_scene_destroy(lmb_scene *scene);
 
-/* The scene's position of a place in the world, and the reverse. */
-lmb_vec3 lmb_scene_from_world(const lmb_scene *scene, lmb_vec3d place);
+/* The scene's position of one in the world, and the reverse. */
+lmb_vec3 lmb_scene_from_world(const lmb_scene *scene, lmb_vec3d world);
 lmb_vec3d lmb_scene_to_world(const lmb_scene *scene, lmb_vec3 position);
 
 /* The coarsest position_step of all static instances, metres. */

@@ -23,6 +23,9 @@ lmb_place lmb_trace_place(const lmb_tracer *tracer, const lmb_hit *hit);
 /* World-space corners of a triangle. */
 void lmb_trace_corners(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle, lmb_vec3 corner[3]);
 
+/* Square metres of a triangle in the world. */
+float lmb_trace_triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle);
+
 /* lmb_trace_place's position alone. */
 lmb_vec3 lmb_trace_position(const lmb_tracer *tracer, const lmb_hit *hit);
 

@@ -18,7 +18,7 @@
  * and look here. Emission and albedo are not stored: they are exact at each hit.
  *
  * A wall that stands on a cell would let light through it. Rays across each cell, just above it, find out; such a cell
- * is divided into pieces, each what one of its places sees, and a hit takes the light of a piece whose place it sees.
+ * is divided into pieces, each what one of its points sees, and a hit takes the light of a piece whose point it sees.
  *
  * The solution is that of E = D + T E, where D is direct light and T the transport between cells: both are sampled
  * once, with one ray for each sample that finds direct light by its part of multiple importance sampling and one entry
@@ -48,7 +48,7 @@ float lmb_surface_light_cell_size(const lmb_surface_light *light);
 double lmb_surface_light_mean(const lmb_surface_light *light, const lmb_tracer *tracer);
 
 /* Normalised irradiance on one side of a surface at a hit: radiance is albedo times this. False, and nothing is set,
- * where nothing is stored: in corners of divided cells that none of their places sees. */
+ * where nothing is stored: in corners of divided cells that none of their points sees. */
 bool lmb_surface_light_at(const lmb_surface_light *light, const lmb_tracer *tracer, const lmb_hit *hit, bool front,
                           lmb_rgb *irradiance);
 

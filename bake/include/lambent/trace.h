@@ -29,7 +29,7 @@ const lmb_scene *lmb_tracer_scene(const lmb_tracer *tracer);
 
 /* Whether an instance is wound inside out, and is seen from the side that its winding calls back: a closed, opaque and
  * double-sided object with nothing in it, in free space. Its back then counts as its front everywhere: for hits,
- * places, texels, and for telling solids from free space. */
+ * surface points, texels, and for telling solids from free space. */
 bool lmb_tracer_is_turned(const lmb_tracer *tracer, uint32_t instance);
 
 /* Says what of the level looks like a mistake: objects wound inside out that are not double-sided, and point and spot
@@ -60,7 +60,7 @@ typedef struct lmb_ray {
     lmb_vec3 direction;
 } lmb_ray;
 
-/* Rays that are traced together, one array for each number. */
+/* Rays that are traced together, as a structure of arrays. */
 enum { LMB_RAY_BATCH = 64 };
 typedef struct lmb_ray_batch {
     float origin[3][LMB_RAY_BATCH];
@@ -82,9 +82,9 @@ void lmb_trace_transmittance_batch(const lmb_tracer *tracer, const lmb_ray_batch
 bool lmb_tracer_has_layers(const lmb_tracer *tracer);
 
 /* The nearest hits of rays that pass see-through surfaces, layers, by chance, from distance 0 on. Each layer is decided
- * by `chance`, a number of the ray's own, and by the layer's triangle. `share` is multiplied by what the passed layers
+ * by `chance`, a hash of the ray's own, and by the layer's triangle. `share` is multiplied by what the passed layers
  * leave of each channel, never more than all of it; where the hit itself is a layer, its opacity and the best channel's
- * pass together are the share of it that is met. Over all numbers the mean of what arrives is what
+ * pass together are the share of it that is met. Over all hashes the mean of what arrives is what
  * lmb_trace_transmittance and the opacities say. Adds the rays that it took to `*rays`. */
 bool lmb_trace_through(const lmb_tracer *tracer, const lmb_ray *ray, uint64_t chance, lmb_hit *hit, lmb_rgb *share,
                        uint64_t *rays);

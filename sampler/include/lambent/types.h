@@ -15,7 +15,7 @@ typedef struct lmb_vec3 {
     float x, y, z;
 } lmb_vec3;
 
-/* A point of the world in metres, for places so far out that floats are too coarse. */
+/* A point of the world in metres, for points so far out that floats are too coarse. */
 typedef struct lmb_vec3d {
     double x, y, z;
 } lmb_vec3d;

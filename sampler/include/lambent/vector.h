@@ -26,6 +26,12 @@ static inline float lmb_smaller(float a, float b)
     return a < b ? a : b;
 }
 
+/* Clamped to [0, 1]; 0 when NaN. */
+static inline float lmb_saturate(float a)
+{
+    return lmb_smaller(lmb_larger(a, 0.0f), 1.0f);
+}
+
 static inline lmb_vec3 lmb_vec3_of(float x, float y, float z)
 {
     const lmb_vec3 v = {x, y, z};

@@ -59,7 +59,7 @@ LMB_API void lmb_volume_close(lmb_volume *volume);
 
 LMB_API lmb_volume_info lmb_volume_get_info(const lmb_volume *volume);
 
-/* Metres between probes at a place; outside of the bounds, at the nearest place within. */
+/* Metres between probes at a position; outside of the bounds, at the nearest position within. */
 LMB_API float lmb_volume_spacing_at(const lmb_volume *volume, lmb_vec3d position);
 
 /* Trilinear SH3 radiance at `position`.

@@ -23,20 +23,20 @@ extern "C" {
 enum { LMB_PROBE_BLOCK = 4, LMB_PROBE_BLOCK_POINTS = 64 };
 typedef struct lmb_probe_block {
     int32_t at[3];                         /* its points are 4 at .. 4 at + 3 */
-    int32_t probe[LMB_PROBE_BLOCK_POINTS]; /* [x + 4 (y + 4 z)] its number, or -1 */
+    int32_t probe[LMB_PROBE_BLOCK_POINTS]; /* [x + 4 (y + 4 z)] its index, or -1 */
 } lmb_probe_block;
 
 typedef struct lmb_probe_index {
     uint32_t block_count;
     lmb_probe_block *block;
     uint32_t slot_count; /* a power of two */
-    uint32_t *slot;      /* [hash of a block] its number + 1, or 0 */
+    uint32_t *slot;      /* [hash of a block] its index + 1, or 0 */
 } lmb_probe_index;
 
-/* Gives a point a number >= 0. @return LMB_ERROR_ARGUMENT (it has one), _MEMORY; then nothing has changed */
-lmb_result lmb_probe_index_add(lmb_probe_index *index, const int32_t point[3], int32_t number);
+/* Gives a point an index >= 0. @return LMB_ERROR_ARGUMENT (it has one), _MEMORY; then nothing has changed */
+lmb_result lmb_probe_index_add(lmb_probe_index *index, const int32_t point[3], int32_t probe);
 
-/* The number of a point, or -1. */
+/* The index of a point, or -1. */
 int32_t lmb_probe_index_find(const lmb_probe_index *index, const int32_t point[3]);
 
 /* Frees what it holds and empties it. */
@@ -57,7 +57,7 @@ typedef struct lmb_probes {
     lmb_sh3_rgb **radiance; /* [set][probe] callers fill it. A set's may be NULL while there are no probes */
     uint32_t level_count;
     lmb_probe_level *level; /* the finest first */
-    lmb_vec3d origin;       /* world place that lmb_probes_position counts from; no file holds it */
+    lmb_vec3d origin;       /* world position that lmb_probes_position counts from; no file holds it */
 } lmb_probes;
 
 #define LMB_PROBES_MIN_VALIDITY 0.5f
