@@ -166,6 +166,7 @@ static lmb_result mesh_make_charts(layout_work *work, uint32_t number)
                 return out_of_memory(work->error);
             }
             lightmap->corner_uv[number] = charts.corner_uv;
+            lightmap->chart_count += charts.chart_count;
             charts.corner_uv = NULL;
             work->resolution[number] = charts.resolution;
             work->chart_share[number] = density / asked;

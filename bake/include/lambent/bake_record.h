@@ -46,6 +46,8 @@ typedef struct lmb_bake_record {
     lmb_gather_stats lightmap; /* of texels */
     int32_t images;
     uint64_t texels_covered;
+    double texels_used;              /* of the texels of all images, 0 to 1 */
+    uint64_t charts;                 /* made here, of all meshes */
     bool surface_solved;             /* false: the estimator was the reference, and what follows is 0 */
     lmb_surface_light_stats surface; /* of the light on surfaces */
     size_t surface_bytes;

@@ -62,7 +62,18 @@ typedef struct lmb_lightmap {
     lmb_lightmap_image *image;
     int32_t image_count;
     uint64_t covered_texel_count; /* texels that a triangle touches */
+    uint64_t chart_count;         /* charts made here, of all meshes; nodes with one mesh share them */
 } lmb_lightmap;
+
+/* Covered texels as a share of the texels of all images, 0 to 1: 0 without images. */
+static inline double lmb_lightmap_texels_used(const lmb_lightmap *lightmap)
+{
+    double texels = 0.0;
+    for (int32_t i = 0; i < lightmap->image_count; ++i) {
+        texels += (double)lightmap->image[i].width * (double)lightmap->image[i].height;
+    }
+    return texels > 0.0 ? (double)lightmap->covered_texel_count / texels : 0.0;
+}
 
 /* Lays out the lightmap of a scene, without light. The scene must outlive it. @return LMB_ERROR_MEMORY, _ARGUMENT,
  * _UNSUPPORTED (too many texels for any layout) */
