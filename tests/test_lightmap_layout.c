@@ -271,6 +271,10 @@ static void charts_mark(const lmb_lightmap *lightmap, uint32_t instance, int32_t
             at.x += weight[c] * (corner.x * region->scale.x + region->offset.x) * (float)image->width;
             at.y += weight[c] * (corner.y * region->scale.y + region->offset.y) * (float)image->height;
         }
+        const float fx = at.x - floorf(at.x), fy = at.y - floorf(at.y);
+        if (fx < 2e-3f || fx > 0.998f || fy < 2e-3f || fy > 0.998f) {
+            continue; /* so near to the border the texel may be the neighbour's */
+        }
         const lmb_vec3 n = mesh->normal[mesh->triangle[t][0]];
         const int32_t way = (int32_t)lroundf(n.x + 3.0f * n.y + 9.0f * n.z) + 20;
         chart[(size_t)at.y * (size_t)image->width + (size_t)at.x] = 1 + (int32_t)instance * 256 + way;
@@ -371,6 +375,64 @@ static void padding_is_kept(void)
     baked_close(&bake);
 }
 
+/* Boxes of many sizes in a room, each a mesh of its own; some stand several times. */
+static lmb_result write_boxes(const char *path, int count, lmb_error *error)
+{
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    const int material = plain_material(builder, 0.5f);
+    uint32_t seed = 17;
+    for (int i = 0; i < count; ++i) {
+        char name[16];
+        snprintf(name, sizeof name, "box%d", i);
+        const int mesh = lmb_level_builder_add_mesh(builder, name);
+        const float x = 0.5f + 2.0f * number_next(&seed), y = 0.5f + 2.0f * number_next(&seed);
+        const lmb_level_box box =
+            lmb_level_box_of((lmb_vec3){0, 0, 0}, (lmb_vec3){x, y, 0.5f + 2.0f * number_next(&seed)}, material);
+        lmb_level_builder_add_box(builder, mesh, &box);
+        for (int k = 0; k <= i % 3; ++k) {
+            lmb_level_builder_place(builder, name, mesh, (lmb_vec3){4.0f * (float)i, 0, 4.0f * (float)k});
+        }
+    }
+    const lmb_result result = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+/* Texels that are used, of the images; and those are no larger than they need to be. */
+static void images_are_used(void)
+{
+    static const struct {
+        float texels_per_m, least;
+        int32_t size, padding;
+    } CASES[] = {{8.0f, 0.6f, 2048, 1}, {16.0f, 0.7f, 2048, 1}, {16.0f, 0.6f, 512, 2}, {32.0f, 0.75f, 1024, 1}};
+    lmb_error error = {""};
+    const char *path = OUTPUT("layout_boxes.glb");
+    lmb_scene *scene = scene_load(path, write_boxes(path, 30, &error), &error);
+    for (uint32_t m = 0; scene && m < scene->mesh_count; ++m) {
+        uv_break(&scene->meshes[m], LMB_UV_MISSING);
+    }
+    for (size_t i = 0; scene && i < sizeof CASES / sizeof CASES[0]; ++i) {
+        lmb_lightmap *lightmap = layout_make(scene, CASES[i].texels_per_m, CASES[i].size, CASES[i].padding, NULL);
+        const double used = lightmap ? lmb_lightmap_texels_used(lightmap) : 0.0;
+        CHECK(used >= (double)CASES[i].least && used <= 1.0, "case %zu: %g of the images", i, used);
+        CHECK(!lightmap || lightmap->chart_count == 6 * 30, "case %zu: %llu charts", i,
+              (unsigned long long)lightmap->chart_count);
+        for (int32_t k = 0; lightmap && k < lightmap->image_count; ++k) {
+            const lmb_lightmap_image *image = &lightmap->image[k];
+            CHECK(image->width % 4 == 0 && image->height % 4 == 0 && image->width <= CASES[i].size &&
+                      image->height <= CASES[i].size,
+                  "case %zu: image of %d x %d", i, (int)image->width, (int)image->height);
+        }
+        lmb_lightmap *again = layout_make(scene, CASES[i].texels_per_m, CASES[i].size, CASES[i].padding, NULL);
+        CHECK(lightmap && again &&
+                  memcmp(lightmap->region, again->region, scene->instance_count * sizeof *again->region) == 0,
+              "case %zu: not the same twice", i);
+        lmb_lightmap_destroy(again);
+        lmb_lightmap_destroy(lightmap);
+    }
+    lmb_scene_destroy(scene);
+}
+
 static const test_case CASES[] = {
     {"unused UVs are named", unused_uvs_are_named},
     {"warnings do not flood", warnings_do_not_flood},
@@ -378,6 +440,7 @@ static const test_case CASES[] = {
     {"small islands are named", small_islands_are_named},
     {"padding is as wide as asked", padding_is_as_wide_as_asked},
     {"padding is kept", padding_is_kept},
+    {"images are used", images_are_used},
 };
 
 TEST_MAIN(CASES)
