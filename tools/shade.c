@@ -73,8 +73,10 @@ static lmb_gather_point seen_point(const lmb_shader *shader, const seen_surface 
         const lmb_vec3 position = lmb_trace_offset(seen->place.position, normal, rounding, normal);
         return (lmb_gather_point){.position = position, .hemisphere = true, .normal = seen->place.shading_normal};
     }
-    const float texel =
-        shader->lightmap ? shader->lightmap->region[seen->hit.instance].texel_size : shader->default_texel;
+    const lmb_lightmap *const lightmap = shader->lightmap;
+    const float texel = lightmap && lightmap->region[seen->hit.instance].image >= 0
+                            ? lightmap->region[seen->hit.instance].texel_size
+                            : shader->default_texel;
     bool pushed_out;
     return lmb_surface_gather_point(shader->transport->tracer, &seen->place, texel, &pushed_out);
 }

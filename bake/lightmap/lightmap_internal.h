@@ -91,6 +91,9 @@ size_t lmb_lightmap_largest_region(const lmb_lightmap *lightmap);
 /* The grid of an instance that has a region. */
 lmb_texel_grid lmb_lightmap_grid(const lmb_lightmap *lightmap, uint32_t instance);
 
+/* Texels per metre that an instance asks for: its own or the level's, times its factor. */
+double lmb_lightmap_density_asked(const lmb_lightmap *lightmap, uint32_t instance);
+
 /* Area of an instance's triangles, in square metres. */
 double lmb_instance_area(const lmb_scene *scene, uint32_t instance);
 
