@@ -121,6 +121,10 @@ static inline float *lmb_lightmap_plane(const lmb_lightmap_image *image, int cha
  * instance has none. */
 bool lmb_lightmap_sample(const lmb_lightmap *lightmap, const lmb_hit *hit, float channel[LMB_MODEL_MOST_CHANNELS]);
 
+/* The column and row of the texel at a hit, in the instance's image. False, and nothing written, where the instance has
+ * none. */
+bool lmb_lightmap_texel(const lmb_lightmap *lightmap, const lmb_hit *hit, int32_t *column, int32_t *row);
+
 /* Writes lightmap_N.exr for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the
  * new UVs, through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.
  * @return LMB_ERROR_WRITE, _MEMORY */
