@@ -260,6 +260,26 @@ static void a_bake_opens_again(void)
     lmb_baked_close(&baked);
 }
 
+/* Texels of all images, by lightmap.json. */
+static double image_texels(const char *path)
+{
+    unsigned char *data = NULL;
+    size_t size = 0;
+    lmb_error error = {{0}};
+    CHECK(lmb_file_read(path, &data, &size, &error) == LMB_OK, "%s", error.message);
+    cJSON *json = cJSON_ParseWithLength((const char *)data, size);
+    double texels = 0.0;
+    const cJSON *image;
+    cJSON_ArrayForEach(image, cJSON_GetObjectItem(json, "images"))
+    {
+        texels += cJSON_GetNumberValue(cJSON_GetObjectItem(image, "width")) *
+                  cJSON_GetNumberValue(cJSON_GetObjectItem(image, "height"));
+    }
+    cJSON_Delete(json);
+    free(data);
+    return texels;
+}
+
 /* The text is bake.json without its files. */
 static void the_record_is_what_lies_there(void)
 {
@@ -276,6 +296,9 @@ static void the_record_is_what_lies_there(void)
     CHECK(cJSON_GetArraySize(cJSON_GetObjectItem(there, "files")) == 4, "%s", (const char *)data);
     cJSON_DeleteItemFromObject(there, "files");
     CHECK(cJSON_Compare(told, there, true), "told\n%s\nand there\n%s", text, (const char *)data);
+    const double used = cJSON_GetNumberValue(cJSON_GetObjectItem(there, "texels_used"));
+    const double expected = (double)record.lightmap.elements / image_texels(OUTPUT "/record/lightmap/lightmap.json");
+    CHECK(used > 0.0 && used <= 1.0 && fabs(used - expected) < 1e-12, "%.17g of the images, not %.17g", used, expected);
     cJSON_Delete(told);
     cJSON_Delete(there);
     free(text);
@@ -294,6 +317,7 @@ static void a_plan_writes_nothing(void)
     }
     CHECK(lmb_bake_plan(&settings, &listener, &plan, &error) == LMB_OK, "%s", error.message);
     CHECK(plan.probes == record.probes && plan.texels_covered == record.texels_covered &&
+              plan.texels_used == record.texels_used && plan.charts == record.charts &&
               plan.surface.cells == record.surface.cells && plan.expected_seconds > 0.0,
           "%d probes, %g s", plan.probes, plan.expected_seconds);
     CHECK(!all.seen[LMB_PHASE_PROBES] && !all.seen[LMB_PHASE_WRITE], "a plan gathers or writes");

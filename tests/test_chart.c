@@ -312,6 +312,25 @@ static int points_covered_twice(const lmb_mesh *mesh, const lmb_charts *charts)
     return twice;
 }
 
+/* How far a triangle reaches into a texel, by the axis that tells them apart best; negative: not at all. */
+static double flat_reach(const flat *f, int x, int y)
+{
+    double x0, x1, y0, y1;
+    flat_range(f, 0, &x0, &x1);
+    flat_range(f, 1, &y0, &y1);
+    double reach = fmin(fmin(x1 - x, x + 1 - x0), fmin(y1 - y, y + 1 - y0));
+    for (int e = 0; e < 3; ++e) {
+        const double *const a = f->p[e];
+        const double *const b = f->p[(e + 1) % 3];
+        const double dx = b[0] - a[0], dy = b[1] - a[1], length = hypot(dx, dy);
+        if (length > 0.0) {
+            const double middle = (dx * (y + 0.5 - a[1]) - dy * (x + 0.5 - a[0])) / length;
+            reach = fmin(reach, middle + 0.5 * (fabs(dx) + fabs(dy)) / length);
+        }
+    }
+    return reach;
+}
+
 /* Marks every texel that a triangle touches by more than rounding, then looks for another chart's marks around each. */
 static int gutter_violations(const lmb_mesh *mesh, const lmb_charts *charts, int gutter)
 {
@@ -325,7 +344,7 @@ static int gutter_violations(const lmb_mesh *mesh, const lmb_charts *charts, int
         flat_range(&f, 1, &y0, &y1);
         for (int y = (int)(y0 + 2e-3); y <= (int)(y1 - 2e-3) && y < size; ++y) {
             for (int x = (int)(x0 + 2e-3); x <= (int)(x1 - 2e-3) && x < size; ++x) {
-                if (flat_depth(&f, x + 0.5, y + 0.5) > -0.7071) { /* may mark a few texels too many, never too few */
+                if (flat_reach(&f, x, y) > 2e-3) {
                     owner[(size_t)y * (size_t)size + (size_t)x] = charts->chart[t] + 1;
                     wrong += x < gutter || y < gutter || x >= size - gutter || y >= size - gutter;
                 }
@@ -438,7 +457,8 @@ static void cubes(void)
 {
     builder b = cube_make(false);
     CHECK(charts_check("cube", &b.mesh, 16.0f, 2, NULL) == 6, "one chart a side");
-    CHECK(charts_check("tiny cube", &b.mesh, 0.01f, 2, NULL) == 6, "one texel a side");
+    CHECK(charts_check("small cube", &b.mesh, 1.0f, 2, NULL) == 6, "one texel a side");
+    CHECK(charts_check("tiny cube", &b.mesh, 0.01f, 2, NULL) == 1, "one texel for what shows nothing");
     CHECK(charts_check("cube, no gutter", &b.mesh, 16.0f, 0, NULL) == 6, "no gutter");
     builder_free(&b);
     b = cube_make(true);
@@ -462,6 +482,83 @@ static void packing_is_tight_where_it_can_be(void)
         lmb_charts_free(&charts);
     }
     builder_free(&b);
+}
+
+/* A quad of its own vertices. */
+static void square_add(builder *b, const float origin[3], const float u[3], const float v[3])
+{
+    uint32_t corner[4];
+    for (int k = 0; k < 4; ++k) {
+        const float along_u = k == 1 || k == 2 ? 1.0f : 0.0f, along_v = k >= 2 ? 1.0f : 0.0f;
+        corner[k] =
+            vertex_add(b, origin[0] + along_u * u[0] + along_v * v[0], origin[1] + along_u * u[1] + along_v * v[1],
+                       origin[2] + along_u * u[2] + along_v * v[2]);
+    }
+    quad_add(b, corner[0], corner[1], corner[2], corner[3]);
+}
+
+/* A frame of 40 texels around a hole of 24, and what just fits into that with its gutters. */
+static void packing_fills_holes(void)
+{
+    builder b = builder_make(64, 32);
+    static const float joints[4][2] = {{8, 8}, {32, 8}, {32, 32}, {8, 32}};
+    uint32_t outer[4], inner[4];
+    for (int k = 0; k < 4; ++k) {
+        outer[k] = vertex_add(&b, k == 1 || k == 2 ? 40.0f : 0.0f, k >= 2 ? 40.0f : 0.0f, 0);
+        inner[k] = vertex_add(&b, joints[k][0], joints[k][1], 0);
+    }
+    for (int k = 0; k < 4; ++k) {
+        quad_add(&b, outer[k], outer[(k + 1) % 4], inner[(k + 1) % 4], inner[k]);
+    }
+    for (int k = 0; k < 4; ++k) {
+        square_add(&b, (float[3]){0, 0, (float)(k + 1)}, (float[3]){9, 0, 0}, (float[3]){0, 9, 0});
+    }
+    normals_make(&b);
+    lmb_charts charts;
+    CHECK(charts_check("frame", &b.mesh, 1.0f, 2, NULL) == 5, "a frame and four squares");
+    if (lmb_charts_make(&b.mesh, 1.0f, 2, &charts) == LMB_OK) {
+        CHECK(charts.resolution == 44, "resolution %d", charts.resolution);
+        lmb_charts_free(&charts);
+    }
+    builder_free(&b);
+}
+
+/* Two walls of 20 x 20 texels at a right angle, with a strip at 45 degrees between them. */
+static builder bevel_make(float width)
+{
+    builder b = builder_make(12, 6);
+    const float d = 0.70710678f * width;
+    square_add(&b, (float[3]){0, 0, 0}, (float[3]){20, 0, 0}, (float[3]){0, 0, -20});
+    square_add(&b, (float[3]){0, 0, -20}, (float[3]){20, 0, 0}, (float[3]){0, d, -d});
+    square_add(&b, (float[3]){0, d, -20 - d}, (float[3]){20, 0, 0}, (float[3]){0, 20, 0});
+    normals_make(&b);
+    return b;
+}
+
+static void small_charts_are_joined(void)
+{
+    static const struct {
+        const char *name;
+        float width;
+        uint32_t charts;
+    } cases[] = {{"hair bevel", 0.01f, 2}, {"narrow bevel", 0.5f, 2}, {"wide bevel", 2.0f, 3}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        builder b = bevel_make(cases[i].width);
+        const uint32_t count = charts_check(cases[i].name, &b.mesh, 1.0f, 2, NULL);
+        CHECK(count == cases[i].charts, "%s: %u charts", cases[i].name, count);
+        builder_free(&b);
+    }
+    /* A rim at a right angle joins the floor when it is a sliver, and has texels of its own when it shows. */
+    static const float heights[] = {0.1f, 1.0f};
+    for (int i = 0; i < 2; ++i) {
+        builder b = builder_make(8, 4);
+        square_add(&b, (float[3]){0, 0, 0}, (float[3]){20, 0, 0}, (float[3]){0, 0, -20});
+        square_add(&b, (float[3]){0, 0, -20}, (float[3]){20, 0, 0}, (float[3]){0, heights[i], 0});
+        normals_make(&b);
+        const uint32_t count = charts_check("rim", &b.mesh, 0.7f, 2, NULL);
+        CHECK(count == (i == 0 ? 1 : 2), "rim of %g: %u charts", (double)heights[i], count);
+        builder_free(&b);
+    }
 }
 
 static void curved_meshes(void)
@@ -578,11 +675,11 @@ static void result_is_the_same_everywhere(void)
     uint64_t hash = 0;
     builder b = terrain_make(24, 0.4f);
     charts_check("golden terrain", &b.mesh, 9.0f, 2, &hash);
-    CHECK(hash == UINT64_C(0x1963e6d52ee2d32b), "terrain: 0x%016llx", (unsigned long long)hash);
+    CHECK(hash == UINT64_C(0xaa89f52ae86c7036), "terrain: 0x%016llx", (unsigned long long)hash);
     builder_free(&b);
     b = soup_make(300);
     charts_check("golden soup", &b.mesh, 5.0f, 1, &hash);
-    CHECK(hash == UINT64_C(0x6c6239eef8345700), "soup: 0x%016llx", (unsigned long long)hash);
+    CHECK(hash == UINT64_C(0x37f1cf836b03bb5e), "soup: 0x%016llx", (unsigned long long)hash);
     builder_free(&b);
 }
 
@@ -772,6 +869,8 @@ static void real_levels(void)
 static const test_case CASES[] = {
     {"cubes", cubes},
     {"packing is tight where it can be", packing_is_tight_where_it_can_be},
+    {"packing fills holes", packing_fills_holes},
+    {"small charts are joined", small_charts_are_joined},
     {"curved meshes", curved_meshes},
     {"rough meshes", rough_meshes},
     {"non-manifold meshes", non_manifold_meshes},

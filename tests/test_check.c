@@ -371,6 +371,13 @@ static void lightmaps_take_part(void)
         const double unoccluded = report.error[CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP].rel_rmse;
         CHECK(unoccluded > 0.2 && unoccluded < 0.35, "unoccluded: %g", unoccluded);
         CHECK(report.lightmap_leak == 0.0, "nothing is dark");
+        /* What has no lightmap is not compared with one. */
+        lightmap->region[0].image = -1;
+        CHECK(check_run(&subject, &settings, NULL, &report) == LMB_OK, "runs");
+        for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
+            CHECK(isnan(report.error[pair].rel_rmse) == check_pair_needs_lightmap((check_pair)pair), "%s",
+                  check_pair_name((check_pair)pair));
+        }
     }
     lmb_lightmap_destroy(lightmap);
     constant_volume_close(&light);

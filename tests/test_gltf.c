@@ -457,6 +457,52 @@ static void test_light_extents(void)
     }
 }
 
+/* Densities and whether there is a lightmap at all: from the nearest node up that tells. */
+static void test_lightmap_marks(void)
+{
+    static const struct {
+        const char *above, *own, *warned;
+        bool off;
+        float density, scale;
+    } nodes[] = {
+        {"", "", NULL, false, 0, 0},
+        {"", "'texels_per_m':12.5", NULL, false, 12.5f, 0},
+        {"'texels_per_m':3,'texel_scale':2", "", NULL, false, 3, 2},
+        {"'texels_per_m':3,'texel_scale':2", "'texel_scale':0.5", NULL, false, 3, 0.5f},
+        {"'texel_scale':2", "'texels_per_m':7", NULL, false, 7, 2},
+        {"'lightmap':false", "", NULL, true, 0, 0},
+        {"'lightmap':0", "'lightmap':1", NULL, false, 0, 0},
+        {"'lightmap':true", "'lightmap':false,'texel_scale':4", NULL, true, 0, 4},
+        {"", "'lightmap':'no'", "lightmap is neither", false, 0, 0},
+        {"'texels_per_m':3", "'texels_per_m':0", "texels_per_m is not", false, 3, 0},
+        {"", "'texels_per_m':-1", "texels_per_m is not", false, 0, 0},
+        {"", "'texels_per_m':'8'", "texels_per_m is not", false, 0, 0},
+        {"", "'texel_scale':1e300", "texel_scale is not", false, 0, 0},
+        {"", "'texel_scale':null", "texel_scale is not", false, 0, 0},
+        {"", "'texels':3", "texels is unknown", false, 0, 0},
+    };
+    for (size_t i = 0; i < sizeof nodes / sizeof nodes[0]; ++i) {
+        char text[2048];
+        snprintf(text, sizeof text,
+                 QUAD "'nodes':[{'children':[1],'extras':{'lambent':{%s}}},{'mesh':0,'extras':{'lambent':{%s}}}]}",
+                 nodes[i].above, nodes[i].own);
+        warning_log log = {0};
+        const lmb_gltf_options options = {.warnings = {warning_keep, &log}};
+        lmb_scene *scene = NULL;
+        CHECK(load_text_with("lightmap_marks", text, &options, &scene) == LMB_OK && scene->instance_count == 1,
+              "%s: %s", nodes[i].own, error.message);
+        if (scene) {
+            const lmb_instance *const made = &scene->instances[0];
+            CHECK(made->no_lightmap == nodes[i].off && made->texels_per_m == nodes[i].density &&
+                      made->texel_scale == nodes[i].scale,
+                  "%zu: %d, %g, %g", i, made->no_lightmap, (double)made->texels_per_m, (double)made->texel_scale);
+            CHECK(log.count == (nodes[i].warned ? 1 : 0) && (!nodes[i].warned || strstr(log.last, nodes[i].warned)),
+                  "%zu: %d warnings, '%s'", i, log.count, log.last);
+        }
+        lmb_scene_destroy(scene);
+    }
+}
+
 static void test_marks_and_exclusion(void)
 {
     static const char text[] =
@@ -740,6 +786,7 @@ static const test_case cases[] = {
     {"materials", test_materials},
     {"lights", test_lights},
     {"light_extents", test_light_extents},
+    {"lightmap marks", test_lightmap_marks},
     {"marks and exclusion", test_marks_and_exclusion},
     {"repairs", test_repairs},
     {"empty levels", test_empty_levels},

@@ -2,6 +2,8 @@
 #include "lightmap_fixture.h"
 #include "variates.h"
 
+#include <lambent/file.h>
+
 enum { LINES_MOST = 32, LINE_SIZE = 512 };
 
 /* Keeps what is said. */
@@ -266,6 +268,10 @@ static void charts_mark(const lmb_lightmap *lightmap, uint32_t instance, int32_t
             at.x += weight[c] * (corner.x * region->scale.x + region->offset.x) * (float)image->width;
             at.y += weight[c] * (corner.y * region->scale.y + region->offset.y) * (float)image->height;
         }
+        const float fx = at.x - floorf(at.x), fy = at.y - floorf(at.y);
+        if (fx < 2e-3f || fx > 0.998f || fy < 2e-3f || fy > 0.998f) {
+            continue; /* so near to the border the texel may be the neighbour's */
+        }
         const lmb_vec3 n = mesh->normal[mesh->triangle[t][0]];
         const int32_t way = (int32_t)lroundf(n.x + 3.0f * n.y + 9.0f * n.z) + 20;
         chart[(size_t)at.y * (size_t)image->width + (size_t)at.x] = 1 + (int32_t)instance * 256 + way;
@@ -366,6 +372,171 @@ static void padding_is_kept(void)
     baked_close(&bake);
 }
 
+/* Boxes of many sizes in a room, each a mesh of its own; some stand several times. */
+static lmb_result write_boxes(const char *path, int count, lmb_error *error)
+{
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    const int material = plain_material(builder, 0.5f);
+    uint64_t state = 17;
+    for (int i = 0; i < count; ++i) {
+        char name[16];
+        snprintf(name, sizeof name, "box%d", i);
+        const int mesh = lmb_level_builder_add_mesh(builder, name);
+        const float x = 0.5f + 2.0f * (float)variate_next(&state), y = 0.5f + 2.0f * (float)variate_next(&state);
+        const lmb_level_box box = lmb_level_box_of(
+            (lmb_vec3){0, 0, 0}, (lmb_vec3){x, y, 0.5f + 2.0f * (float)variate_next(&state)}, material);
+        lmb_level_builder_add_box(builder, mesh, &box);
+        for (int k = 0; k <= i % 3; ++k) {
+            lmb_level_builder_place(builder, name, mesh, (lmb_vec3){4.0f * (float)i, 0, 4.0f * (float)k});
+        }
+    }
+    const lmb_result result = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+/* Texels that are used, of the images; and those are no larger than they need to be. */
+static void images_are_used(void)
+{
+    static const struct {
+        float texels_per_m, least;
+        int32_t size, padding;
+    } CASES[] = {{8.0f, 0.6f, 2048, 1}, {16.0f, 0.7f, 2048, 1}, {16.0f, 0.6f, 512, 2}, {32.0f, 0.75f, 1024, 1}};
+    lmb_error error = {""};
+    const char *path = OUTPUT("layout_boxes.glb");
+    lmb_scene *scene = scene_load(path, write_boxes(path, 30, &error), &error);
+    for (uint32_t m = 0; scene && m < scene->mesh_count; ++m) {
+        uv_break(&scene->meshes[m], LMB_UV_MISSING);
+    }
+    for (size_t i = 0; scene && i < sizeof CASES / sizeof CASES[0]; ++i) {
+        lmb_lightmap *lightmap = layout_make(scene, CASES[i].texels_per_m, CASES[i].size, CASES[i].padding, NULL);
+        const double used = lightmap ? lmb_lightmap_texels_used(lightmap) : 0.0;
+        CHECK(used >= (double)CASES[i].least && used <= 1.0, "case %zu: %g of the images", i, used);
+        CHECK(!lightmap || lightmap->chart_count == 6 * 30, "case %zu: %llu charts", i,
+              (unsigned long long)lightmap->chart_count);
+        for (int32_t k = 0; lightmap && k < lightmap->image_count; ++k) {
+            const lmb_lightmap_image *image = &lightmap->image[k];
+            CHECK(image->width % 4 == 0 && image->height % 4 == 0 && image->width <= CASES[i].size &&
+                      image->height <= CASES[i].size,
+                  "case %zu: image of %d x %d", i, (int)image->width, (int)image->height);
+        }
+        lmb_lightmap *again = layout_make(scene, CASES[i].texels_per_m, CASES[i].size, CASES[i].padding, NULL);
+        CHECK(lightmap && again &&
+                  memcmp(lightmap->region, again->region, scene->instance_count * sizeof *again->region) == 0,
+              "case %zu: not the same twice", i);
+        lmb_lightmap_destroy(again);
+        lmb_lightmap_destroy(lightmap);
+    }
+    lmb_scene_destroy(scene);
+}
+
+/* A tile for each wish, each of a mesh of its own, and two of one mesh. */
+static lmb_result write_wishes(const char *path, lmb_error *error)
+{
+    static const struct {
+        const char *name;
+        bool off;
+        float texels_per_m, texel_scale;
+    } TILES[] = {{"plain", false, 0, 0},
+                 {"own", false, 16, 0},
+                 {"twice", false, 0, 2},
+                 {"both", false, 16, 0.5f},
+                 {"dark", true, 0, 0}};
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    const int material = plain_material(builder, 0.5f);
+    for (size_t i = 0; i < sizeof TILES / sizeof TILES[0]; ++i) {
+        lmb_level_node node = lmb_level_node_default(TILES[i].name);
+        node.mesh = lmb_level_builder_add_mesh(builder, TILES[i].name);
+        lmb_level_builder_add_quad(builder, node.mesh, material, (lmb_vec3){-2, 0, 2}, (lmb_vec3){4, 0, 0},
+                                   (lmb_vec3){0, 0, -4});
+        node.translation = (lmb_vec3){6.0f * (float)i, 0, 0};
+        node.no_lightmap = TILES[i].off;
+        node.texels_per_m = TILES[i].texels_per_m;
+        node.texel_scale = TILES[i].texel_scale;
+        lmb_level_builder_add_node(builder, &node);
+        if (i == 0) {
+            node.name = "sharing";
+            node.texels_per_m = 8;
+            node.translation = (lmb_vec3){0, 0, 6};
+            lmb_level_builder_add_node(builder, &node);
+        }
+    }
+    add_sun(builder, 1.0f);
+    const lmb_result result = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+/* At 4 texels a metre, with the mesh's own UVs and with charts, of which nodes with one mesh share the densest. */
+static void nodes_have_their_density(void)
+{
+    static const struct {
+        const char *name;
+        double own, charts; /* texels a metre; 0: no lightmap */
+    } EXPECTED[] = {{"plain", 4, 8}, {"sharing", 8, 8}, {"own", 16, 16},
+                    {"twice", 8, 8}, {"both", 8, 8},    {"dark", 0, 0}};
+    enum { COUNT = sizeof EXPECTED / sizeof EXPECTED[0] };
+    lmb_error error = {""};
+    const char *path = OUTPUT("layout_wishes.glb");
+    lmb_scene *scene = scene_load(path, write_wishes(path, &error), &error);
+    for (int charts = 0; scene && charts < 2; ++charts) {
+        for (uint32_t m = 0; charts && m < scene->mesh_count; ++m) {
+            uv_break(&scene->meshes[m], LMB_UV_MISSING);
+        }
+        lmb_lightmap *lightmap = layout_make(scene, 4.0f, 1024, 1, NULL);
+        CHECK(scene->instance_count == COUNT, "%u nodes", scene->instance_count);
+        for (uint32_t i = 0; lightmap && i < scene->instance_count && i < COUNT; ++i) {
+            const double wanted = charts ? EXPECTED[i].charts : EXPECTED[i].own;
+            const lmb_lightmap_region *region = &lightmap->region[i];
+            CHECK(strcmp(scene->instances[i].name, EXPECTED[i].name) == 0, "%s", scene->instances[i].name);
+            CHECK((region->image >= 0) == (wanted > 0.0), "%s: image %d", EXPECTED[i].name, (int)region->image);
+            if (wanted > 0.0) {
+                CHECK_NEAR((double)region->texel_size * wanted, 1.0, 0.1, "%s, charts %d", EXPECTED[i].name, charts);
+            }
+        }
+        lmb_lightmap_destroy(lightmap);
+    }
+    lmb_scene_destroy(scene);
+}
+
+/* A node without a lightmap is in no file of it, and is a surface like others. */
+static void nodes_without_lightmap_cast_shadows(void)
+{
+    lmb_error error = {""};
+    const char *path = OUTPUT("layout_none.glb");
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    const int material = plain_material(builder, 0.0f);
+    const int floor = lmb_level_builder_add_mesh(builder, "floor");
+    lmb_level_builder_add_quad(builder, floor, material, (lmb_vec3){-2, 0, 2}, (lmb_vec3){4, 0, 0},
+                               (lmb_vec3){0, 0, -4});
+    lmb_level_builder_place(builder, "floor", floor, (lmb_vec3){0, 0, 0});
+    lmb_level_node roof = lmb_level_node_default("roof");
+    roof.mesh = floor;
+    roof.translation = (lmb_vec3){0, 1, 0};
+    roof.no_lightmap = true;
+    lmb_level_builder_add_node(builder, &roof);
+    add_sun(builder, 3.0f);
+    const lmb_result written = lmb_level_builder_write(builder, path, &error);
+    lmb_level_builder_destroy(builder);
+    baked bake;
+    if (!baked_open(&bake, path, written, &error, (baked_settings){4.0f, 8, 2})) {
+        return;
+    }
+    CHECK(bake.lightmap->region[0].image == 0 && bake.lightmap->region[1].image == -1, "regions");
+    CHECK_NEAR(sample_irradz(bake.lightmap, 0, 0, 0.3f, 0.3f).irradiance_z.c[0], 0.0, 0.0, "under the roof");
+    uint64_t bytes = 0;
+    unsigned char *text = NULL;
+    size_t size = 0;
+    CHECK(lmb_lightmap_write(bake.lightmap, LMB_TEST_OUTPUT_DIR, NULL, &bytes, &error) == LMB_OK &&
+              lmb_lightmap_read(bake.lightmap, LMB_TEST_OUTPUT_DIR, &error) == LMB_OK &&
+              lmb_file_read(LMB_TEST_OUTPUT_DIR "/lightmap.json", &text, &size, &error) == LMB_OK,
+          "%s", error.message);
+    CHECK(text && strstr((const char *)text, "\"floor\"") && !strstr((const char *)text, "\"roof\""), "%s",
+          text ? (const char *)text : "");
+    free(text);
+    baked_close(&bake);
+}
+
 static const test_case CASES[] = {
     {"unused UVs are named", unused_uvs_are_named},
     {"warnings do not flood", warnings_do_not_flood},
@@ -373,6 +544,9 @@ static const test_case CASES[] = {
     {"small islands are named", small_islands_are_named},
     {"padding is as wide as asked", padding_is_as_wide_as_asked},
     {"padding is kept", padding_is_kept},
+    {"images are used", images_are_used},
+    {"nodes have their density", nodes_have_their_density},
+    {"nodes without a lightmap cast shadows", nodes_without_lightmap_cast_shadows},
 };
 
 TEST_MAIN(CASES)

@@ -246,6 +246,45 @@ static void furnace_looks_the_same_everywhere(void)
     level_fixture_close(&level);
 }
 
+/* Down the middle of a wall, from the middle of the room: squares of half a metre, or no lightmap at all. */
+static void density_shows_texels(void)
+{
+    lmb_error error = {""};
+    level_fixture level;
+    constant_volume light;
+    const char *path = OUTPUT("density.glb");
+    const lmb_result written = lmb_level_furnace(path, 4.0f, 0.5f, (lmb_rgb){{1, 1, 1}}, false, &error);
+    if (!level_fixture_open(&level, path, written, &error, 2)) {
+        return;
+    }
+    lmb_lightmap *lightmap = NULL;
+    const lmb_lightmap_settings settings = {.texels_per_m = 2.0f, .max_image_size = 256};
+    CHECK(lmb_lightmap_create(level.scene, &settings, &lightmap, &error) == LMB_OK, "%s", error.message);
+    if (lightmap && constant_volume_make(level.scene, (lmb_rgb){{1, 1, 1}}, &light)) {
+        const lmb_shader shader = {
+            .transport = &level.transport, .volume = light.volume, .lightmap = lightmap, .default_texel = 0.1f};
+        const lmb_camera camera = camera_look_at((lmb_vec3){0, 0, 1}, (lmb_vec3){0.1f, 0, -2}, 60.0f);
+        static float rgb[3 * WIDTH * HEIGHT];
+        double mean = 0.0;
+        int changes = 0;
+        if (draw(&level, &shader, camera, RENDER_DENSITY, rgb, &mean)) {
+            for (int y = 1; y < HEIGHT; ++y) {
+                const float above = rgb[3 * (20 + WIDTH * (y - 1))], here = rgb[3 * (20 + WIDTH * y)];
+                changes += (above > 0.5f) != (here > 0.5f);
+            }
+        }
+        /* 3.46 m of wall are seen. */
+        CHECK(changes >= 5 && changes <= 8, "%d changes down a wall", changes);
+        lightmap->region[0].image = -1;
+        CHECK(draw(&level, &shader, camera, RENDER_DENSITY, rgb, &mean), "draws");
+        CHECK_NEAR(rgb[3 * (20 + WIDTH * 15)], 0.5, 1e-6, "red without a lightmap");
+        CHECK_NEAR(rgb[3 * (20 + WIDTH * 15) + 1], 0.1, 1e-6, "red without a lightmap");
+        constant_volume_close(&light);
+    }
+    lmb_lightmap_destroy(lightmap);
+    level_fixture_close(&level);
+}
+
 /* A pane of half opacity in front of a glowing box lets half of it through, over black. */
 static lmb_result write_pane(const char *path, lmb_error *error)
 {
@@ -313,6 +352,7 @@ static const test_case cases[] = {
     {"difference_colours", difference_colours},
     {"axes_appear_where_they_should", axes_appear_where_they_should},
     {"furnace_looks_the_same_everywhere", furnace_looks_the_same_everywhere},
+    {"density shows texels", density_shows_texels},
     {"panes_let_light_through", panes_let_light_through},
     {"default_camera_stands_inside_a_room", default_camera_stands_inside_a_room},
 };

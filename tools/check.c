@@ -72,6 +72,7 @@ typedef struct check_work {
     coincident_noise *coincident;
     bool avoid_solids;
     bool *free_found;
+    bool *mapped; /* whether the surface has a lightmap there */
 } check_work;
 
 static void evaluate_channels(const lmb_model *model, const float *channel, lmb_vec3 vertex_normal,
@@ -117,7 +118,8 @@ typedef struct surface_sample {
     lmb_gather_point point;
     lmb_vec3 normals[NORMALS];
     irradiance_set reference[2];
-    irradiance_set lightmap; /* where the bake has one */
+    bool has_lightmap;
+    irradiance_set lightmap; /* where there is one */
 } surface_sample;
 
 static void record(check_work *work, const surface_sample *sample, check_pair pair, const irradiance_set *x)
@@ -129,7 +131,7 @@ static void record(check_work *work, const surface_sample *sample, check_pair pa
     case CHECK_COINCIDENT_PROBE_VS_LIGHTMAP:
     case CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP:
     case CHECK_PROBE_CONE_VS_LIGHTMAP:
-        if (!work->subject->lightmap) {
+        if (!sample->has_lightmap) {
             return;
         }
         r1 = r2 = &sample->lightmap;
@@ -147,13 +149,14 @@ static surface_sample sample_make(const check_work *work, size_t task)
     const lmb_hit at =
         lmb_opaque_surface_point(&work->surface, lmb_mix(seed, STREAM_SURFACE), (uint32_t)task, work->settings.points);
     const lmb_place place = lmb_trace_place(subject->transport->tracer, &at);
-    const float texel = subject->lightmap ? subject->lightmap->region[at.instance].texel_size : work->default_texel;
-    surface_sample sample = {.index = task};
+    const bool has_lightmap = subject->lightmap && subject->lightmap->region[at.instance].image >= 0;
+    const float texel = has_lightmap ? subject->lightmap->region[at.instance].texel_size : work->default_texel;
+    surface_sample sample = {.index = task, .has_lightmap = has_lightmap};
     bool pushed_out;
     sample.point = lmb_surface_gather_point(subject->transport->tracer, &place, texel, &pushed_out);
     shading_normals(sample.point.normal, lmb_mix(lmb_mix(seed, STREAM_NORMALS), task), NORMALS, sample.normals);
     gather_reference(work, &sample.point, sample.normals, sample.reference);
-    if (subject->lightmap) {
+    if (has_lightmap) {
         float channel[LMB_MODEL_MOST_CHANNELS];
         lmb_lightmap_sample(subject->lightmap, &at, channel);
         evaluate_channels(subject->lightmap->model, channel, sample.point.normal, sample.normals, &sample.lightmap);
@@ -206,7 +209,8 @@ static void surface_task(void *context, size_t task, int worker)
     evaluate_probe(LMB_MODEL_FOR_OBJECT, &radiance, normal, 0.0f, sample.normals, &x);
     record(work, &sample, CHECK_OBJECT_VS_REFERENCE, &x);
     record_coincident(work, &sample);
-    if (subject->lightmap) {
+    work->mapped[task] = sample.has_lightmap;
+    if (sample.has_lightmap) {
         evaluate_unoccluded(&radiance, sample.normals, &x);
         record(work, &sample, CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP, &x);
         record_cone(work, &sample, &radiance);
@@ -249,7 +253,8 @@ static lmb_result work_prepare(const check_subject *subject, const check_setting
     work->lightmap_lights = calloc(points, sizeof *work->lightmap_lights);
     work->coincident = calloc(points, sizeof *work->coincident);
     work->free_found = calloc(points, sizeof *work->free_found);
-    bool good = work->lights && work->lightmap_lights && work->coincident && work->free_found;
+    work->mapped = calloc(points, sizeof *work->mapped);
+    bool good = work->lights && work->lightmap_lights && work->coincident && work->free_found && work->mapped;
     for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
         work->errors[pair] = calloc(points, sizeof *work->errors[pair]);
         good = good && work->errors[pair];
@@ -266,17 +271,34 @@ static void work_free(check_work *work)
     free(work->lightmap_lights);
     free(work->coincident);
     free(work->free_found);
+    free(work->mapped);
     lmb_opaque_surface_free(&work->surface);
 }
 
-/* Moves the errors of the free points that were found to the front. */
-static size_t free_points_compact(check_work *work)
+/* Moves the errors of points that have one to the front. Returns how many have. */
+static size_t errors_compact(point_error *errors, const bool *has, size_t count)
 {
-    point_error *errors = work->errors[CHECK_VOLUME_VS_REFERENCE];
     size_t found = 0;
-    for (size_t i = 0; i < work->settings.points; ++i) {
-        if (work->free_found[i]) {
+    for (size_t i = 0; i < count; ++i) {
+        if (has[i]) {
             errors[found++] = errors[i];
+        }
+    }
+    return found;
+}
+
+/* The same of all that is compared with lightmaps. */
+static size_t mapped_compact(check_work *work, size_t count)
+{
+    size_t found = 0;
+    for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
+        if (pairs[pair].needs_lightmap) {
+            errors_compact(work->errors[pair], work->mapped, count);
+        }
+    }
+    for (size_t i = 0; i < count; ++i) {
+        if (work->mapped[i]) {
+            work->lightmap_lights[found++] = work->lightmap_lights[i];
         }
     }
     return found;
@@ -314,18 +336,20 @@ static lmb_result work_report(check_work *work, size_t surface_points, check_rep
 {
     const bool lightmap = work->subject->lightmap != NULL;
     report->points = surface_points;
-    report->free_points = free_points_compact(work);
+    report->free_points =
+        errors_compact(work->errors[CHECK_VOLUME_VS_REFERENCE], work->free_found, work->settings.points);
+    const size_t mapped = mapped_compact(work, surface_points);
     for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
-        const size_t count = pairs[pair].needs_lightmap && !lightmap ? 0
-                             : pair == CHECK_VOLUME_VS_REFERENCE     ? report->free_points
-                                                                     : surface_points;
+        const size_t count = pairs[pair].needs_lightmap          ? mapped
+                             : pair == CHECK_VOLUME_VS_REFERENCE ? report->free_points
+                                                                 : surface_points;
         const lmb_result result = error_summarize(work->errors[pair], count, &report->error[pair]);
         if (result != LMB_OK) {
             return result;
         }
     }
     report->leak = leak_summarize(work->lights, surface_points);
-    report->lightmap_leak = lightmap ? leak_summarize(work->lightmap_lights, surface_points).leak : missing;
+    report->lightmap_leak = lightmap ? leak_summarize(work->lightmap_lights, mapped).leak : missing;
     coincident_noise sum = {0.0, 0.0};
     for (size_t i = 0; i < surface_points; ++i) {
         sum.error_squared += work->coincident[i].error_squared;

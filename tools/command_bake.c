@@ -71,8 +71,9 @@ static void plan_print(const lmb_bake_record *record)
     printf("probes  %d at %g m (%d traced, %d dilated)\n", record->probes, (double)settings->spacing,
            record->placement.probes_valid, record->placement.probes_dilated);
     if (settings->lightmaps) {
-        printf("texels  %llu at %g a metre, in %d images\n", (unsigned long long)record->texels_covered,
-               (double)settings->texels_per_m, record->images);
+        printf("texels  %llu at %g a metre, in %d images, of which they are %.1f %%\n",
+               (unsigned long long)record->texels_covered, (double)settings->texels_per_m, record->images,
+               100.0 * record->texels_used);
     }
     if (record->surface_solved) {
         printf("cells   %u on surfaces, of %.3g m, solved in %.3g s\n", record->surface.cells,
@@ -90,6 +91,8 @@ static cJSON *plan_json(const lmb_bake_record *record)
     cJSON_AddNumberToObject(json, "spacing", (double)record->settings.spacing);
     cJSON_AddNumberToObject(json, "texels", (double)record->texels_covered);
     cJSON_AddNumberToObject(json, "images", record->images);
+    cJSON_AddNumberToObject(json, "texels_used", record->texels_used);
+    cJSON_AddNumberToObject(json, "charts", (double)record->charts);
     cJSON_AddNumberToObject(json, "surface_cells", record->surface.cells);
     cJSON_AddNumberToObject(json, "expected_seconds", record->expected_seconds);
     cJSON_AddNumberToObject(json, "threads", record->threads);
@@ -106,8 +109,9 @@ static void summary_print(const lmb_bake_record *record, const char *directory)
     printf("probes    %d at %g m, %.1f s\n", record->probes, (double)settings->spacing,
            record->seconds[LMB_PHASE_PROBES]);
     if (settings->lightmaps) {
-        printf("lightmap  %llu texels in %d images, %.1f s\n", (unsigned long long)record->lightmap.elements,
-               record->images, record->seconds[LMB_PHASE_LIGHTMAPS]);
+        printf("lightmap  %llu texels in %d images, %.1f %% of them, %llu charts made, %.1f s\n",
+               (unsigned long long)record->lightmap.elements, record->images, 100.0 * record->texels_used,
+               (unsigned long long)record->charts, record->seconds[LMB_PHASE_LIGHTMAPS]);
     }
     if (settings->lightmaps && settings->denoise) {
         printf("denoise   %.1f s\n", record->seconds[LMB_PHASE_DENOISE]);

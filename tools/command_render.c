@@ -29,6 +29,7 @@ static const char usage[] =
     "                        probes      surfaces by probes too\n"
     "                        reference   all by the path tracer: the truth\n"
     "                        difference  final - reference: red is too bright, blue too dark\n"
+    "                        density     a checker of lightmap texels; red where there is no lightmap\n"
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
     "                        sphere is put there\n"
@@ -70,7 +71,7 @@ typedef struct render_options {
 
 static const char *const mode_names[] = {
     [RENDER_FINAL] = "final",         [RENDER_LIGHTMAP] = "lightmap",     [RENDER_PROBES] = "probes",
-    [RENDER_REFERENCE] = "reference", [RENDER_DIFFERENCE] = "difference",
+    [RENDER_REFERENCE] = "reference", [RENDER_DIFFERENCE] = "difference", [RENDER_DENSITY] = "density",
 };
 
 static void mode_read(lmb_arguments *arguments, const char *option, render_options *options)
@@ -83,7 +84,7 @@ static void mode_read(lmb_arguments *arguments, const char *option, render_optio
         }
     }
     if (!arguments->failed) {
-        arguments_error(arguments, "--mode takes final, lightmap, probes, reference or difference, not", name);
+        arguments_error(arguments, "--mode takes final, lightmap, probes, reference, difference or density, not", name);
     }
 }
 

@@ -46,6 +46,7 @@ static lmb_rgb pixel_render(const render_work *work, int32_t x, int32_t y, doubl
         } else {
             const lmb_light_source source = settings->mode == RENDER_REFERENCE ? SOURCE_REFERENCE
                                             : settings->mode == RENDER_PROBES  ? SOURCE_PROBES
+                                            : settings->mode == RENDER_DENSITY ? SOURCE_TEXELS
                                                                                : SOURCE_STORED;
             value = shade_ray(&work->shader, source, camera->position, direction);
         }

@@ -6,11 +6,12 @@
 #include "shade.h"
 
 typedef enum lmb_render_mode {
-    RENDER_FINAL,     /* surfaces by lightmaps, objects by probes */
-    RENDER_LIGHTMAP,  /* the stored irradiance, as on white paper */
-    RENDER_PROBES,    /* surfaces by probes too */
-    RENDER_REFERENCE, /* the truth, as far as surfaces reflect diffusely once more towards the camera */
-    RENDER_DIFFERENCE /* final - reference, signed */
+    RENDER_FINAL,      /* surfaces by lightmaps, objects by probes */
+    RENDER_LIGHTMAP,   /* the stored irradiance, as on white paper */
+    RENDER_PROBES,     /* surfaces by probes too */
+    RENDER_REFERENCE,  /* the truth, as far as surfaces reflect diffusely once more towards the camera */
+    RENDER_DIFFERENCE, /* final - reference, signed */
+    RENDER_DENSITY     /* a checker of the lightmap's texels */
 } lmb_render_mode;
 
 /* Samples of a pixel are shared among so many rays, evenly: rounded up. */

@@ -73,8 +73,10 @@ static lmb_gather_point seen_point(const lmb_shader *shader, const seen_surface 
         const lmb_vec3 position = lmb_trace_offset(seen->place.position, normal, rounding, normal);
         return (lmb_gather_point){.position = position, .hemisphere = true, .normal = seen->place.shading_normal};
     }
-    const float texel =
-        shader->lightmap ? shader->lightmap->region[seen->hit.instance].texel_size : shader->default_texel;
+    const lmb_lightmap *const lightmap = shader->lightmap;
+    const float texel = lightmap && lightmap->region[seen->hit.instance].image >= 0
+                            ? lightmap->region[seen->hit.instance].texel_size
+                            : shader->default_texel;
     bool pushed_out;
     return lmb_surface_gather_point(shader->transport->tracer, &seen->place, texel, &pushed_out);
 }
@@ -131,6 +133,17 @@ static bool has_texels(const lmb_shader *shader, const seen_surface *seen)
     return !seen->object && !seen->back && shader->lightmap && shader->lightmap->region[seen->hit.instance].image >= 0;
 }
 
+/* One square for each texel, light and dark by turns. */
+static lmb_rgb texel_colour(const lmb_shader *shader, const seen_surface *seen)
+{
+    static const lmb_rgb light = {{0.8f, 0.8f, 0.8f}}, dark = {{0.2f, 0.2f, 0.2f}}, none = {{0.5f, 0.1f, 0.05f}};
+    int32_t column = 0, row = 0;
+    if (!has_texels(shader, seen) || !lmb_lightmap_texel(shader->lightmap, &seen->hit, &column, &row)) {
+        return none;
+    }
+    return ((column + row) & 1) != 0 ? light : dark;
+}
+
 /* Unlit surfaces take no light: they show their base colour. */
 static bool seen_unlit_colour(const seen_surface *seen, lmb_rgb *colour)
 {
@@ -146,6 +159,9 @@ static bool seen_unlit_colour(const seen_surface *seen, lmb_rgb *colour)
 
 static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen)
 {
+    if (source == SOURCE_TEXELS) {
+        return texel_colour(shader, seen);
+    }
     lmb_rgb unlit;
     if (!shader->irradiance_only && seen_unlit_colour(seen, &unlit)) {
         return unlit;

@@ -8,9 +8,10 @@
 #include "render_object.h"
 
 typedef enum lmb_light_source {
-    SOURCE_STORED,   /* surfaces by lightmaps, where there are none (and on back sides) by probes; objects by probes */
-    SOURCE_PROBES,   /* everything by probes */
-    SOURCE_REFERENCE /* everything by the path tracer */
+    SOURCE_STORED,    /* surfaces by lightmaps, where there are none (and on back sides) by probes; objects by probes */
+    SOURCE_PROBES,    /* everything by probes */
+    SOURCE_REFERENCE, /* everything by the path tracer */
+    SOURCE_TEXELS     /* no light: a checker of the lightmap's texels, and another colour where there are none */
 } lmb_light_source;
 
 /* What is looked at. The pointers must outlive every call; nothing is written. */

@@ -11,6 +11,10 @@
 /* More of them say nothing new. */
 enum { MAX_WARNINGS = 8 };
 
+/* Densities outside of this are mistakes, and no floats. */
+#define LMB_GLTF_LEAST_DENSITY 1e-9
+#define LMB_GLTF_MOST_DENSITY 1e9
+
 typedef struct extras_reader {
     const lmb_gltf_file *file;
     const lmb_warnings *warnings;
@@ -62,22 +66,47 @@ static void read_extent(extras_reader *reader, const cJSON *item, const char *na
     }
 }
 
+/* How dense the texels are. */
+static void read_density(extras_reader *reader, const cJSON *item, const char *name, const char *key, double *density)
+{
+    if (cJSON_IsNumber(item) && item->valuedouble >= LMB_GLTF_LEAST_DENSITY &&
+        item->valuedouble <= LMB_GLTF_MOST_DENSITY) {
+        *density = item->valuedouble;
+    } else {
+        doubt(reader, name, key, "is not a number above 0: ignored");
+    }
+}
+
+/* Marks that are true or false. Returns whether this is one. */
+static bool read_switch(extras_reader *reader, const cJSON *item, const char *name, const char *key,
+                        lmb_gltf_marks *marks)
+{
+    const bool is_static = strcmp(item->string, "static") == 0, is_seed = strcmp(item->string, "seed") == 0;
+    bool value;
+    if (!is_static && !is_seed && strcmp(item->string, "lightmap") != 0) {
+        return false;
+    }
+    if (!read_bool(item, &value)) {
+        doubt(reader, name, key, "is neither true nor false: ignored");
+    } else if (is_static) {
+        marks->moves = value ? LMB_GLTF_STANDS : LMB_GLTF_MOVES;
+    } else if (is_seed) {
+        marks->seed = value;
+    } else {
+        marks->lightmap = value ? LMB_GLTF_MAP_ON : LMB_GLTF_MAP_OFF;
+    }
+    return true;
+}
+
 static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char *name, uint32_t index,
                             lmb_gltf_marks *marks)
 {
     char key[LMB_GLTF_WHERE_SIZE];
     lmb_gltf_where(key, "lambent.%s", item->string);
-    const bool is_static = strcmp(item->string, "static") == 0, is_seed = strcmp(item->string, "seed") == 0;
-    bool value;
-    if (is_static || is_seed) {
-        if (!read_bool(item, &value)) {
-            doubt(reader, name, key, "is neither true nor false: ignored");
-        } else if (is_static) {
-            marks->moves = value ? LMB_GLTF_STANDS : LMB_GLTF_MOVES;
-        } else {
-            marks->seed = value;
-        }
-    } else if (strcmp(item->string, "path") == 0) {
+    if (read_switch(reader, item, name, key, marks)) {
+        return LMB_OK;
+    }
+    if (strcmp(item->string, "path") == 0) {
         marks->has_path = cJSON_IsNumber(item);
         marks->path = marks->has_path ? item->valuedouble : 0.0;
         if (!marks->has_path) {
@@ -87,6 +116,10 @@ static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char
         read_extent(reader, item, name, key, 180.0, &marks->angle_deg);
     } else if (strcmp(item->string, "radius_m") == 0) {
         read_extent(reader, item, name, key, 1e18, &marks->radius_m);
+    } else if (strcmp(item->string, "texels_per_m") == 0) {
+        read_density(reader, item, name, key, &marks->texels_per_m);
+    } else if (strcmp(item->string, "texel_scale") == 0) {
+        read_density(reader, item, name, key, &marks->texel_scale);
     } else if (strcmp(item->string, "light") == 0) {
         if (cJSON_IsString(item)) {
             return read_light(reader, item, index, marks);

@@ -13,13 +13,17 @@ extern "C" {
 typedef enum lmb_gltf_movement { LMB_GLTF_AS_ABOVE, LMB_GLTF_STANDS, LMB_GLTF_MOVES } lmb_gltf_movement;
 typedef enum lmb_gltf_light_part { LMB_GLTF_BAKED, LMB_GLTF_INDIRECT, LMB_GLTF_OFF } lmb_gltf_light_part;
 
+typedef enum lmb_gltf_lightmap { LMB_GLTF_MAP_AS_ABOVE, LMB_GLTF_MAP_ON, LMB_GLTF_MAP_OFF } lmb_gltf_lightmap;
+
 typedef struct lmb_gltf_marks {
     lmb_gltf_movement moves;
     lmb_gltf_light_part light;
     bool seed, has_path;
     bool hidden; /* with all below it; the other marks count all the same */
     double path;
-    double angle_deg, radius_m; /* of the node's light; 0: not told */
+    lmb_gltf_lightmap lightmap;
+    double texels_per_m, texel_scale; /* 0: as above */
+    double angle_deg, radius_m;       /* of the node's light; 0: not told */
 } lmb_gltf_marks;
 
 /* The marks of all nodes, malloc'ed. What is not understood is warned about, but for a wrong `light`.

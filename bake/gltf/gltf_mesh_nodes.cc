@@ -143,7 +143,10 @@ void mesh_nodes::add_instance(const placement &placing, const lmb_affine &to_wor
     instance.place = int32_t(placing.index);
     instance.mesh = placing.mesh;
     instance.position_step = std::max(placing.step, lmb_position_step(placed.file_reach, &to_world));
-    instance.dynamic = placing.dynamic;
+    instance.dynamic = placing.wishes.dynamic;
+    instance.no_lightmap = placing.wishes.no_lightmap;
+    instance.texels_per_m = placing.wishes.texels_per_m;
+    instance.texel_scale = placing.wishes.texel_scale;
     if (scene_.instance_count == MAX_INSTANCES) {
         document_.fail(LMB_ERROR_UNSUPPORTED, "nodes[%u]: too many instances", placing.node);
     }
@@ -153,7 +156,7 @@ void mesh_nodes::add_instance(const placement &placing, const lmb_affine &to_wor
 }
 
 /* EXT_mesh_gpu_instancing. */
-void mesh_nodes::add_instances(uint32_t node, uint32_t mesh, const Value &attributes, bool dynamic)
+void mesh_nodes::add_instances(uint32_t node, uint32_t mesh, const Value &attributes, const node_wishes &wishes)
 {
     const lmb_affine &to_world = nodes_[node].to_world;
     std::vector<float> values[3];
@@ -175,20 +178,20 @@ void mesh_nodes::add_instances(uint32_t node, uint32_t mesh, const Value &attrib
                                            values[2].empty() ? nullptr : &values[2][3 * index], &local, &reach)) {
             document_.fail(LMB_ERROR_FORMAT, "nodes[%u]: instance %u is not finite", node, index);
         }
-        add_instance({node, index, mesh, dynamic, lmb_position_step(reach, &to_world)}, product(to_world, local));
+        add_instance({node, index, mesh, wishes, lmb_position_step(reach, &to_world)}, product(to_world, local));
     }
 }
 
-void mesh_nodes::add(uint32_t index, bool dynamic)
+void mesh_nodes::add(uint32_t index, const node_wishes &wishes)
 {
     const tinygltf::Node &node = document_.model.nodes[index];
     const uint32_t mesh = mesh_of(index);
     const Value &attributes = member(find_extension(node.extensions, "EXT_mesh_gpu_instancing"), "attributes");
     if (node.skin < 0 && attributes.IsObject()) {
-        add_instances(index, mesh, attributes, dynamic);
+        add_instances(index, mesh, attributes, wishes);
     } else {
         /* Joints alone place a skinned mesh (glTF 2.0, 3.7.3.3). */
-        add_instance({index, 0, mesh, dynamic, 0.0f}, node.skin >= 0 ? identity : nodes_[index].to_world);
+        add_instance({index, 0, mesh, wishes, 0.0f}, node.skin >= 0 ? identity : nodes_[index].to_world);
     }
 }
 

@@ -8,20 +8,26 @@
 
 namespace lmb_gltf {
 
+/* What a node and those above it want of its instances. */
+struct node_wishes {
+    bool dynamic, no_lightmap;
+    float texels_per_m, texel_scale; /* lmb_instance */
+};
+
 class mesh_nodes {
   public:
     /* `nodes` counts from the scene's origin. What is added tells `materials` which of them are used. */
     mesh_nodes(const document &document, const std::vector<world_node> &nodes, materials &materials, lmb_scene &scene);
 
     /* Adds node `node`, which holds a mesh. */
-    void add(uint32_t node, bool dynamic);
+    void add(uint32_t node, const node_wishes &wishes);
 
   private:
     struct placement {
         uint32_t node;
         uint32_t index; /* in EXT_mesh_gpu_instancing */
         uint32_t mesh;
-        bool dynamic;
+        node_wishes wishes;
         float step; /* lmb_instance.position_step that comes from the translation */
     };
 
@@ -31,7 +37,7 @@ class mesh_nodes {
     lmb_gltf_primitive read_primitive(const tinygltf::Primitive &source, const cJSON *item, uint32_t mesh,
                                       uint32_t index);
     void find_uvs(const tinygltf::Primitive &source, lmb_gltf_primitive &primitive, uint32_t mesh);
-    void add_instances(uint32_t node, uint32_t mesh, const Value &attributes, bool dynamic);
+    void add_instances(uint32_t node, uint32_t mesh, const Value &attributes, const node_wishes &wishes);
     void add_instance(const placement &placing, const lmb_affine &to_world);
 
     const document &document_;

@@ -37,8 +37,26 @@ float view_angle(const document &document, int32_t camera)
 /* A node to come, with what those above it want. */
 struct visit {
     uint32_t node;
-    bool dynamic, hidden;
+    bool hidden;
+    node_wishes wishes;
 };
+
+/* What a node says goes before what those above it said. */
+void wish(const lmb_gltf_marks &marks, node_wishes &wishes)
+{
+    if (marks.moves != LMB_GLTF_AS_ABOVE) {
+        wishes.dynamic = marks.moves == LMB_GLTF_MOVES;
+    }
+    if (marks.lightmap != LMB_GLTF_MAP_AS_ABOVE) {
+        wishes.no_lightmap = marks.lightmap == LMB_GLTF_MAP_OFF;
+    }
+    if (marks.texels_per_m > 0.0) {
+        wishes.texels_per_m = float(marks.texels_per_m);
+    }
+    if (marks.texel_scale > 0.0) {
+        wishes.texel_scale = float(marks.texel_scale);
+    }
+}
 
 class walk {
   public:
@@ -95,7 +113,7 @@ void walk::add(const visit &visit)
         add_light(document_, uint32_t(light), visit.node, to_world, scene_, warnings_);
     }
     if (node.mesh >= 0 && !visit.hidden) {
-        meshes_.add(visit.node, visit.dynamic);
+        meshes_.add(visit.node, visit.wishes);
     }
 }
 
@@ -105,13 +123,13 @@ std::vector<visit> walk::roots() const
     std::vector<visit> roots;
     if (!model.scenes.empty()) {
         for (const int node : model.scenes[size_t(std::max(model.defaultScene, 0))].nodes) {
-            roots.push_back({uint32_t(node), false, false});
+            roots.push_back({uint32_t(node), false, {}});
         }
         return roots;
     }
     for (size_t i = 0; i < nodes_.size(); ++i) {
         if (nodes_[i].parent == NONE) {
-            roots.push_back({uint32_t(i), false, false});
+            roots.push_back({uint32_t(i), false, {}});
         }
     }
     return roots;
@@ -137,12 +155,12 @@ void walk::run()
             continue;
         }
         const lmb_gltf_marks &marks = document_.marks[next.node];
-        next.dynamic = marks.moves == LMB_GLTF_MOVES || (marks.moves == LMB_GLTF_AS_ABOVE && next.dynamic);
+        wish(marks, next.wishes);
         next.hidden |= marks.hidden;
         add(next);
         const std::vector<int> &children = document_.model.nodes[next.node].children;
         for (auto child = children.rbegin(); child != children.rend(); ++child) {
-            pending.push_back({uint32_t(*child), next.dynamic, next.hidden});
+            pending.push_back({uint32_t(*child), next.hidden, next.wishes});
         }
     }
     add_path();

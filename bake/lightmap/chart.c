@@ -7,8 +7,6 @@
 
 /* Faces lean at most 45 degrees from their chart's mean normal: none is flattened to less than 0.7 of its size. */
 static const double MAX_LEAN_COS = 0.70710678118654752;
-/* Faces of a chart may reach this far into each other, in texels: rounding, and far less than anyone sees. */
-static const double OVERLAP_TEXELS = 1e-4;
 
 enum { LEAF_SIZE = 4, NONE = -1 };
 
@@ -36,7 +34,7 @@ typedef enum member_state { MEMBER_WAITING, MEMBER_ACCEPTED, MEMBER_REFUSED } me
 typedef struct grower {
     const lmb_mesh *mesh;
     chart_mesh faces;
-    double overlap;  /* OVERLAP_TEXELS in units of the mesh */
+    double overlap;  /* CHART_OVERLAP_TEXELS in units of the mesh */
     uint32_t *chart; /* [triangle] UINT32_MAX: none yet */
     uint32_t *visit; /* [triangle] number of the walk that met it last */
     uint32_t walk;
@@ -72,7 +70,7 @@ static lmb_result grower_make(const lmb_mesh *mesh, float texels_per_m, grower *
     while (leaves * LEAF_SIZE < count) {
         leaves *= 2;
     }
-    *g = (grower){.mesh = mesh, .overlap = OVERLAP_TEXELS / (double)texels_per_m};
+    *g = (grower){.mesh = mesh, .overlap = CHART_OVERLAP_TEXELS / (double)texels_per_m};
     g->chart = malloc(count * sizeof *g->chart);
     g->visit = calloc(count, sizeof *g->visit);
     g->members = malloc(count * sizeof *g->members);
@@ -242,16 +240,16 @@ static void tree_build(grower *g)
 }
 
 /* Whether an edge of `a` has all of `b` on its outer side, but for `slack`. */
-static bool edge_separates(const flat_triangle *a, const flat_triangle *b, double slack)
+static bool edge_separates(const chart_vec2 *a, const chart_vec2 *b, double slack)
 {
     for (int e = 0; e < 3; ++e) {
-        const chart_vec2 from = a->p[e];
-        const chart_vec2 to = a->p[(e + 1) % 3];
+        const chart_vec2 from = a[e];
+        const chart_vec2 to = a[(e + 1) % 3];
         const double dx = to.x - from.x;
         const double dy = to.y - from.y;
         double deepest = -HUGE_VAL;
         for (int k = 0; k < 3; ++k) {
-            deepest = fmax(deepest, dx * (b->p[k].y - from.y) - dy * (b->p[k].x - from.x));
+            deepest = fmax(deepest, dx * (b[k].y - from.y) - dy * (b[k].x - from.x));
         }
         if (deepest <= slack * sqrt(dx * dx + dy * dy)) {
             return true;
@@ -261,7 +259,7 @@ static bool edge_separates(const flat_triangle *a, const flat_triangle *b, doubl
 }
 
 /* Separating axes: in the plane, one of the six edges separates two triangles that do not overlap. */
-static bool triangles_overlap(const flat_triangle *a, const flat_triangle *b, double slack)
+bool chart_triangles_overlap(const chart_vec2 *a, const chart_vec2 *b, double slack)
 {
     return !edge_separates(a, b, slack) && !edge_separates(b, a, slack);
 }
@@ -286,7 +284,7 @@ static bool accepted_overlap(const grower *g, uint32_t member)
         const uint32_t first = (node - g->leaf_count) * LEAF_SIZE;
         for (uint32_t i = first; i < first + LEAF_SIZE && i < g->member_count; ++i) {
             const uint32_t other = g->order[i].member;
-            if (g->state[other] == MEMBER_ACCEPTED && triangles_overlap(own, &g->flat[other], g->overlap)) {
+            if (g->state[other] == MEMBER_ACCEPTED && chart_triangles_overlap(own->p, g->flat[other].p, g->overlap)) {
                 return true;
             }
         }
@@ -321,17 +319,8 @@ static void members_accept(grower *g, uint32_t seed, uint32_t number)
     }
 }
 
-/* What growing fills: corners of all triangles with an area, chart by chart. */
-typedef struct layout {
-    chart_vec2 *corners; /* [3 * place + corner] */
-    uint32_t *triangles; /* [place] */
-    chart_flat *charts;
-    size_t chart_count;
-    size_t corner_count;
-} layout;
-
 /* Grows one chart and appends it; its scale makes the mean density what was asked for. */
-static void chart_grow(grower *g, uint32_t seed, double texels_per_m, layout *out)
+static void chart_grow(grower *g, uint32_t seed, double texels_per_m, chart_layout *out)
 {
     chart_flat *const flat = &out->charts[out->chart_count];
     double normal[3];
@@ -371,13 +360,13 @@ static int ranked_compare(const void *a, const void *b)
     return (p->triangle > q->triangle) - (p->triangle < q->triangle);
 }
 
-static lmb_result layout_make(grower *g, double texels_per_m, layout *out)
+static lmb_result layout_make(grower *g, double texels_per_m, chart_layout *out)
 {
     const size_t count = g->faces.triangle_count;
     ranked *const seeds = malloc(count * sizeof *seeds);
-    *out = (layout){.corners = malloc(3 * count * sizeof *out->corners),
-                    .triangles = malloc(count * sizeof *out->triangles),
-                    .charts = malloc(count * sizeof *out->charts)};
+    *out = (chart_layout){.corners = malloc(3 * count * sizeof *out->corners),
+                          .triangles = malloc(count * sizeof *out->triangles),
+                          .charts = malloc(count * sizeof *out->charts)};
     if (!seeds || !out->corners || !out->triangles || !out->charts) {
         free(seeds);
         return LMB_ERROR_MEMORY;
@@ -404,7 +393,7 @@ static lmb_result layout_make(grower *g, double texels_per_m, layout *out)
 }
 
 /* Triangles without area become a point: the corner of a neighbour, or the first corner of all. `at` is scratch. */
-static void degenerate_place(const grower *g, const layout *flat, uint32_t *at, lmb_charts *charts)
+static void degenerate_place(const grower *g, const chart_layout *flat, uint32_t *at, lmb_charts *charts)
 {
     memset(at, 0xff, g->mesh->vertex_count * sizeof *at);
     for (size_t i = 0; i < flat->corner_count; ++i) {
@@ -428,7 +417,7 @@ static void degenerate_place(const grower *g, const layout *flat, uint32_t *at, 
     }
 }
 
-static lmb_result charts_fill(const grower *g, const layout *flat, int32_t resolution, lmb_charts *charts)
+static lmb_result charts_fill(const grower *g, const chart_layout *flat, int32_t resolution, lmb_charts *charts)
 {
     const size_t count = g->mesh->triangle_count;
     lmb_charts made = {.chart_count = (uint32_t)flat->chart_count, .resolution = resolution};
@@ -464,11 +453,14 @@ lmb_result lmb_charts_make(const lmb_mesh *mesh, float texels_per_m, int32_t gut
         return LMB_OK;
     }
     grower g;
-    layout flat = {0};
+    chart_layout flat = {0};
     int32_t resolution = 0;
     lmb_result result = grower_make(mesh, texels_per_m, &g);
     if (result == LMB_OK) {
         result = layout_make(&g, (double)texels_per_m, &flat);
+    }
+    if (result == LMB_OK) {
+        result = chart_join(&g.faces, &flat, g.chart);
     }
     if (result == LMB_OK) {
         result = chart_pack(flat.charts, flat.chart_count, flat.corners, gutter_texels, &resolution);

@@ -100,6 +100,8 @@ static void edges_pair(const lmb_mesh *mesh, half_edge *edges, size_t count, cha
         }
         if (best) {
             best->taken = 1;
+            out->across[edges[i].triangle][edges[i].corner] = best->triangle;
+            out->across[best->triangle][best->corner] = edges[i].triangle;
             if (edge_is_soft(mesh, &edges[i], best)) {
                 out->neighbour[edges[i].triangle][edges[i].corner] = best->triangle;
                 out->neighbour[best->triangle][best->corner] = edges[i].triangle;
@@ -149,11 +151,12 @@ lmb_result chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out)
     *out = (chart_mesh){.triangle_count = mesh->triangle_count};
     out->weld = malloc((mesh->vertex_count + (size_t)1) * sizeof *out->weld);
     out->neighbour = malloc((triangles + 1) * sizeof *out->neighbour);
+    out->across = malloc((triangles + 1) * sizeof *out->across);
     out->normal = malloc((triangles + 1) * sizeof *out->normal);
     out->area = malloc((triangles + 1) * sizeof *out->area);
     half_edge *const edges = malloc((3 * triangles + 1) * sizeof *edges);
     size_t *const firsts = malloc((mesh->vertex_count + (size_t)1) * sizeof *firsts);
-    if (!out->weld || !out->neighbour || !out->normal || !out->area || !edges || !firsts ||
+    if (!out->weld || !out->neighbour || !out->across || !out->normal || !out->area || !edges || !firsts ||
         !lmb_mesh_weld(mesh, out->weld)) {
         free(edges);
         free(firsts);
@@ -161,7 +164,9 @@ lmb_result chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out)
     }
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         triangle_measure(mesh, t, out->normal[t], &out->area[t]);
-        out->neighbour[t][0] = out->neighbour[t][1] = out->neighbour[t][2] = -1;
+        for (int e = 0; e < 3; ++e) {
+            out->neighbour[t][e] = out->across[t][e] = -1;
+        }
     }
     const size_t count = half_edges_sort(mesh, out, firsts, edges);
     for (size_t first = 0; first < count;) {
@@ -181,6 +186,7 @@ void chart_mesh_free(chart_mesh *mesh)
 {
     free(mesh->weld);
     free(mesh->neighbour);
+    free(mesh->across);
     free(mesh->normal);
     free(mesh->area);
     *mesh = (chart_mesh){0};

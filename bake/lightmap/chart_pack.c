@@ -1,9 +1,7 @@
-#include "lightmap/chart_internal.h"
+#include "lightmap/chart_widths.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-#include <stb_rect_pack.h>
 
 enum { MAX_RESOLUTION = 32768, RESOLUTION_STEP = 4, MAX_HULL_EDGES = 256 };
 /* A box may stick out of its texels by this much, so that rounding does not cost a row. */
@@ -79,7 +77,7 @@ static chart_vec2 smallest_box_axis(const chart_vec2 *hull, size_t count)
 }
 
 /* Turns and scales one chart so that it fills its box, which stands at the origin. False: larger than any square. */
-static bool chart_fit(const chart_flat *chart, chart_vec2 *corners, chart_vec2 *scratch, stbrp_rect *box)
+static bool chart_fit(const chart_flat *chart, chart_vec2 *corners, chart_vec2 *scratch, int32_t size[2])
 {
     chart_vec2 *const own = corners + chart->first;
     for (size_t i = 0; i < chart->count; ++i) {
@@ -109,146 +107,80 @@ static bool chart_fit(const chart_flat *chart, chart_vec2 *corners, chart_vec2 *
         own[i].x += shift.x;
         own[i].y += shift.y;
     }
-    box->w = (stbrp_coord)width;
-    box->h = (stbrp_coord)height;
+    size[0] = (int32_t)width;
+    size[1] = (int32_t)height;
     return true;
 }
 
-static int box_compare_size(const void *a, const void *b)
+/* The bitmaps of a chart in all its turns: two of a full rectangle, which looks the same from the other side. */
+static bool item_make(const chart_flat *chart, const chart_vec2 *corners, const int32_t size[2], chart_item *item)
 {
-    const stbrp_rect *const p = a;
-    const stbrp_rect *const q = b;
-    if (p->h != q->h) {
-        return p->h > q->h ? -1 : 1;
+    bool enough = chart_shape_make(corners + chart->first, chart->count, size[0], size[1], &item->shape[0]);
+    item->turns = item->shape[0].solid ? CHART_TURNS / 2 : CHART_TURNS;
+    for (int k = 1; enough && k < item->turns; ++k) {
+        enough = chart_shape_turn(&item->shape[k - 1], &item->shape[k]);
     }
-    if (p->w != q->w) {
-        return p->w > q->w ? -1 : 1;
-    }
-    return (p->id > q->id) - (p->id < q->id);
+    return enough;
 }
 
-static int box_compare_place(const void *a, const void *b)
+/* Lays all charts into boxes of their own. */
+static lmb_result charts_fit(const chart_flat *charts, size_t count, chart_vec2 *corners, int32_t (*sizes)[2])
 {
-    const stbrp_rect *const p = a;
-    const stbrp_rect *const q = b;
-    if (p->y != q->y) {
-        return p->y < q->y ? -1 : 1;
-    }
-    return (p->x > q->x) - (p->x < q->x);
-}
-
-/* Boxes of equal size trade places until they lie in the order of their charts: which of them the packer takes first
- * depends on the C library's qsort(). `boxes` are sorted by size, then chart. */
-static bool equal_boxes_order(stbrp_rect *boxes, size_t count)
-{
-    stbrp_rect *const places = malloc(count * sizeof *places);
-    if (!places) {
-        return false;
-    }
-    for (size_t first = 0; first < count;) {
-        size_t end = first;
-        while (end < count && boxes[end].w == boxes[first].w && boxes[end].h == boxes[first].h) {
-            places[end - first] = boxes[end];
-            ++end;
-        }
-        qsort(places, end - first, sizeof *places, box_compare_place);
-        for (size_t i = first; i < end; ++i) {
-            boxes[i].x = places[i - first].x;
-            boxes[i].y = places[i - first].y;
-        }
-        first = end;
-    }
-    free(places);
-    return true;
-}
-
-static bool boxes_try(stbrp_rect *boxes, size_t count, int32_t side, stbrp_node *nodes)
-{
-    stbrp_context context;
-    stbrp_init_target(&context, side, side, nodes, side);
-    return stbrp_pack_rects(&context, boxes, (int)count) != 0;
-}
-
-static int32_t round_up(double value)
-{
-    return (int32_t)ceil(value / RESOLUTION_STEP) * RESOLUTION_STEP;
-}
-
-/* Finds the smallest square by growing 5 % at a time, then halving the last step. Boxes include one gutter. */
-static lmb_result boxes_pack(stbrp_rect *boxes, size_t count, int32_t gutter, int32_t *resolution)
-{
-    double area = 0.0;
-    int32_t longest = 0;
+    size_t most = 0;
     for (size_t i = 0; i < count; ++i) {
-        area += (double)boxes[i].w * (double)boxes[i].h;
-        longest = boxes[i].w > longest ? boxes[i].w : longest;
-        longest = boxes[i].h > longest ? boxes[i].h : longest;
+        most = charts[i].count > most ? charts[i].count : most;
     }
-    const double least = fmax(sqrt(area), longest) + gutter;
-    if (!(least <= MAX_RESOLUTION)) {
-        return LMB_ERROR_ARGUMENT;
-    }
-    stbrp_node *const nodes = malloc(MAX_RESOLUTION * sizeof *nodes);
-    if (!nodes) {
+    chart_vec2 *const scratch = malloc((2 * most + 1) * sizeof *scratch);
+    if (!scratch) {
         return LMB_ERROR_MEMORY;
     }
-    int32_t good = round_up(least);
-    int32_t bad = good - RESOLUTION_STEP;
-    while (good <= MAX_RESOLUTION && !boxes_try(boxes, count, good - gutter, nodes)) {
-        bad = good;
-        good = round_up(1.05 * good);
+    double area = 0.0; /* twice that of the largest square is surely too much, and may be much memory */
+    bool fits = true;
+    for (size_t i = 0; i < count && fits; ++i) {
+        fits = chart_fit(&charts[i], corners, scratch, sizes[i]);
+        area += fits ? (double)sizes[i][0] * (double)sizes[i][1] : 0.0;
+        fits = fits && area <= 2.0 * MAX_RESOLUTION * MAX_RESOLUTION;
     }
-    const bool fits = good <= MAX_RESOLUTION;
-    while (fits && good - bad > RESOLUTION_STEP) {
-        const int32_t middle = bad + (good - bad) / (2 * RESOLUTION_STEP) * RESOLUTION_STEP;
-        if (boxes_try(boxes, count, middle - gutter, nodes)) {
-            good = middle;
-        } else {
-            bad = middle;
-        }
-    }
-    if (fits) {
-        (void)boxes_try(boxes, count, good - gutter, nodes);
-    }
-    free(nodes);
-    *resolution = good;
+    free(scratch);
     return fits ? LMB_OK : LMB_ERROR_ARGUMENT;
+}
+
+/* Moves a chart's corners to where it was placed. */
+static void corners_move(const chart_flat *chart, const chart_item *item, const chart_place *place, chart_vec2 *corners)
+{
+    for (size_t k = chart->first; k < chart->first + chart->count; ++k) {
+        chart_vec2 p = corners[k];
+        for (int turn = 0; turn < place->turn; ++turn) {
+            p = (chart_vec2){item->shape[turn].height - p.y, p.x};
+        }
+        corners[k] = (chart_vec2){p.x + place->x, p.y + place->y};
+    }
 }
 
 lmb_result chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *corners, int32_t gutter_texels,
                       int32_t *resolution)
 {
-    size_t most = 0;
-    for (size_t i = 0; i < chart_count; ++i) {
-        most = charts[i].count > most ? charts[i].count : most;
-    }
-    lmb_result result = LMB_OK;
-    stbrp_rect *const boxes = calloc(chart_count, sizeof *boxes);
-    chart_vec2 *const scratch = malloc((2 * most + 1) * sizeof *scratch);
-    if (!boxes || !scratch) {
-        result = LMB_ERROR_MEMORY;
-    }
+    int32_t(*const sizes)[2] = malloc(chart_count * sizeof *sizes);
+    chart_item *const items = calloc(chart_count, sizeof *items);
+    chart_place *const places = malloc(chart_count * sizeof *places);
+    lmb_result result = sizes && items && places ? charts_fit(charts, chart_count, corners, sizes) : LMB_ERROR_MEMORY;
     for (size_t i = 0; i < chart_count && result == LMB_OK; ++i) {
-        boxes[i].id = (int)i;
-        result = chart_fit(&charts[i], corners, scratch, &boxes[i]) ? LMB_OK : LMB_ERROR_ARGUMENT;
-        boxes[i].w += gutter_texels;
-        boxes[i].h += gutter_texels;
+        items[i].id = i;
+        result = item_make(&charts[i], corners, sizes[i], &items[i]) ? LMB_OK : LMB_ERROR_MEMORY;
     }
     if (result == LMB_OK) {
-        qsort(boxes, chart_count, sizeof *boxes, box_compare_size);
-        result = boxes_pack(boxes, chart_count, gutter_texels, resolution);
-    }
-    if (result == LMB_OK && !equal_boxes_order(boxes, chart_count)) {
-        result = LMB_ERROR_MEMORY;
+        chart_items_sort(items, chart_count);
+        chart_widths job = {
+            .items = items, .count = chart_count, .gutter = gutter_texels, .most = MAX_RESOLUTION, .place = places};
+        result = chart_widths_pack(&job);
+        const int32_t side = job.width > job.height ? job.width : job.height;
+        *resolution = result == LMB_OK ? (side + RESOLUTION_STEP - 1) / RESOLUTION_STEP * RESOLUTION_STEP : *resolution;
     }
     for (size_t i = 0; i < chart_count && result == LMB_OK; ++i) {
-        const chart_flat *const chart = &charts[boxes[i].id];
-        for (size_t k = chart->first; k < chart->first + chart->count; ++k) {
-            corners[k].x += boxes[i].x + gutter_texels;
-            corners[k].y += boxes[i].y + gutter_texels;
-        }
+        corners_move(&charts[items[i].id], &items[i], &places[i], corners);
     }
-    free(boxes);
-    free(scratch);
+    free(sizes);
+    chart_items_free(items, chart_count);
+    free(places);
     return result;
 }

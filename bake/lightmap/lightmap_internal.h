@@ -106,6 +106,9 @@ void lmb_lightmap_footprint_find(const lmb_lightmap *lightmap, const lmb_hit *hi
 void lmb_lightmap_footprint_read(const lmb_lightmap *lightmap, const lmb_lightmap_footprint *footprint,
                                  float channel[LMB_MODEL_MOST_CHANNELS]);
 
+/* Texels per metre that an instance asks for: its own or the level's, times its factor. */
+double lmb_lightmap_density_asked(const lmb_lightmap *lightmap, uint32_t instance);
+
 /* Area of an instance's triangles, in square metres. */
 double lmb_instance_area(const lmb_scene *scene, uint32_t instance);
 

@@ -73,7 +73,20 @@ static double mesh_uv_area(const lmb_mesh *mesh, const lmb_vec2 *corner_uv)
 static bool instance_has_region(const lmb_scene *scene, uint32_t instance)
 {
     const lmb_instance *placed = &scene->instances[instance];
-    return !placed->dynamic && scene->meshes[placed->mesh].triangle_count > 0;
+    return !placed->dynamic && !placed->no_lightmap && scene->meshes[placed->mesh].triangle_count > 0;
+}
+
+/* The factor on the level's density, of instances that have none of their own. */
+static double instance_scale(const lmb_instance *placed)
+{
+    return placed->texel_scale > 0.0f ? (double)placed->texel_scale : 1.0;
+}
+
+double lmb_lightmap_density_asked(const lmb_lightmap *lightmap, uint32_t instance)
+{
+    const lmb_instance *placed = &lightmap->scene->instances[instance];
+    const float density = placed->texels_per_m > 0.0f ? placed->texels_per_m : lightmap->settings.texels_per_m;
+    return instance_scale(placed) * (double)density;
 }
 
 lmb_lightmap_settings lmb_lightmap_settings_default(const lmb_scene *scene)
@@ -81,7 +94,10 @@ lmb_lightmap_settings lmb_lightmap_settings_default(const lmb_scene *scene)
     lmb_lightmap_settings settings = {.texels_per_m = 1.0f, .max_image_size = 2048, .padding = 1};
     double area = 0.0;
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        area += instance_has_region(scene, i) ? lmb_instance_area(scene, i) : 0.0;
+        const lmb_instance *placed = &scene->instances[i];
+        if (instance_has_region(scene, i) && !(placed->texels_per_m > 0.0f)) {
+            area += lmb_instance_area(scene, i) * instance_scale(placed) * instance_scale(placed);
+        }
     }
     const double x = (double)scene->bounds_max.x - (double)scene->bounds_min.x;
     const double y = (double)scene->bounds_max.y - (double)scene->bounds_min.y;
@@ -97,7 +113,8 @@ lmb_lightmap_settings lmb_lightmap_settings_default(const lmb_scene *scene)
 typedef struct layout_work {
     lmb_lightmap *lightmap;
     double *instance_area; /* [instance] square metres */
-    double *largest_area;  /* [mesh] of its static instances; < 0: it has none */
+    double *texels;        /* [instance] that its area asks for */
+    double *most_texels;   /* [mesh] that an instance asks for; < 0: it has none */
     double *uv_area;       /* [mesh] of the UVs that it uses */
     int32_t *resolution;   /* [mesh] of its charts; 0: it has none */
     double *chart_share;   /* [mesh] of the density asked for that its charts have */
@@ -111,9 +128,9 @@ static lmb_result out_of_memory(lmb_error *error)
 }
 
 /* Texels along one unit of UV. */
-static int32_t uv_density(const layout_work *work, double world_area, double uv_area)
+static int32_t uv_density(double texels, double uv_area)
 {
-    const double density = ceil((double)work->lightmap->settings.texels_per_m * sqrt(world_area / uv_area));
+    const double density = ceil(sqrt(texels / uv_area));
     return density >= MAX_DENSITY ? MAX_DENSITY : density > MIN_DENSITY ? (int32_t)density : MIN_DENSITY;
 }
 
@@ -135,7 +152,7 @@ static lmb_result charts_islands_find(layout_work *work, uint32_t number, const 
 static lmb_result own_islands_find(layout_work *work, uint32_t number)
 {
     const lmb_lightmap *lightmap = work->lightmap;
-    const double density = uv_density(work, work->largest_area[number], work->uv_area[number]);
+    const double density = uv_density(work->most_texels[number], work->uv_area[number]);
     return !lightmap->settings.warnings.warn ||
                    lmb_uv_islands_find(&lightmap->scene->meshes[number], small_uv_area(density),
                                        &work->losses.islands[number]) == LMB_OK
@@ -151,7 +168,7 @@ static lmb_result mesh_make_charts(layout_work *work, uint32_t number)
     const double own_area = mesh_area(mesh, &identity);
     const int32_t padding = lightmap->settings.padding;
     const double room = lightmap->settings.max_image_size - 2 * padding;
-    const double asked = (double)lightmap->settings.texels_per_m * sqrt(work->largest_area[number] / own_area);
+    const double asked = sqrt(work->most_texels[number] / own_area);
     double density = fmin(asked, room / sqrt(own_area));
     for (int attempt = 0; attempt < CHART_ATTEMPTS && density > 0.0 && isfinite(density); ++attempt) {
         lmb_charts charts;
@@ -166,6 +183,7 @@ static lmb_result mesh_make_charts(layout_work *work, uint32_t number)
                 return out_of_memory(work->error);
             }
             lightmap->corner_uv[number] = charts.corner_uv;
+            lightmap->chart_count += charts.chart_count;
             charts.corner_uv = NULL;
             work->resolution[number] = charts.resolution;
             work->chart_share[number] = density / asked;
@@ -188,7 +206,7 @@ static lmb_result mesh_choose_uv(layout_work *work, uint32_t number)
     const double uv_area = mesh->uv[1] ? mesh_uv_area(mesh, NULL) : 0.0;
     int32_t resolution = MIN_CHECK_RESOLUTION;
     if (uv_area > 0.0 && isfinite(uv_area)) {
-        const int32_t density = uv_density(work, work->largest_area[number], uv_area);
+        const int32_t density = uv_density(work->most_texels[number], uv_area);
         resolution = density < MIN_CHECK_RESOLUTION   ? MIN_CHECK_RESOLUTION
                      : density > MAX_CHECK_RESOLUTION ? MAX_CHECK_RESOLUTION
                                                       : density;
@@ -236,12 +254,12 @@ static lmb_texel_grid instance_grid(const layout_work *work, uint32_t instance)
     const uint32_t mesh = lightmap->scene->instances[instance].mesh;
     double *share = &work->losses.density_share[instance];
     if (work->resolution[mesh] > 0) {
-        const double smaller = sqrt(work->largest_area[mesh] / work->instance_area[instance]);
+        const double smaller = sqrt(work->most_texels[mesh] / work->texels[instance]);
         *share = fmin(work->chart_share[mesh] * smaller, 1.0);
         return mesh_grid(lightmap, mesh, work->resolution[mesh]);
     }
     const int32_t room = lightmap->settings.max_image_size - 2 * lightmap->settings.padding;
-    int32_t density = uv_density(work, work->instance_area[instance], work->uv_area[mesh]);
+    int32_t density = uv_density(work->texels[instance], work->uv_area[mesh]);
     lmb_texel_grid grid = mesh_grid(lightmap, mesh, density);
     while (grid.width > room || grid.height > room) {
         const int32_t longest = grid.width > grid.height ? grid.width : grid.height;
@@ -250,8 +268,7 @@ static lmb_texel_grid instance_grid(const layout_work *work, uint32_t instance)
         density = lower < density ? lower : density - 1;
         grid = mesh_grid(lightmap, mesh, density);
     }
-    const double asked =
-        (double)lightmap->settings.texels_per_m * sqrt(work->instance_area[instance] / work->uv_area[mesh]);
+    const double asked = sqrt(work->texels[instance] / work->uv_area[mesh]);
     *share = fmin(density / asked, 1.0);
     return grid;
 }
@@ -367,7 +384,7 @@ static void texel_sizes_find(const layout_work *work)
     const lmb_lightmap *lightmap = work->lightmap;
     const lmb_scene *scene = lightmap->scene;
     for (uint32_t m = 0; m < scene->mesh_count; ++m) {
-        if (work->largest_area[m] >= 0.0) { /* the others need no UVs, and may have none */
+        if (work->most_texels[m] >= 0.0) { /* the others need no UVs, and may have none */
             work->uv_area[m] = mesh_uv_area(&scene->meshes[m], lightmap->corner_uv[m]);
         }
     }
@@ -385,21 +402,23 @@ static lmb_result layout_run(layout_work *work, lmb_texel_grid *grids)
     lmb_lightmap *lightmap = work->lightmap;
     const lmb_scene *scene = lightmap->scene;
     for (uint32_t m = 0; m < scene->mesh_count; ++m) {
-        work->largest_area[m] = -1.0;
+        work->most_texels[m] = -1.0;
         work->losses.first_instance[m] = UINT32_MAX;
     }
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         if (instance_has_region(scene, i)) {
             const uint32_t mesh = scene->instances[i].mesh;
+            const double density = lmb_lightmap_density_asked(lightmap, i);
             work->instance_area[i] = lmb_instance_area(scene, i);
-            work->largest_area[mesh] = fmax(work->largest_area[mesh], work->instance_area[i]);
+            work->texels[i] = work->instance_area[i] * density * density;
+            work->most_texels[mesh] = fmax(work->most_texels[mesh], work->texels[i]);
             uint32_t *first = &work->losses.first_instance[mesh];
             *first = *first < i ? *first : i;
         }
     }
     lmb_result result = LMB_OK;
     for (uint32_t m = 0; m < scene->mesh_count && result == LMB_OK; ++m) {
-        if (work->largest_area[m] >= 0.0) {
+        if (work->most_texels[m] >= 0.0) {
             result = mesh_choose_uv(work, m);
         }
     }
@@ -446,7 +465,8 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
     layout_work work = {
         .lightmap = created,
         .instance_area = calloc(instances, sizeof(double)),
-        .largest_area = calloc(meshes, sizeof(double)),
+        .texels = calloc(instances, sizeof(double)),
+        .most_texels = calloc(meshes, sizeof(double)),
         .uv_area = calloc(meshes, sizeof(double)),
         .resolution = calloc(meshes, sizeof(int32_t)),
         .chart_share = calloc(meshes, sizeof(double)),
@@ -465,15 +485,16 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
         created->fault = calloc(meshes, sizeof *created->fault);
     }
     if (created && created->region && created->corner_uv && created->fault && grids && work.instance_area &&
-        work.largest_area && work.uv_area && work.resolution && work.chart_share && work.losses.density_share &&
-        work.losses.islands && work.losses.first_instance) {
+        work.texels && work.most_texels && work.uv_area && work.resolution && work.chart_share &&
+        work.losses.density_share && work.losses.islands && work.losses.first_instance) {
         result = layout_run(&work, grids);
     } else {
         out_of_memory(error);
     }
     free(grids);
     free(work.instance_area);
-    free(work.largest_area);
+    free(work.texels);
+    free(work.most_texels);
     free(work.uv_area);
     free(work.resolution);
     free(work.chart_share);

@@ -63,3 +63,15 @@ bool lmb_lightmap_sample(const lmb_lightmap *lightmap, const lmb_hit *hit, float
     lmb_lightmap_footprint_read(lightmap, &footprint, channel);
     return true;
 }
+
+bool lmb_lightmap_texel(const lmb_lightmap *lightmap, const lmb_hit *hit, int32_t *column, int32_t *row)
+{
+    if (lightmap->region[hit->instance].image < 0) {
+        return false;
+    }
+    double x, y;
+    hit_find(lightmap, hit, &x, &y);
+    *column = (int32_t)floor(x + 0.5);
+    *row = (int32_t)floor(y + 0.5);
+    return true;
+}

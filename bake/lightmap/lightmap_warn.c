@@ -59,7 +59,7 @@ static void densities_warn(const lmb_lightmap *lightmap, const double *share)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
-        const double asked = (double)lightmap->settings.texels_per_m;
+        const double asked = lmb_lightmap_density_asked(lightmap, i);
         if (lightmap->region[i].image < 0 || share[i] >= LOWERED_SHARE || count++ >= MOST_NAMED) {
             continue;
         }
@@ -85,7 +85,7 @@ static void islands_warn(const lmb_lightmap *lightmap, const lmb_layout_losses *
                  "node '%s': %u of %u UV islands have less than %g texels at %.3g a metre, and their borders will "
                  "show: raise --texels-per-m%s",
                  node, islands->small_count, islands->count, LMB_SMALL_ISLAND_TEXELS,
-                 (double)lightmap->settings.texels_per_m,
+                 lmb_lightmap_density_asked(lightmap, losses->first_instance[m]),
                  lightmap->corner_uv[m] ? "" : ", or leave out its TEXCOORD_1 (larger charts are made then)");
     }
     others_warn(lightmap, count, "nodes have mostly UV islands of so few texels");

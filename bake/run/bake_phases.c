@@ -122,6 +122,8 @@ static void record_laid_out(lmb_bake *bake)
     record->settings.padding = lightmap->settings.padding;
     record->images = lightmap->image_count;
     record->texels_covered = lightmap->covered_texel_count;
+    record->texels_used = lmb_lightmap_texels_used(lightmap);
+    record->charts = lightmap->chart_count;
 }
 
 lmb_result lmb_bake_layout(lmb_bake *bake, lmb_error *error)

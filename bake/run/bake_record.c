@@ -67,6 +67,8 @@ static void json_add_elements(cJSON *json, const lmb_bake_record *record)
     cJSON_AddNumberToObject(json, "cells_crossed", (double)record->placement.cells_crossed);
     cJSON_AddNumberToObject(json, "texels", (double)record->lightmap.elements);
     cJSON_AddNumberToObject(json, "texels_pushed_out", (double)record->lightmap.moved);
+    cJSON_AddNumberToObject(json, "texels_used", record->texels_used);
+    cJSON_AddNumberToObject(json, "charts", (double)record->charts);
     cJSON_AddNumberToObject(json, "triangles_dropped", record->triangles_dropped);
     cJSON_AddNumberToObject(json, "samples", (double)(record->gathered.samples + record->lightmap.samples));
 }

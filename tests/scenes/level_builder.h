@@ -164,9 +164,11 @@ typedef struct lmb_level_node {
     lmb_vec3 translation;
     float rotation[4]; /* unit quaternion x, y, z, w */
     lmb_vec3 scale;
-    bool dynamic;    /* extras {"lambent": {"static": false}} */
-    bool seed;       /* extras {"lambent": {"seed": true}} */
-    int path;        /* extras {"lambent": {"path": n}}; LMB_LEVEL_NONE: not a point of the path */
+    bool dynamic;                    /* extras {"lambent": {"static": false}} */
+    bool seed;                       /* extras {"lambent": {"seed": true}} */
+    int path;                        /* extras {"lambent": {"path": n}}; LMB_LEVEL_NONE: not a point of the path */
+    bool no_lightmap;                /* extras {"lambent": {"lightmap": false}} */
+    float texels_per_m, texel_scale; /* extras likewise; 0: none */
     float angle_deg; /* of its directional light's disc: extras {"lambent": {"angle_deg": x}}; 0: none */
     float radius_m;  /* of its point or spot light, likewise */
 } lmb_level_node;

@@ -428,7 +428,8 @@ static void write_cameras(glb *out)
 static void write_node_extras(glb *out, cJSON *item, const lmb_level_node *node)
 {
     const bool soft = node->angle_deg > 0.0f || node->radius_m > 0.0f;
-    if (!node->dynamic && !node->seed && node->path == LMB_LEVEL_NONE && !soft) {
+    const bool maps = node->no_lightmap || node->texels_per_m > 0.0f || node->texel_scale > 0.0f;
+    if (!node->dynamic && !node->seed && node->path == LMB_LEVEL_NONE && !soft && !maps) {
         return;
     }
     cJSON *lambent = put_object(out, put_object(out, item, "extras"), "lambent");
@@ -440,6 +441,15 @@ static void write_node_extras(glb *out, cJSON *item, const lmb_level_node *node)
     }
     if (node->path != LMB_LEVEL_NONE) {
         put_number(out, lambent, "path", node->path);
+    }
+    if (node->no_lightmap) {
+        put(out, lambent, "lightmap", cJSON_CreateFalse());
+    }
+    if (node->texels_per_m > 0.0f) {
+        put_number(out, lambent, "texels_per_m", (double)node->texels_per_m);
+    }
+    if (node->texel_scale > 0.0f) {
+        put_number(out, lambent, "texel_scale", (double)node->texel_scale);
     }
     if (node->angle_deg > 0.0f) {
         put_number(out, lambent, "angle_deg", (double)node->angle_deg);

@@ -47,8 +47,10 @@ typedef struct lmb_bake_record {
     int32_t images;
     uint64_t texels_covered;
     lmb_seam_steps seams_open, seams_closed; /* before and after seams were closed */
-    bool surface_solved;             /* false: the estimator was the reference, and what follows is 0 */
-    lmb_surface_light_stats surface; /* of the light on surfaces */
+    double texels_used;                      /* of the texels of all images, 0 to 1 */
+    uint64_t charts;                         /* made here, of all meshes */
+    bool surface_solved;                     /* false: the estimator was the reference, and what follows is 0 */
+    lmb_surface_light_stats surface;         /* of the light on surfaces */
     size_t surface_bytes;
     float surface_cell_size; /* metres */
     uint64_t rays[LMB_PHASE_COUNT];

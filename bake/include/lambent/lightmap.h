@@ -71,7 +71,18 @@ typedef struct lmb_lightmap {
     int32_t image_count;
     uint64_t covered_texel_count; /* texels that a triangle touches */
     lmb_seam_steps open, closed;  /* before and after its seams were closed; once finished */
+    uint64_t chart_count;         /* charts made here, of all meshes; nodes with one mesh share them */
 } lmb_lightmap;
+
+/* Covered texels as a share of the texels of all images, 0 to 1: 0 without images. */
+static inline double lmb_lightmap_texels_used(const lmb_lightmap *lightmap)
+{
+    double texels = 0.0;
+    for (int32_t i = 0; i < lightmap->image_count; ++i) {
+        texels += (double)lightmap->image[i].width * (double)lightmap->image[i].height;
+    }
+    return texels > 0.0 ? (double)lightmap->covered_texel_count / texels : 0.0;
+}
 
 /* Lays out the lightmap of a scene, without light. The scene must outlive it. @return LMB_ERROR_MEMORY, _ARGUMENT,
  * _UNSUPPORTED (too many texels for any layout) */
@@ -121,6 +132,10 @@ bool lmb_lightmap_sample(const lmb_lightmap *lightmap, const lmb_hit *hit, float
 
 /* What is left of steps across seams. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_seam_steps(const lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_seam_steps *steps);
+
+/* The column and row of the texel at a hit, in the instance's image. False, and nothing written, where the instance has
+ * none. */
+bool lmb_lightmap_texel(const lmb_lightmap *lightmap, const lmb_hit *hit, int32_t *column, int32_t *row);
 
 /* Writes lightmap_N.exr for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the
  * new UVs, through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.

@@ -99,6 +99,9 @@ typedef struct lmb_instance {
     lmb_affine normal_to_world; /* inverse transpose of the linear part; translation 0 */
     bool mirrored;              /* negative determinant: winding is the other way round */
     bool dynamic;               /* extras {"lambent": {"static": false}}: neither baked nor an occluder */
+    bool no_lightmap;           /* extras "lightmap": false: a surface like others, but without texels */
+    float texels_per_m;         /* of its lightmap; 0: the level's */
+    float texel_scale;          /* factor on that; 0 counts as 1 */
     float position_step;        /* metres between its positions that floats tell apart, the file's or the scene's: the
                                    coarser at the farthest corner. 0 for what is never traced */
 } lmb_instance;

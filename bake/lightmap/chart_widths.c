@@ -1,0 +1,161 @@
+#include "lightmap/chart_widths.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What a packing twice as long as wide may cost more than a square. */
+static const double ASPECT_COST = 0.02;
+/* Of searching for places, for all widths together: some tenths of a second. */
+static const uint64_t MOST_STEPS = UINT64_C(400000000);
+/* Widths that are tried, as shares of a full square's, in this order. */
+static const double SHARES[] = {1.0, 1.1, 0.95, 1.2, 0.9, 1.05, 1.3, 1.15, 0.85, 1.25, 1.35, 0.8, 1.4, 0.75};
+
+enum { SHARE_COUNT = (int)(sizeof SHARES / sizeof SHARES[0]) };
+
+static int32_t larger(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+static int32_t smaller(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static int item_compare(const void *a, const void *b)
+{
+    const chart_item *const p = a;
+    const chart_item *const q = b;
+    const int32_t p_longest = larger(p->shape->width, p->shape->height);
+    const int32_t q_longest = larger(q->shape->width, q->shape->height);
+    if (p_longest != q_longest) {
+        return p_longest > q_longest ? -1 : 1;
+    }
+    const int32_t p_least = smaller(p->shape->width, p->shape->height);
+    const int32_t q_least = smaller(q->shape->width, q->shape->height);
+    if (p_least != q_least) {
+        return p_least > q_least ? -1 : 1;
+    }
+    return (p->id > q->id) - (p->id < q->id);
+}
+
+void chart_items_sort(chart_item *items, size_t count)
+{
+    qsort(items, count, sizeof *items, item_compare);
+}
+
+void chart_items_free(chart_item *items, size_t count)
+{
+    for (size_t i = 0; items && i < count; ++i) {
+        for (int turn = 0; turn < CHART_TURNS; ++turn) {
+            chart_shape_free(&items[i].shape[turn]);
+        }
+    }
+    free(items);
+}
+
+/* What is known between trials. */
+typedef struct trials {
+    chart_widths *job;
+    chart_place *place; /* of the trial at hand */
+    double best_cost;
+    uint64_t steps; /* of all so far */
+} trials;
+
+/* Texels of an image that a packing takes; more where it is far from square, which is hard to place, and sooner larger
+ * than an image. */
+static double canvas_cost(const chart_canvas *canvas)
+{
+    const double width = canvas->used_width - canvas->gutter;
+    const double height = canvas->used_height - canvas->gutter;
+    const double aspect = width > height ? width / height : height / width;
+    return width * height * (1.0 + ASPECT_COST * (aspect - 1.0));
+}
+
+/* @return LMB_ERROR_ARGUMENT: higher than allowed */
+static lmb_result canvas_fill(const chart_widths *job, chart_canvas *canvas, bool all, chart_place *place)
+{
+    for (size_t i = 0; i < job->count; ++i) {
+        const chart_item *const item = &job->items[i];
+        if (!chart_canvas_add(canvas, item->shape, item->turns, job->most, &place[i])) {
+            return LMB_ERROR_MEMORY;
+        }
+        if (all && place[i].turn < 0) {
+            return LMB_ERROR_ARGUMENT;
+        }
+    }
+    return LMB_OK;
+}
+
+static lmb_result width_try(trials *all, int32_t width)
+{
+    chart_widths *const job = all->job;
+    chart_canvas canvas;
+    lmb_result result = chart_canvas_make(width, job->gutter, &canvas) ? LMB_OK : LMB_ERROR_MEMORY;
+    if (result == LMB_OK) {
+        result = canvas_fill(job, &canvas, true, all->place);
+    }
+    all->steps += canvas.work;
+    if (result == LMB_OK && canvas_cost(&canvas) < all->best_cost) {
+        all->best_cost = canvas_cost(&canvas);
+        memcpy(job->place, all->place, job->count * sizeof *job->place);
+        job->width = canvas.used_width;
+        job->height = canvas.used_height;
+    }
+    chart_canvas_free(&canvas);
+    return result;
+}
+
+/* The width of a trial: of a square that holds all if it is full, or (first) of the longest shape, as a few long ones
+ * want it; and the largest. */
+static double trial_width(const chart_widths *job, int trial)
+{
+    double area = 0.0;
+    int32_t longest = 0, least = 0;
+    for (size_t i = 0; i < job->count; ++i) {
+        const chart_shape *const shape = job->items[i].shape;
+        area += (double)(shape->width + job->gutter) * (double)(shape->height + job->gutter);
+        longest = larger(longest, larger(shape->width, shape->height));
+        least = larger(least, job->items[i].turns > 1 ? smaller(shape->width, shape->height) : shape->width);
+    }
+    return trial == 0                 ? larger(longest, least)
+           : trial == SHARE_COUNT + 1 ? job->most - 2 * job->gutter
+                                      : fmax(ceil(SHARES[trial - 1] * sqrt(area)) - job->gutter, least);
+}
+
+lmb_result chart_widths_pack(chart_widths *job)
+{
+    trials all = {.job = job, .place = malloc((job->count + 1) * sizeof *all.place), .best_cost = HUGE_VAL};
+    lmb_result result = all.place ? LMB_OK : LMB_ERROR_MEMORY;
+    for (int trial = 0; trial <= SHARE_COUNT + 1 && result != LMB_ERROR_MEMORY; ++trial) {
+        const bool last = trial == SHARE_COUNT + 1;
+        const bool found = all.best_cost < HUGE_VAL;
+        /* As if each took as long as those before. */
+        if (found && (last || all.steps * (uint64_t)(trial + 1) > MOST_STEPS * (uint64_t)trial)) {
+            break;
+        }
+        const double width = trial_width(job, trial) + 2.0 * job->gutter;
+        if (width <= job->most) {
+            result = width_try(&all, (int32_t)width);
+        }
+    }
+    free(all.place);
+    if (result == LMB_ERROR_MEMORY) {
+        return result;
+    }
+    return all.best_cost < HUGE_VAL ? LMB_OK : LMB_ERROR_ARGUMENT;
+}
+
+lmb_result chart_widths_fill(chart_widths *job)
+{
+    chart_canvas canvas;
+    lmb_result result = chart_canvas_make(job->most, job->gutter, &canvas) ? LMB_OK : LMB_ERROR_MEMORY;
+    if (result == LMB_OK) {
+        result = canvas_fill(job, &canvas, false, job->place);
+    }
+    job->width = canvas.used_width;
+    job->height = canvas.used_height;
+    chart_canvas_free(&canvas);
+    return result;
+}
