@@ -541,7 +541,7 @@ static void small_charts_are_joined(void)
         const char *name;
         float width;
         uint32_t charts;
-    } cases[] = {{"hair bevel", 0.01f, 2}, {"narrow bevel", 0.5f, 2}, {"wide bevel", 2.0f, 3}};
+    } cases[] = {{"hair bevel", 0.01f, 2}, {"narrow bevel", 0.15f, 2}, {"wide bevel", 2.0f, 3}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         builder b = bevel_make(cases[i].width);
         const uint32_t count = charts_check(cases[i].name, &b.mesh, 1.0f, 2, NULL);
@@ -675,7 +675,7 @@ static void result_is_the_same_everywhere(void)
     uint64_t hash = 0;
     builder b = terrain_make(24, 0.4f);
     charts_check("golden terrain", &b.mesh, 9.0f, 2, &hash);
-    CHECK(hash == UINT64_C(0xaa89f52ae86c7036), "terrain: 0x%016llx", (unsigned long long)hash);
+    CHECK(hash == UINT64_C(0xed827ef68ec46ea6), "terrain: 0x%016llx", (unsigned long long)hash);
     builder_free(&b);
     b = soup_make(300);
     charts_check("golden soup", &b.mesh, 5.0f, 1, &hash);

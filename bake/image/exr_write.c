@@ -103,9 +103,28 @@ static exr_result_t header_write(exr_context_t context, const lmb_exr_picture *p
     return code == EXR_ERR_SUCCESS ? exr_write_header(context) : code;
 }
 
+/* What compresses by default. */
+typedef struct exr_packer {
+    exr_result_t (*compress)(exr_encode_pipeline_t *encoder);
+} exr_packer;
+
+/* A chunk that is as long compressed as not is read as not compressed: OpenEXRCore 3.1 writes it compressed all the
+ * same. */
+static exr_result_t chunk_compress(exr_encode_pipeline_t *encoder)
+{
+    const exr_packer *const packer = encoder->encoding_user_data;
+    const exr_result_t code = packer->compress(encoder);
+    if (code == EXR_ERR_SUCCESS && encoder->compressed_bytes == encoder->packed_bytes &&
+        encoder->compressed_buffer != encoder->packed_buffer) {
+        memcpy(encoder->compressed_buffer, encoder->packed_buffer, encoder->compressed_bytes);
+    }
+    return code;
+}
+
 static exr_result_t pixels_write(exr_context_t context, const lmb_exr_picture *picture, const uint16_t *halfs)
 {
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    exr_packer packer = {NULL};
     const size_t pixels = pixel_count(picture), width = (size_t)picture->width;
     int32_t step = 0;
     exr_result_t code = exr_get_scanlines_per_chunk(context, 0, &step);
@@ -129,6 +148,11 @@ static exr_result_t pixels_write(exr_context_t context, const lmb_exr_picture *p
         }
         if (code == EXR_ERR_SUCCESS && y == 0) {
             code = exr_encoding_choose_default_routines(context, 0, &encoder);
+            if (code == EXR_ERR_SUCCESS && encoder.compress_fn) {
+                packer.compress = encoder.compress_fn;
+                encoder.encoding_user_data = &packer;
+                encoder.compress_fn = chunk_compress;
+            }
         }
         if (code == EXR_ERR_SUCCESS) {
             code = exr_encoding_run(context, 0, &encoder);

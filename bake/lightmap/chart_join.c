@@ -6,11 +6,11 @@
 
 /* Charts smaller than this (texels) are joined to others: they are all border, and their gutters take several times
  * what they hold. */
-static const double SMALL_TEXELS = 16.0;
-/* Over edges that bend by at most 60 degrees: light of the two sides is mixed within a texel of it. */
-static const double JOIN_COS = 0.5;
+static const double SMALL_TEXELS = 4.0;
+/* Over edges that bend by at most 45 degrees: light of the two sides is mixed within a texel of it. */
+static const double JOIN_COS = 0.7;
 /* Narrower than this (texels) on average, a chart shows nothing of its own, and joins over any edge. */
-static const double SLIVER_TEXELS = 0.25;
+static const double SLIVER_TEXELS = 0.125;
 /* Smaller than this (texels), nothing is seen of a chart. */
 static const double SPECK_TEXELS = 1.0 / 16.0;
 /* Edges that are laid on each other may differ by so much in length, as a share. */

@@ -124,8 +124,23 @@ static double trial_width(const chart_widths *job, int trial)
                                       : fmax(ceil(SHARES[trial - 1] * sqrt(area)) - job->gutter, least);
 }
 
+/* Whether full boxes alone, which nothing can lie in, are more than the largest image has. */
+static bool boxes_exceed(const chart_widths *job)
+{
+    const double side = (double)job->most - job->gutter;
+    double area = 0.0;
+    for (size_t i = 0; i < job->count; ++i) {
+        const chart_shape *const shape = job->items[i].shape;
+        area += shape->solid ? (double)(shape->width + job->gutter) * (double)(shape->height + job->gutter) : 0.0;
+    }
+    return area > side * side;
+}
+
 lmb_result chart_widths_pack(chart_widths *job)
 {
+    if (boxes_exceed(job)) {
+        return LMB_ERROR_ARGUMENT;
+    }
     trials all = {.job = job, .place = malloc((job->count + 1) * sizeof *all.place), .best_cost = HUGE_VAL};
     lmb_result result = all.place ? LMB_OK : LMB_ERROR_MEMORY;
     for (int trial = 0; trial <= SHARE_COUNT + 1 && result != LMB_ERROR_MEMORY; ++trial) {
