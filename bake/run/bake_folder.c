@@ -4,6 +4,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,6 +40,8 @@ struct lmb_bake_folder {
     file_change *changes; /* of the earlier bakes' files, then of the new ones */
     size_t change_count;
     bool committed;
+    pthread_mutex_t staging; /* held to make NEW_NAME, and to see that it is not made any more */
+    bool abandoned;
 };
 
 static lmb_result path_make(const lmb_bake_folder *folder, const char *below, const char *name, char path[MAX_PATH],
@@ -328,12 +331,22 @@ static lmb_result leftovers_take(lmb_bake_folder *folder, lmb_error *error)
 void lmb_bake_folder_abandon(lmb_bake_folder *folder)
 {
     char path[MAX_PATH], gone[MAX_PATH];
+    pthread_mutex_lock(&folder->staging);
+    folder->abandoned = true;
+    pthread_mutex_unlock(&folder->staging);
     if (path_make(folder, "", NEW_NAME, path, NULL) == LMB_OK &&
         path_make(folder, "", GONE_NAME, gone, NULL) == LMB_OK && rename(path, gone) == 0) {
         tree_remove(gone, 0); /* under another name: nobody writes more into it meanwhile */
     }
     lock_release(folder);
     directory_unmake(folder);
+}
+
+static void folder_free(lmb_bake_folder *folder)
+{
+    pthread_mutex_destroy(&folder->staging);
+    free(folder->changes);
+    free(folder);
 }
 
 lmb_result lmb_bake_folder_open(const char *directory, bool lightmaps, lmb_bake_folder **folder, lmb_error *error)
@@ -344,12 +357,13 @@ lmb_result lmb_bake_folder_open(const char *directory, bool lightmaps, lmb_bake_
     }
     opened->lock = -1;
     opened->lightmaps = lightmaps;
+    pthread_mutex_init(&opened->staging, NULL);
     size_t length = strlen(directory);
     while (length > 1 && directory[length - 1] == '/') {
         --length;
     }
     if (length == 0 || length + MAX_NAME >= MAX_PATH) {
-        free(opened);
+        folder_free(opened);
         return lmb_error_set(error, LMB_ERROR_WRITE, "'%.100s': %s", directory,
                              length == 0 ? "not a folder" : "path is too long");
     }
@@ -369,8 +383,7 @@ lmb_result lmb_bake_folder_open(const char *directory, bool lightmaps, lmb_bake_
     } else {
         lock_release(opened);
         directory_unmake(opened);
-        free(opened->changes);
-        free(opened);
+        folder_free(opened);
     }
     return result;
 }
@@ -389,7 +402,10 @@ bool lmb_bake_folder_lightmaps(const lmb_bake_folder *folder)
 
 lmb_result lmb_bake_folder_stage(lmb_bake_folder *folder, const char **path, lmb_error *error)
 {
-    lmb_result result = folder_add(folder, "", NEW_NAME, error);
+    pthread_mutex_lock(&folder->staging);
+    lmb_result result = folder->abandoned ? lmb_error_set(error, LMB_ERROR_INTERRUPTED, "interrupted")
+                                          : folder_add(folder, "", NEW_NAME, error);
+    pthread_mutex_unlock(&folder->staging);
     if (result == LMB_OK && folder->lightmaps) {
         result = folder_add(folder, NEW_NAME, LIGHTMAP_NAME, error);
     }
@@ -599,6 +615,5 @@ void lmb_bake_folder_close(lmb_bake_folder *folder)
     if (!folder->committed) {
         directory_unmake(folder);
     }
-    free(folder->changes);
-    free(folder);
+    folder_free(folder);
 }
