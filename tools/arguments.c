@@ -137,7 +137,7 @@ static bool position_parse(const char *text, lmb_vec3d *position)
     return true;
 }
 
-lmb_vec3d arguments_place(lmb_arguments *arguments, const char *option)
+lmb_vec3d arguments_position(lmb_arguments *arguments, const char *option)
 {
     const char *text = arguments_text(arguments, option);
     lmb_vec3d position = {0.0, 0.0, 0.0};
@@ -150,7 +150,7 @@ lmb_vec3d arguments_place(lmb_arguments *arguments, const char *option)
 
 lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option)
 {
-    const lmb_vec3d position = arguments_place(arguments, option);
+    const lmb_vec3d position = arguments_position(arguments, option);
     return (lmb_vec3){(float)position.x, (float)position.y, (float)position.z};
 }
 

@@ -17,7 +17,7 @@ static void seed_point_add(lmb_bake_settings *settings, lmb_arguments *arguments
         arguments_error(arguments, "too many", option);
         return;
     }
-    settings->seeds[settings->seed_count++] = arguments_place(arguments, option);
+    settings->seeds[settings->seed_count++] = arguments_position(arguments, option);
 }
 
 bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument)

@@ -53,7 +53,7 @@ const char *arguments_text(lmb_arguments *arguments, const char *option);
 double arguments_number(lmb_arguments *arguments, const char *option, double minimum, double maximum);
 int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t minimum, int64_t maximum);
 lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option); /* X,Y,Z: a direction */
-lmb_vec3d arguments_place(lmb_arguments *arguments, const char *option); /* X,Y,Z: a position in the world */
+lmb_vec3d arguments_position(lmb_arguments *arguments, const char *option); /* X,Y,Z: a position in the world */
 
 /* What a command says of itself: progress as a bar with time left on a terminal, or, when `json`, as records on
  * standard output, a JSON object a line. */

@@ -111,7 +111,7 @@ static void object_read(lmb_arguments *arguments, const char *option, render_opt
     const bool is_position = strcmp(option, "--object-at") == 0;
     object_option *last = options->object_count > 0 ? &options->objects[options->object_count - 1] : NULL;
     if (is_position && last && !last->has_position) {
-        last->position = arguments_place(arguments, option);
+        last->position = arguments_position(arguments, option);
         last->has_position = true;
         return;
     }
@@ -122,7 +122,7 @@ static void object_read(lmb_arguments *arguments, const char *option, render_opt
     object_option *added = &options->objects[options->object_count++];
     *added = (object_option){.has_position = is_position};
     if (is_position) {
-        added->position = arguments_place(arguments, option);
+        added->position = arguments_position(arguments, option);
     } else {
         added->path = arguments_text(arguments, option);
     }
@@ -132,10 +132,10 @@ static void object_read(lmb_arguments *arguments, const char *option, render_opt
 static bool view_option(lmb_arguments *arguments, const char *option, render_options *options)
 {
     if (strcmp(option, "--camera") == 0) {
-        options->camera = arguments_place(arguments, option);
+        options->camera = arguments_position(arguments, option);
         options->has_camera = true;
     } else if (strcmp(option, "--look") == 0) {
-        options->look = arguments_place(arguments, option);
+        options->look = arguments_position(arguments, option);
         options->has_look = true;
     } else if (strcmp(option, "--camera-node") == 0) {
         options->camera_node = arguments_text(arguments, option);

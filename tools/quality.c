@@ -105,10 +105,10 @@ static bool elements_allocate(elements *of, size_t count)
 
 static void probes_keep(const lmb_bake *bake, elements *probes)
 {
-    const lmb_probes *grid = bake->grid;
-    for (int32_t i = 0; i < grid->count; ++i) {
-        if (grid->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
-            const lmb_sh3_rgb *radiance = &grid->radiance[0][i];
+    const lmb_probes *from = bake->probes;
+    for (int32_t i = 0; i < from->count; ++i) {
+        if (from->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
+            const lmb_sh3_rgb *radiance = &from->radiance[0][i];
             const lmb_rgb light = {{radiance->channel[0].c[0], radiance->channel[1].c[0], radiance->channel[2].c[0]}};
             probes->moments[probes->count] = *radiance;
             probes->light[probes->count++] = rgb_mean(&light);
@@ -185,7 +185,7 @@ static bool light_allocate(const lmb_bake *bake, baked_light *light)
     bool good = true;
     *light = (baked_light){.samples = 0.0};
     for (int kind = 0; kind < KINDS; ++kind) {
-        const size_t count = kind == PROBES ? (size_t)bake->grid->count : (size_t)bake->lightmap->covered_texel_count;
+        const size_t count = kind == PROBES ? (size_t)bake->probes->count : (size_t)bake->lightmap->covered_texel_count;
         good = elements_allocate(&light->kind[kind], count) && good;
     }
     return good;
@@ -201,7 +201,7 @@ static lmb_result light_bake(lmb_bake *bake, const lmb_gather_effort *effort, ui
     }
     const double start = seconds_used();
     lmb_result result =
-        lmb_probes_bake(bake->grid, &transport, effort, bake->level->pool, NULL, &bake->record.gathered);
+        lmb_probes_bake(bake->probes, &transport, effort, bake->level->pool, NULL, &bake->record.gathered);
     if (result == LMB_OK) {
         result = texels_bake(bake, &transport, effort, light);
     }

@@ -8,7 +8,7 @@
 bool query_argument(lmb_query_arguments *query, lmb_arguments *arguments, const char *option)
 {
     if (strcmp(option, "--at") == 0) {
-        query->one.position = arguments_place(arguments, option);
+        query->one.position = arguments_position(arguments, option);
         query->has_position = true;
     } else if (strcmp(option, "--normal") == 0) {
         query->one.normal = arguments_vector(arguments, option);

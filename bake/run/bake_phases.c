@@ -9,10 +9,10 @@
 /* Probes farther apart than so many steps between floats are told apart well enough. */
 #define STEPS_OF_SPACING 8.0
 
-/* The grid's largest coordinate in the world: a corner of its box has it. */
-static double grid_reach(const lmb_probes *grid)
+/* The largest coordinate of probes in the world: a corner of their box has it. */
+static double probes_reach(const lmb_probes *probes)
 {
-    const lmb_lattice *lattice = &grid->level[0].lattice;
+    const lmb_lattice *lattice = &probes->level[0].lattice;
     double reach = 0.0;
     for (int corner = 0; corner < 8; ++corner) {
         int32_t point[3];
@@ -29,7 +29,7 @@ static void warn_of_coarse_floats(const lmb_bake *bake)
 {
     const lmb_warnings *warnings = &bake->level->warnings;
     const lmb_scene *scene = bake->level->scene;
-    const double spacing = (double)bake->grid->level[0].lattice.spacing;
+    const double spacing = (double)bake->probes->level[0].lattice.spacing;
     const double step = (double)lmb_scene_position_step(scene);
     if (step * STEPS_OF_SPACING > spacing && !bake->record.settings.lightmaps) {
         lmb_warn(warnings,
@@ -37,7 +37,7 @@ static void warn_of_coarse_floats(const lmb_bake *bake)
                  "apart: so far from the origin its light is not to be trusted",
                  scene->path, step, spacing);
     }
-    const double reach = grid_reach(bake->grid);
+    const double reach = probes_reach(bake->probes);
     const double run_time_step = (double)(nextafterf((float)reach, INFINITY) - (float)reach);
     if (run_time_step * STEPS_OF_SPACING > spacing) {
         lmb_warn(warnings,
@@ -66,12 +66,12 @@ static void record_placed(lmb_bake *bake)
 {
     lmb_bake_record *record = &bake->record;
     const lmb_scene *scene = bake->level->scene;
-    record->settings.spacing = bake->grid->level[0].lattice.spacing;
+    record->settings.spacing = bake->probes->level[0].lattice.spacing;
     for (uint32_t i = 0; i < record->settings.seed_count; ++i) {
         const lmb_vec3 used = lmb_scene_from_world(scene, record->settings.seeds[i]);
         record->settings.seeds[i] = lmb_scene_to_world(scene, used);
     }
-    record->probes = bake->grid->count;
+    record->probes = bake->probes->count;
     record->rays[LMB_PHASE_PLACE] = record->placement.rays;
 }
 
@@ -87,7 +87,7 @@ lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
                                              .warnings = *warnings,
                                              .progress = bake->progress};
     const lmb_result result =
-        lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, &bake->grid, &record->placement, error);
+        lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, &bake->probes, &record->placement, error);
     record->seconds[LMB_PHASE_PLACE] = lmb_clock_seconds() - start;
     if (result != LMB_OK) {
         return result;
@@ -188,7 +188,7 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     const lmb_gather_effort effort = lmb_bake_effort(&record->settings, bake->level);
-    const lmb_result result = lmb_probes_bake(bake->grid, &bake->level->transport, &effort, bake->level->pool,
+    const lmb_result result = lmb_probes_bake(bake->probes, &bake->level->transport, &effort, bake->level->pool,
                                               bake->progress, &record->gathered);
     record->seconds[LMB_PHASE_PROBES] = lmb_clock_seconds() - start;
     record->rays[LMB_PHASE_PROBES] = record->gathered.rays;
@@ -255,7 +255,7 @@ lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error)
 void lmb_bake_end(lmb_bake *bake)
 {
     lmb_lightmap_destroy(bake->lightmap);
-    lmb_probes_destroy(bake->grid);
+    lmb_probes_destroy(bake->probes);
     bake->lightmap = NULL;
-    bake->grid = NULL;
+    bake->probes = NULL;
 }

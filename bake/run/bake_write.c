@@ -40,7 +40,7 @@ static lmb_result write_lmb(lmb_bake *bake, const char *stage, lmb_error *error)
     lmb_pack_stats stats;
     lmb_result result = path_make(stage, "probes.lmb", path, error);
     if (result == LMB_OK) {
-        result = lmb_pack(bake->grid, &data, &size, &stats);
+        result = lmb_pack(bake->probes, &data, &size, &stats);
         if (result != LMB_OK) {
             lmb_error_set(error, result, "%s: %s", path, lmb_result_text(result));
         }
@@ -72,7 +72,7 @@ static lmb_result write_vdb(lmb_bake *bake, const char *stage, lmb_error *error)
         text ? path_make(stage, "probes.vdb", path, error) : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     if (result == LMB_OK) {
         const lmb_vdb_metadata metadata = {text, hash};
-        result = lmb_vdb_write(path, bake->grid, &metadata, error);
+        result = lmb_vdb_write(path, bake->probes, &metadata, error);
     }
     struct stat status;
     if (result == LMB_OK && stat(path, &status) == 0) {

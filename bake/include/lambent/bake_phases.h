@@ -13,7 +13,7 @@ extern "C" {
 typedef struct lmb_bake {
     lmb_level *level;
     const lmb_progress *progress; /* NULL: silent */
-    lmb_probes *grid;             /* once placed */
+    lmb_probes *probes;           /* once placed */
     lmb_lightmap *lightmap;       /* once laid out, if wanted */
     lmb_bake_record record;       /* of the phases that have run */
 } lmb_bake;
