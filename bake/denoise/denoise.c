@@ -291,9 +291,12 @@ static void filter_task(void *context, size_t cell, int worker)
     lmb_neighbour found[LMB_NEIGHBOURS_MOST];
     lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
     for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
-        const uint32_t count = alike_find(work, &ranges, rank, RADIUS[RADII - 1], found);
         float share[RADII], light[COEFFICIENTS], error;
+        uint32_t count = alike_find(work, &ranges, rank, SMOOTH_RADIUS, found);
         choices_share(work, found, count, share);
+        if (share[RADII - 1] > 0.0f) {
+            count = alike_find(work, &ranges, rank, RADIUS[RADII - 1], found);
+        }
         error = share[0] * work->smooth_error[rank][0];
         for (int k = 0; k < COEFFICIENTS; ++k) {
             light[k] = share[0] * work->light[rank][k];
