@@ -7,7 +7,8 @@
 #include <lambent/sequence.h>
 #include <lambent/vector.h>
 
-#include "harness.h"
+#include "level_builder.h"
+#include "level_fixture.h"
 
 enum { SIDE = 48, COUNT = SIDE * SIDE };
 #define SPACING 0.1f
@@ -332,6 +333,62 @@ static void odd_points(void)
     points_free(&p);
 }
 
+/* A wall stands at x = 0 among lattice points half a metre apart. */
+static bool wall_open(level_fixture *level)
+{
+    const char *path = LMB_TEST_OUTPUT_DIR "/denoise_wall.glb";
+    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+    const lmb_level_material grey = lmb_level_material_default();
+    const int material = lmb_level_builder_add_material(builder, &grey);
+    const int wall = lmb_level_builder_add_mesh(builder, "wall");
+    lmb_level_builder_add_quad(builder, wall, material, (lmb_vec3){0, -9, -9}, (lmb_vec3){0, 18, 0},
+                               (lmb_vec3){0, 0, 18});
+    lmb_level_builder_place(builder, "wall", wall, (lmb_vec3){0, 0, 0});
+    lmb_error error = {""};
+    const lmb_result written = lmb_level_builder_write(builder, path, &error);
+    lmb_level_builder_destroy(builder);
+    return level_fixture_open(level, path, written, &error, 2);
+}
+
+/* The mean of the first coefficients of points at that x. */
+static double mean_at(const points *p, float x)
+{
+    double sum = 0.0, count = 0.0;
+    for (size_t i = 0; i < p->count; ++i) {
+        if (fabsf(p->point[i].position.x - x) < 0.1f) {
+            sum += (double)p->gathered[i].moments.channel[1].c[0];
+            count += 1.0;
+        }
+    }
+    return sum / count;
+}
+
+/* Points in space lose their noise by those that they see, and slopes stay; light does not go through walls. */
+static void space_is_filtered_by_sight(void)
+{
+    enum { EDGE = 10 };
+    level_fixture level;
+    if (!wall_open(&level)) {
+        return;
+    }
+    points p = points_make(EDGE * EDGE * EDGE);
+    for (size_t i = 0; i < p.count; ++i) {
+        const lmb_vec3 at = {(float)(i % EDGE), (float)(i / EDGE % EDGE), (float)(i / EDGE / EDGE)};
+        const lmb_vec3 position = lmb_vec3_scale(lmb_vec3_sub(at, lmb_vec3_of(4.5f, 4.5f, 4.5f)), 0.5f);
+        p.point[i] = (lmb_denoise_point){.position = position, .spacing = 0.5f};
+        p.truth[i] = position.x < 0.0f ? 1.0 + 0.05 * (double)at.y : 0.2;
+    }
+    points_gather(&p, 0.5, 9);
+    const double before = error_true(&p);
+    CHECK(lmb_denoise_in_space(p.point, p.count, level.tracer, level.pool, NULL, p.gathered) == LMB_OK, "denoise");
+    CHECK(error_true(&p) < 0.4 * before, "error %g, before %g", error_true(&p), before);
+    CHECK(fabs(log(error_said(&p) / error_true(&p))) < log(1.5), "said %g, true %g", error_said(&p), error_true(&p));
+    CHECK_NEAR(mean_at(&p, 0.25f), 0.2, 0.02, "the dark side");
+    CHECK_NEAR(mean_at(&p, -0.25f), 1.225, 0.05, "the lit side");
+    points_free(&p);
+    level_fixture_close(&level);
+}
+
 static const test_case cases[] = {
     {"slopes_lose_their_noise", slopes_lose_their_noise},
     {"edges_stay", edges_stay},
@@ -341,6 +398,7 @@ static const test_case cases[] = {
     {"steady_light_stays", steady_light_stays},
     {"threads_do_not_matter", threads_do_not_matter},
     {"odd_points", odd_points},
+    {"space_is_filtered_by_sight", space_is_filtered_by_sight},
 };
 
 TEST_MAIN(cases)

@@ -6,9 +6,10 @@
  * each seed, and for the truth with `--truth` samples, a quarter of them by each of four other seeds, all from one
  * solution of the light on surfaces. One line for each effort, tabs between:
  *
- *     effort, samples of an element, CPU seconds of gathering for one bake, those of denoising its texels,
+ *     effort, samples of an element, CPU seconds of gathering for one bake, those of denoising it,
  *     of probes: mean of l0 / truth - 1, its standard error, estimated noise, true noise, that of each by itself, the
  *         share of probes whose light is right,
+ *     of denoised probes: the same,
  *     of texels: the same of I_z,
  *     of denoised texels: the same
  *
@@ -36,7 +37,7 @@ static const char usage[] =
     "  --efforts NAME,...    draft, medium, high or samples (default draft,medium,high,64,256)\n" BAKE_USAGE
         LEVEL_USAGE;
 
-enum { PROBES, TEXELS, DENOISED, KINDS, TRUTH_SEEDS = 4 };
+enum { PROBES, DENOISED_PROBES, TEXELS, DENOISED_TEXELS, KINDS, TRUTH_SEEDS = 4 };
 #define FIRST_TRUTH_SEED UINT64_C(1000000)
 #define RIGHT_LIGHT 0.03
 #define RIGHT_FLOOR 0.01
@@ -134,6 +135,41 @@ static void texels_keep(const lmb_bake *bake, elements *texels)
     texels->squared_length = bake->record.lightmap.squared_length;
 }
 
+/* Gathers at all probes and denoises them. */
+static lmb_result probes_bake(lmb_bake *bake, const lmb_transport *transport, const lmb_gather_effort *effort,
+                              baked_light *light)
+{
+    const double start = seconds_used();
+    lmb_probe_list list;
+    lmb_result result = lmb_probe_list_create(bake->probes, transport->tracer, &list);
+    if (result != LMB_OK) {
+        return result;
+    }
+    const lmb_gather_list all = lmb_probe_list_elements(&list);
+    const lmb_gather_job job = lmb_gather_job_all(transport, &all, effort);
+    lmb_gathered *gathered = malloc((all.count + 1) * sizeof *gathered);
+    result = gathered ? lmb_gather_elements(&job, bake->level->pool, NULL, gathered, &bake->record.gathered)
+                      : LMB_ERROR_MEMORY;
+    light->seconds += seconds_used() - start;
+    if (result == LMB_OK) {
+        result = lmb_probe_list_finish(&list, gathered, bake->probes);
+        probes_keep(bake, &light->kind[PROBES]);
+    }
+    const double kept_at = seconds_used();
+    if (result == LMB_OK) {
+        result = lmb_probe_list_denoise(&list, bake->level->pool, NULL, gathered);
+        light->denoise_seconds += seconds_used() - kept_at;
+    }
+    if (result == LMB_OK) {
+        lmb_gather_stats_renew(&bake->record.gathered, gathered, list.count);
+        result = lmb_probe_list_finish(&list, gathered, bake->probes);
+        probes_keep(bake, &light->kind[DENOISED_PROBES]);
+    }
+    free(gathered);
+    lmb_probe_list_free(&list);
+    return result;
+}
+
 /* Finishes all texels and keeps what they have. */
 static lmb_result texels_finish(lmb_bake *bake, const lmb_texel_list *list, const lmb_gathered *gathered,
                                 elements *texels)
@@ -151,6 +187,7 @@ static lmb_result texels_finish(lmb_bake *bake, const lmb_texel_list *list, cons
 static lmb_result texels_bake(lmb_bake *bake, const lmb_transport *transport, const lmb_gather_effort *effort,
                               baked_light *light)
 {
+    const double start = seconds_used();
     lmb_texel_list *list;
     lmb_result result = lmb_texel_list_create(bake->lightmap, transport, effort, &list);
     if (result != LMB_OK) {
@@ -168,12 +205,12 @@ static lmb_result texels_bake(lmb_bake *bake, const lmb_transport *transport, co
     const double finished_at = seconds_used();
     if (result == LMB_OK) {
         result = lmb_texel_list_denoise(list, bake->level->pool, NULL, gathered);
-        light->denoise_seconds = seconds_used() - finished_at;
+        light->denoise_seconds += seconds_used() - finished_at;
     }
-    light->seconds = gathered_at;
+    light->seconds += gathered_at - start;
     if (result == LMB_OK) {
         lmb_gather_stats_renew(&bake->record.lightmap, gathered, all.count);
-        result = texels_finish(bake, list, gathered, &light->kind[DENOISED]);
+        result = texels_finish(bake, list, gathered, &light->kind[DENOISED_TEXELS]);
     }
     free(gathered);
     lmb_texel_list_destroy(list);
@@ -185,7 +222,7 @@ static bool light_allocate(const lmb_bake *bake, baked_light *light)
     bool good = true;
     *light = (baked_light){.samples = 0.0};
     for (int kind = 0; kind < KINDS; ++kind) {
-        const size_t count = kind == PROBES ? (size_t)bake->probes->count : (size_t)bake->lightmap->covered_texel_count;
+        const size_t count = kind < TEXELS ? (size_t)bake->probes->count : (size_t)bake->lightmap->covered_texel_count;
         good = elements_allocate(&light->kind[kind], count) && good;
     }
     return good;
@@ -199,17 +236,13 @@ static lmb_result light_bake(lmb_bake *bake, const lmb_gather_effort *effort, ui
     if (!light_allocate(bake, light)) {
         return LMB_ERROR_MEMORY;
     }
-    const double start = seconds_used();
-    lmb_result result =
-        lmb_probes_bake(bake->probes, &transport, effort, bake->level->pool, NULL, &bake->record.gathered);
+    lmb_result result = probes_bake(bake, &transport, effort, light);
     if (result == LMB_OK) {
         result = texels_bake(bake, &transport, effort, light);
     }
     if (result != LMB_OK) {
         return result;
     }
-    light->seconds -= start;
-    probes_keep(bake, &light->kind[PROBES]);
     light->samples = (double)(bake->record.gathered.samples + bake->record.lightmap.samples) /
                      (double)(light->kind[PROBES].count + light->kind[TEXELS].count);
     return LMB_OK;
@@ -297,7 +330,7 @@ static lmb_result truth_bake(quality_work *work)
     for (int seed = 0; seed < TRUTH_SEEDS && result == LMB_OK; ++seed) {
         result = light_bake(bake, &effort, FIRST_TRUTH_SEED + (uint64_t)seed, &one[seed]);
     }
-    for (int kind = 0; kind < DENOISED && result == LMB_OK; ++kind) {
+    for (int kind = 0; kind < KINDS && result == LMB_OK; kind += TEXELS) {
         for (int seed = 0; seed < TRUTH_SEEDS; ++seed) {
             truth_add(&work->truth.kind[kind], &one[seed].kind[kind]);
         }
@@ -332,7 +365,7 @@ static lmb_result effort_measure(quality_work *work, const char *name, const lmb
         baked_light light;
         result = light_bake(&work->bake, effort, work->bake.level->transport.seed + (uint64_t)seed, &light);
         for (int kind = 0; kind < KINDS && result == LMB_OK; ++kind) {
-            const int plain = kind == DENOISED ? TEXELS : kind;
+            const int plain = kind < TEXELS ? PROBES : TEXELS;
             elements_compare(&light.kind[kind], &work->truth.kind[plain], effort->floor, &sum[kind]);
         }
         samples += light.samples / work->seeds;

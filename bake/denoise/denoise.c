@@ -1,4 +1,4 @@
-/* Three passes over all points, each of which reads what the last has written:
+/* Passes over all points, each of which reads what the last has written:
  *
  *     errors_task   what error each radius leaves at the point
  *     choose_task   the radius of the least error, by the mean of those around, which are less random
@@ -15,23 +15,32 @@
 #include "base/vectorised.h"
 #include "denoise/neighbours.h"
 
-/* Radii, in spacings, of the filters; the first is none at all. */
+/* How far what reaches, in spacings. */
 enum { RADII = 4 };
-static const float RADIUS[RADII] = {0.0f, 2.0f, 4.0f, 8.0f};
+typedef struct denoise_reach {
+    float radius[RADII]; /* of the filters; the first is none at all, the last the farthest */
+    float noise;         /* it is averaged so far, */
+    float level;         /* light so far, */
+    float smooth;        /* errors and choices so far */
+} denoise_reach;
 
-/* Noise is averaged this far, and light this far. */
-#define NOISE_RADIUS 2.5f
-#define LEVEL_RADIUS 4.0f
-
-/* Errors and choices are averaged this far. */
-#define SMOOTH_RADIUS 6.0f
+static const denoise_reach on_surfaces = {{0.0f, 2.0f, 4.0f, 8.0f}, 2.5f, 4.0f, 6.0f};
+/* Among lattice points: those beside a point, with those at edges, with those at corners and the next but one. */
+static const denoise_reach in_space = {{0.0f, 1.2f, 1.6f, 2.1f}, 1.5f, 2.1f, 2.1f};
 
 /* A point's noisy light: 27 coefficients of the mean of its replicates, then of half their difference, each filled up
  * with zeros to whole vectors. */
 enum { COEFFICIENTS = 3 * LMB_SH3_COUNT, LANES = 8, HALF = 32, ROW = 2 * HALF };
 
+/* Of a point in space, which of its neighbours it sees, a bit each in the order in which they are found. Lattice points
+ * have 33 that are near enough; those beyond the last bit do not count. */
+enum { SEEN_WORDS = 2, SEEN_MOST = 64 * SEEN_WORDS };
+
 typedef struct denoise_work {
+    const denoise_reach *reach;
     lmb_neighbour_cells cells;
+    const lmb_tracer *tracer;     /* of points in space; else NULL */
+    uint64_t (*seen)[SEEN_WORDS]; /* [rank], of points in space; else NULL */
     float (*light)[ROW];          /* [rank] */
     float *noise;                 /* [rank] squared, of the mean of the replicates */
     float *level;                 /* [rank] squared length of the mean light around */
@@ -49,29 +58,57 @@ static float biweight(float square, float radius)
     return rest * rest;
 }
 
+/* The first column of the inverse of a positive symmetric matrix, of which the lower half is given and lost. */
+enum { PLANE = 4 };
+static void inverse_column(double a[PLANE][PLANE], double column[PLANE])
+{
+    for (int k = 0; k < PLANE; ++k) { /* a = L D L^T */
+        for (int i = k + 1; i < PLANE; ++i) {
+            const double factor = a[i][k] / a[k][k];
+            for (int j = k + 1; j <= i; ++j) {
+                a[i][j] -= factor * a[j][k];
+            }
+            column[i] = 0.0;
+        }
+    }
+    column[0] = 1.0;
+    for (int i = 1; i < PLANE; ++i) {
+        column[i] = 0.0;
+        for (int k = 0; k < i; ++k) {
+            column[i] -= a[i][k] / a[k][k] * column[k];
+        }
+    }
+    for (int i = PLANE - 1; i >= 0; --i) {
+        column[i] /= a[i][i];
+        for (int k = i + 1; k < PLANE; ++k) {
+            column[i] -= a[k][i] / a[i][i] * column[k];
+        }
+    }
+}
+
 /* Weights of a plane's value at the middle, fitted by least squares: the sum of weight x value is that. Where points
  * lie to one side only, its slope is held back. */
 static void plane_weights(const lmb_neighbour *found, uint32_t count, float radius, float *weight)
 {
-    const double hold = 0.02 * (double)radius * (double)radius;
-    double s = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
+    double moment[PLANE][PLANE] = {{0.0}}, plane[PLANE];
     for (uint32_t i = 0; i < count; ++i) {
-        const double w = (double)biweight(found[i].square, radius), x = (double)found[i].x, y = (double)found[i].y;
-        s += w;
-        sx += w * x;
-        sy += w * y;
-        sxx += w * x * x;
-        sxy += w * x * y;
-        syy += w * y * y;
+        const double w = (double)biweight(found[i].square, radius);
+        const double term[PLANE] = {1.0, (double)found[i].x, (double)found[i].y, (double)found[i].z};
+        for (int row = 0; row < PLANE; ++row) {
+            for (int k = 0; k <= row; ++k) {
+                moment[row][k] += w * term[row] * term[k];
+            }
+        }
         weight[i] = (float)w;
     }
-    sxx += hold * s;
-    syy += hold * s;
-    const double minor = sxx * syy - sxy * sxy, left = sy * sxy - sx * syy, right = sx * sxy - sy * sxx;
-    const double determinant = s * minor + sx * left + sy * right;
+    const double hold = 0.02 * (double)radius * (double)radius * moment[0][0];
+    for (int row = 1; row < PLANE; ++row) {
+        moment[row][row] += hold;
+    }
+    inverse_column(moment, plane);
     for (uint32_t i = 0; i < count; ++i) {
-        const double plane = minor + left * (double)found[i].x + right * (double)found[i].y;
-        weight[i] *= (float)(plane / determinant);
+        weight[i] *= (float)(plane[0] + plane[1] * (double)found[i].x + plane[2] * (double)found[i].y +
+                             plane[3] * (double)found[i].z);
     }
 }
 
@@ -147,10 +184,55 @@ static uint32_t alike_keep(const denoise_work *work, uint32_t rank, uint32_t cou
     return alike;
 }
 
+/* The neighbours of a point within a radius; of a point in space those that it sees. */
+static uint32_t around_find(const denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank, float radius,
+                            lmb_neighbour found[LMB_NEIGHBOURS_MOST])
+{
+    if (!work->seen) {
+        return lmb_neighbours_find(&work->cells, ranges, rank, radius, found);
+    }
+    const uint32_t count = lmb_neighbours_find(&work->cells, ranges, rank, work->reach->radius[RADII - 1], found);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count && i < SEEN_MOST; ++i) {
+        if (found[i].square < radius * radius && (work->seen[rank][i / 64] >> i % 64 & 1) != 0) {
+            found[kept++] = found[i];
+        }
+    }
+    return kept;
+}
+
+/* Those of them that have the same light as far as its noise tells. */
 static uint32_t alike_find(const denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank, float radius,
                            lmb_neighbour found[LMB_NEIGHBOURS_MOST])
 {
-    return alike_keep(work, rank, lmb_neighbours_find(&work->cells, ranges, rank, radius, found), found);
+    return alike_keep(work, rank, around_find(work, ranges, rank, radius, found), found);
+}
+
+static lmb_vec3 point_position(const denoise_work *work, uint32_t rank)
+{
+    return lmb_vec3_of(work->cells.x[rank], work->cells.y[rank], work->cells.z[rank]);
+}
+
+static void seen_task(void *context, size_t cell, int worker)
+{
+    (void)worker;
+    denoise_work *work = context;
+    lmb_neighbour_ranges ranges;
+    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
+    lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
+    for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
+        const uint32_t count = lmb_neighbours_find(&work->cells, &ranges, rank, work->reach->radius[RADII - 1], found);
+        for (uint32_t i = 0; i < count && i < SEEN_MOST; ++i) {
+            uint64_t rays = 0;
+            const uint32_t other = found[i].rank;
+            /* The same from either side. */
+            const lmb_vec3 from = point_position(work, rank < other ? rank : other);
+            const lmb_vec3 to = point_position(work, rank < other ? other : rank);
+            const bool sees =
+                other == rank || lmb_rgb_max(lmb_trace_transmittance(work->tracer, from, to, &rays)) > 0.0f;
+            work->seen[rank][i / 64] |= (uint64_t)sees << i % 64;
+        }
+    }
 }
 
 static float squared_length(const float *half)
@@ -187,11 +269,11 @@ static void noise_task(void *context, size_t cell, int worker)
     lmb_neighbour found[LMB_NEIGHBOURS_MOST];
     lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
     for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
-        const uint32_t count = lmb_neighbours_find(&work->cells, &ranges, rank, LEVEL_RADIUS, found);
+        const uint32_t count = around_find(work, &ranges, rank, work->reach->level, found);
         const bool noisy = squared_difference(work->light[rank]) > 0.0f;
         float sum = 0.0f, noisy_count = 0.0f;
         for (uint32_t i = 0; i < count; ++i) {
-            if (found[i].square >= NOISE_RADIUS * NOISE_RADIUS) {
+            if (found[i].square >= work->reach->noise * work->reach->noise) {
                 continue;
             }
             const float square = squared_difference(work->light[found[i].rank]);
@@ -211,11 +293,11 @@ static void errors_task(void *context, size_t cell, int worker)
     lmb_neighbour found[LMB_NEIGHBOURS_MOST];
     lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
     for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
-        const uint32_t count = alike_find(work, &ranges, rank, RADIUS[RADII - 1], found);
+        const uint32_t count = alike_find(work, &ranges, rank, work->reach->radius[RADII - 1], found);
         work->error[rank][0] = filter_error(work->light[rank], work->light[rank]);
         for (int r = 1; r < RADII; ++r) {
             float sum[ROW];
-            point_filter(work, found, count, RADIUS[r], sum);
+            point_filter(work, found, count, work->reach->radius[r], sum);
             work->error[rank][r] = filter_error(work->light[rank], sum);
         }
     }
@@ -229,11 +311,11 @@ static void choose_task(void *context, size_t cell, int worker)
     lmb_neighbour found[LMB_NEIGHBOURS_MOST];
     lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
     for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
-        const uint32_t count = alike_find(work, &ranges, rank, SMOOTH_RADIUS, found);
+        const uint32_t count = alike_find(work, &ranges, rank, work->reach->smooth, found);
         double relative[RADII] = {0.0}, sum[RADII] = {0.0}, weights = 0.0;
         for (uint32_t i = 0; i < count; ++i) {
             const uint32_t other = found[i].rank;
-            const double weight = (double)biweight(found[i].square, SMOOTH_RADIUS);
+            const double weight = (double)biweight(found[i].square, work->reach->smooth);
             const double level = (double)lmb_larger(work->level[other], work->dark);
             weights += weight;
             for (int r = 0; r < RADII; ++r) {
@@ -256,7 +338,7 @@ static void choices_share(const denoise_work *work, const lmb_neighbour *found, 
     float sum = 0.0f;
     memset(share, 0, RADII * sizeof *share);
     for (uint32_t i = 0; i < count; ++i) {
-        const float weight = biweight(found[i].square, SMOOTH_RADIUS);
+        const float weight = biweight(found[i].square, work->reach->smooth);
         share[work->choice[found[i].rank]] += weight;
         sum += weight;
     }
@@ -292,10 +374,10 @@ static void filter_task(void *context, size_t cell, int worker)
     lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
     for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
         float share[RADII], light[COEFFICIENTS], error;
-        uint32_t count = alike_find(work, &ranges, rank, SMOOTH_RADIUS, found);
+        uint32_t count = alike_find(work, &ranges, rank, work->reach->smooth, found);
         choices_share(work, found, count, share);
         if (share[RADII - 1] > 0.0f) {
-            count = alike_find(work, &ranges, rank, RADIUS[RADII - 1], found);
+            count = alike_find(work, &ranges, rank, work->reach->radius[RADII - 1], found);
         }
         error = share[0] * work->smooth_error[rank][0];
         for (int k = 0; k < COEFFICIENTS; ++k) {
@@ -304,7 +386,7 @@ static void filter_task(void *context, size_t cell, int worker)
         for (int r = 1; r < RADII; ++r) {
             if (share[r] > 0.0f) {
                 float sum[ROW];
-                point_filter(work, found, count, RADIUS[r], sum);
+                point_filter(work, found, count, work->reach->radius[r], sum);
                 error += share[r] * work->smooth_error[rank][r];
                 for (int k = 0; k < COEFFICIENTS; ++k) {
                     light[k] += share[r] * sum[k];
@@ -348,7 +430,10 @@ static void dark_set(denoise_work *work)
 static lmb_result passes_run(denoise_work *work, lmb_pool *pool, const lmb_progress *progress)
 {
     const size_t cells = work->cells.cell_count;
-    lmb_result result = lmb_pool_run(pool, cells, noise_task, work, "denoise", NULL);
+    lmb_result result = work->seen ? lmb_pool_run(pool, cells, seen_task, work, "denoise", NULL) : LMB_OK;
+    if (result == LMB_OK) {
+        result = lmb_pool_run(pool, cells, noise_task, work, "denoise", NULL);
+    }
     dark_set(work);
     if (result == LMB_OK) {
         result = lmb_pool_run(pool, cells, errors_task, work, "denoise", progress);
@@ -359,30 +444,47 @@ static lmb_result passes_run(denoise_work *work, lmb_pool *pool, const lmb_progr
     return result == LMB_OK ? lmb_pool_run(pool, cells, filter_task, work, "denoise", NULL) : result;
 }
 
+/* Of which `work` has what the caller gave. */
+static lmb_result denoise_run(denoise_work *work, const lmb_denoise_point *points, size_t count, lmb_pool *pool,
+                              const lmb_progress *progress)
+{
+    work->light = malloc((count + 1) * sizeof *work->light);
+    work->noise = malloc((count + 1) * sizeof *work->noise);
+    work->level = calloc(count + 1, sizeof *work->level);
+    work->error = malloc((count + 1) * sizeof *work->error);
+    work->smooth_error = malloc((count + 1) * sizeof *work->smooth_error);
+    work->choice = malloc(count + 1);
+    work->seen = work->tracer ? calloc(count + 1, sizeof *work->seen) : NULL;
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (work->light && work->noise && work->level && work->error && work->smooth_error && work->choice &&
+        (work->seen || !work->tracer)) {
+        result = lmb_neighbour_cells_make(points, (uint32_t)count, work->reach->radius[RADII - 1], &work->cells);
+    }
+    if (result == LMB_OK) {
+        light_set(work);
+        result = passes_run(work, pool, progress);
+    }
+    lmb_neighbour_cells_free(&work->cells);
+    free(work->light);
+    free(work->noise);
+    free(work->level);
+    free(work->error);
+    free(work->smooth_error);
+    free(work->choice);
+    free(work->seen);
+    return result;
+}
+
 lmb_result lmb_denoise(const lmb_denoise_point *points, size_t count, lmb_pool *pool, const lmb_progress *progress,
                        lmb_gathered *gathered)
 {
-    denoise_work work = {.light = malloc((count + 1) * sizeof *work.light),
-                         .noise = malloc((count + 1) * sizeof *work.noise),
-                         .level = calloc(count + 1, sizeof *work.level),
-                         .error = malloc((count + 1) * sizeof *work.error),
-                         .smooth_error = malloc((count + 1) * sizeof *work.smooth_error),
-                         .choice = malloc(count + 1),
-                         .gathered = gathered};
-    lmb_result result = LMB_ERROR_MEMORY;
-    if (work.light && work.noise && work.level && work.error && work.smooth_error && work.choice) {
-        result = lmb_neighbour_cells_make(points, (uint32_t)count, RADIUS[RADII - 1], &work.cells);
-    }
-    if (result == LMB_OK) {
-        light_set(&work);
-        result = passes_run(&work, pool, progress);
-    }
-    lmb_neighbour_cells_free(&work.cells);
-    free(work.light);
-    free(work.noise);
-    free(work.level);
-    free(work.error);
-    free(work.smooth_error);
-    free(work.choice);
-    return result;
+    denoise_work work = {.reach = &on_surfaces, .gathered = gathered};
+    return denoise_run(&work, points, count, pool, progress);
+}
+
+lmb_result lmb_denoise_in_space(const lmb_denoise_point *points, size_t count, const lmb_tracer *tracer, lmb_pool *pool,
+                                const lmb_progress *progress, lmb_gathered *gathered)
+{
+    denoise_work work = {.reach = &in_space, .tracer = tracer, .gathered = gathered};
+    return denoise_run(&work, points, count, pool, progress);
 }

@@ -175,6 +175,7 @@ static void points_test(const lmb_neighbour_cells *cells, const lmb_denoise_poin
     const float *const nx = cells->nx + first, *const ny = cells->ny + first, *const nz = cells->nz + first;
     const lmb_vec3 p = point->position, n = point->normal;
     const float per_metre = 1.0f / point->spacing, reach_squared = reach * reach;
+    const float least_cosine = lmb_vec3_dot(n, n) > 0.0f ? LEAST_COSINE : 0.0f; /* in space all are 0 */
     for (uint32_t i = 0; i < count; ++i) {
         const float sx = (x[i] - p.x) * per_metre, sy = (y[i] - p.y) * per_metre, sz = (z[i] - p.z) * per_metre;
         const float square = sx * sx + sy * sy + sz * sz;
@@ -182,7 +183,7 @@ static void points_test(const lmb_neighbour_cells *cells, const lmb_denoise_poin
         const float rest = 1.0f - cosine, bend = sqrtf(2.0f * (rest > 0.0f ? rest : 0.0f));
         const float most = OFF_PLANE_SPACINGS + sqrtf(square) * (OFF_PLANE_SLOPE + OFF_PLANE_BEND * bend);
         const float off = fabsf(sx * n.x + sy * n.y + sz * n.z);
-        near[i] = (square < reach_squared) & (cosine >= LEAST_COSINE) & (off <= most);
+        near[i] = (square < reach_squared) & (cosine >= least_cosine) & (off <= most);
     }
 }
 
@@ -193,8 +194,9 @@ uint32_t lmb_neighbours_find(const lmb_neighbour_cells *cells, const lmb_neighbo
                                      {cells->nx[rank], cells->ny[rank], cells->nz[rank]},
                                      cells->spacing[rank]};
     const float per_metre = 1.0f / point.spacing;
+    const bool in_space = !(lmb_vec3_dot(point.normal, point.normal) > 0.0f);
     lmb_vec3 tangent, bitangent;
-    lmb_vec3_frame(point.normal, &tangent, &bitangent);
+    lmb_vec3_frame(in_space ? lmb_vec3_of(0.0f, 0.0f, 1.0f) : point.normal, &tangent, &bitangent);
     uint32_t count = 0;
     for (uint32_t range = 0; range < ranges->count; ++range) {
         for (uint32_t first = ranges->first[range]; first < ranges->end[range]; first += TESTED_AT_ONCE) {
@@ -210,7 +212,7 @@ uint32_t lmb_neighbours_find(const lmb_neighbour_cells *cells, const lmb_neighbo
                 const lmb_vec3 at = {cells->x[kept[i]], cells->y[kept[i]], cells->z[kept[i]]};
                 const lmb_vec3 step = lmb_vec3_scale(lmb_vec3_sub(at, point.position), per_metre);
                 found[count++] = (lmb_neighbour){kept[i], lmb_vec3_dot(step, tangent), lmb_vec3_dot(step, bitangent),
-                                                 lmb_vec3_dot(step, step)};
+                                                 in_space ? step.z : 0.0f, lmb_vec3_dot(step, step)};
             }
         }
     }

@@ -34,10 +34,10 @@ typedef struct lmb_neighbour_ranges {
 
 void lmb_neighbour_ranges_find(const lmb_neighbour_cells *cells, uint32_t cell, lmb_neighbour_ranges *ranges);
 
-/* A neighbour: where it is in the point's tangent plane, in spacings. */
+/* A neighbour: where it is from the point, in spacings: of a surface in its tangent plane, with z = 0. */
 typedef struct lmb_neighbour {
     uint32_t rank;
-    float x, y;
+    float x, y, z;
     float square; /* of the distance */
 } lmb_neighbour;
 

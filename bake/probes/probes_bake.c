@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include <lambent/denoise.h>
 #include <lambent/placement.h>
 
 /* A probe speaks for the space within half its footprint. */
@@ -44,6 +45,25 @@ lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list)
 {
     return (lmb_gather_list){
         .name = "probes", .count = list->count, .most_points = 1, .find_site = probe_site, .context = list};
+}
+
+lmb_result lmb_probe_list_denoise(const lmb_probe_list *list, lmb_pool *pool, const lmb_progress *progress,
+                                  lmb_gathered *gathered)
+{
+    lmb_denoise_point *const points = malloc((list->count + 1) * sizeof *points);
+    if (!points) {
+        return LMB_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < list->count; ++i) {
+        lmb_gather_point at;
+        lmb_gather_site site = {.point = &at};
+        probe_site(list, i, &site);
+        points[i] = (lmb_denoise_point){.position = at.position,
+                                        .spacing = lmb_probes_footprint(list->probes, list->probe[i])};
+    }
+    const lmb_result result = lmb_denoise_in_space(points, list->count, list->tracer, pool, progress, gathered);
+    free(points);
+    return result;
 }
 
 lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes)

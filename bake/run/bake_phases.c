@@ -183,13 +183,37 @@ static lmb_result phase_result(lmb_bake_phase phase, lmb_result result, lmb_erro
                : lmb_error_set(error, result, "%s: %s", lmb_bake_phase_name(phase), lmb_result_text(result));
 }
 
+static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list)
+{
+    lmb_bake_record *record = &bake->record;
+    const lmb_gather_effort effort = lmb_bake_effort(&record->settings, bake->level);
+    const lmb_gather_list elements = lmb_probe_list_elements(list);
+    const lmb_gather_job job = lmb_gather_job_all(&bake->level->transport, &elements, &effort);
+    lmb_gathered *gathered = malloc((list->count + 1) * sizeof *gathered);
+    lmb_result result = gathered
+                            ? lmb_gather_elements(&job, bake->level->pool, bake->progress, gathered, &record->gathered)
+                            : LMB_ERROR_MEMORY;
+    if (result == LMB_OK && record->settings.denoise) {
+        result = lmb_probe_list_denoise(list, bake->level->pool, NULL, gathered);
+        lmb_gather_stats_renew(&record->gathered, gathered, list->count);
+    }
+    if (result == LMB_OK) {
+        result = lmb_probe_list_finish(list, gathered, bake->probes);
+    }
+    free(gathered);
+    return result;
+}
+
 lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
 {
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
-    const lmb_gather_effort effort = lmb_bake_effort(&record->settings, bake->level);
-    const lmb_result result = lmb_probes_bake(bake->probes, &bake->level->transport, &effort, bake->level->pool,
-                                              bake->progress, &record->gathered);
+    lmb_probe_list list;
+    lmb_result result = lmb_probe_list_create(bake->probes, bake->level->transport.tracer, &list);
+    if (result == LMB_OK) {
+        result = probes_gather(bake, &list);
+        lmb_probe_list_free(&list);
+    }
     record->seconds[LMB_PHASE_PROBES] = lmb_clock_seconds() - start;
     record->rays[LMB_PHASE_PROBES] = record->gathered.rays;
     return phase_result(LMB_PHASE_PROBES, result, error);

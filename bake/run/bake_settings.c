@@ -94,8 +94,8 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
         if (settings->padding != 1) { /* what a record without it has */
             cJSON_AddNumberToObject(json, "padding", settings->padding);
         }
-        cJSON_AddBoolToObject(json, "denoise", settings->denoise);
     }
+    cJSON_AddBoolToObject(json, "denoise", settings->denoise);
     return json;
 }
 

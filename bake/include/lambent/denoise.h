@@ -14,6 +14,7 @@
 
 #include <lambent/gather_sh3.h>
 #include <lambent/pool.h>
+#include <lambent/trace.h>
 #include <lambent/types.h>
 
 #ifdef __cplusplus
@@ -22,14 +23,19 @@ extern "C" {
 
 typedef struct lmb_denoise_point {
     lmb_vec3 position;
-    lmb_vec3 normal; /* unit */
-    float spacing;   /* metres, > 0: to the next points of its surface */
+    lmb_vec3 normal; /* unit; 0: a point in space */
+    float spacing;   /* metres, > 0: to the next points of its surface, or in space */
 } lmb_denoise_point;
 
 /* Filters the moments of `count` points and sets their squared errors to what is left. The same for any number of
  * threads. @return LMB_ERROR_MEMORY, _INTERRUPTED; then `gathered` is as it was */
 lmb_result lmb_denoise(const lmb_denoise_point *points, size_t count, lmb_pool *pool, const lmb_progress *progress,
                        lmb_gathered *gathered);
+
+/* The same of points in space, by those within about two spacings that each sees: as the value of a field that is
+ * linear in all three directions. */
+lmb_result lmb_denoise_in_space(const lmb_denoise_point *points, size_t count, const lmb_tracer *tracer, lmb_pool *pool,
+                                const lmb_progress *progress, lmb_gathered *gathered);
 
 #ifdef __cplusplus
 }

@@ -26,11 +26,15 @@ void lmb_probe_list_free(lmb_probe_list *list);
 /* To be gathered at. */
 lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list);
 
+/* Takes noise off what was gathered (lambent/denoise.h), [count]. @return LMB_ERROR_MEMORY, _INTERRUPTED */
+lmb_result lmb_probe_list_denoise(const lmb_probe_list *list, lmb_pool *pool, const lmb_progress *progress,
+                                  lmb_gathered *gathered);
+
 /* Puts into the list's probes and set what was gathered, [count], and dilates the rest, in every set.
  * @return LMB_ERROR_ARGUMENT (the probes have no such set; nothing has changed), _MEMORY */
 lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes);
 
-/* All of that for set 0: gathers at the probes with that effort, and finishes.
+/* Gathers at the probes with that effort, and finishes set 0: probes without denoising.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_probes_bake(lmb_probes *probes, const lmb_transport *transport, const lmb_gather_effort *effort,
                            lmb_pool *pool, const lmb_progress *progress, lmb_gather_stats *stats);
