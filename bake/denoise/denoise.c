@@ -1,8 +1,10 @@
 /* Passes over all points, each of which reads what the last has written:
  *
- *     errors_task   what error each radius leaves at the point
- *     choose_task   the radius of the least error, by the mean of those around, which are less random
- *     filter_task   the point filtered with the radii that it and those around have chosen */
+ *     point_see           which others a point in space sees
+ *     point_find_noise    its noise, and the light around it
+ *     point_find_errors   what error each radius leaves at it
+ *     point_choose        the radius of the least error, by the mean of those around, which are less random
+ *     point_renew         its light, with the radii that it and those around have chosen */
 #include <lambent/denoise.h>
 
 #include <float.h>
@@ -213,25 +215,18 @@ static lmb_vec3 point_position(const denoise_work *work, uint32_t rank)
     return lmb_vec3_of(work->cells.x[rank], work->cells.y[rank], work->cells.z[rank]);
 }
 
-static void seen_task(void *context, size_t cell, int worker)
+static void point_see(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank)
 {
-    (void)worker;
-    denoise_work *work = context;
-    lmb_neighbour_ranges ranges;
     lmb_neighbour found[LMB_NEIGHBOURS_MOST];
-    lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
-    for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
-        const uint32_t count = lmb_neighbours_find(&work->cells, &ranges, rank, work->reach->radius[RADII - 1], found);
-        for (uint32_t i = 0; i < count && i < SEEN_MOST; ++i) {
-            uint64_t rays = 0;
-            const uint32_t other = found[i].rank;
-            /* The same from either side. */
-            const lmb_vec3 from = point_position(work, rank < other ? rank : other);
-            const lmb_vec3 to = point_position(work, rank < other ? other : rank);
-            const bool sees =
-                other == rank || lmb_rgb_max(lmb_trace_transmittance(work->tracer, from, to, &rays)) > 0.0f;
-            work->seen[rank][i / 64] |= (uint64_t)sees << i % 64;
-        }
+    const uint32_t count = lmb_neighbours_find(&work->cells, ranges, rank, work->reach->radius[RADII - 1], found);
+    for (uint32_t i = 0; i < count && i < SEEN_MOST; ++i) {
+        uint64_t rays = 0;
+        const uint32_t other = found[i].rank;
+        /* The same from either side. */
+        const lmb_vec3 from = point_position(work, rank < other ? rank : other);
+        const lmb_vec3 to = point_position(work, rank < other ? other : rank);
+        const bool sees = other == rank || lmb_rgb_max(lmb_trace_transmittance(work->tracer, from, to, &rays)) > 0.0f;
+        work->seen[rank][i / 64] |= (uint64_t)sees << i % 64;
     }
 }
 
@@ -261,75 +256,57 @@ static float level_find(const denoise_work *work, const lmb_neighbour *found, ui
 
 /* The mean noise of a point and those beside it: of one with any among those with any, since what is dark beside a lit
  * edge has none. */
-static void noise_task(void *context, size_t cell, int worker)
+static void point_find_noise(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank)
 {
-    (void)worker;
-    denoise_work *work = context;
-    lmb_neighbour_ranges ranges;
     lmb_neighbour found[LMB_NEIGHBOURS_MOST];
-    lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
-    for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
-        const uint32_t count = around_find(work, &ranges, rank, work->reach->level, found);
-        const bool noisy = squared_difference(work->light[rank]) > 0.0f;
-        float sum = 0.0f, noisy_count = 0.0f;
-        for (uint32_t i = 0; i < count; ++i) {
-            if (found[i].square >= work->reach->noise * work->reach->noise) {
-                continue;
-            }
-            const float square = squared_difference(work->light[found[i].rank]);
-            sum += square;
-            noisy_count += square > 0.0f ? 1.0f : 0.0f;
+    const uint32_t count = around_find(work, ranges, rank, work->reach->level, found);
+    const bool noisy = squared_difference(work->light[rank]) > 0.0f;
+    float sum = 0.0f, noisy_count = 0.0f;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (found[i].square >= work->reach->noise * work->reach->noise) {
+            continue;
         }
-        work->noise[rank] = noisy ? sum / noisy_count : 0.0f;
-        work->level[rank] = level_find(work, found, count);
+        const float square = squared_difference(work->light[found[i].rank]);
+        sum += square;
+        noisy_count += square > 0.0f ? 1.0f : 0.0f;
+    }
+    work->noise[rank] = noisy ? sum / noisy_count : 0.0f;
+    work->level[rank] = level_find(work, found, count);
+}
+
+static void point_find_errors(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank)
+{
+    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
+    const uint32_t count = alike_find(work, ranges, rank, work->reach->radius[RADII - 1], found);
+    work->error[rank][0] = filter_error(work->light[rank], work->light[rank]);
+    for (int r = 1; r < RADII; ++r) {
+        float sum[ROW];
+        point_filter(work, found, count, work->reach->radius[r], sum);
+        work->error[rank][r] = filter_error(work->light[rank], sum);
     }
 }
 
-static void errors_task(void *context, size_t cell, int worker)
+static void point_choose(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank)
 {
-    (void)worker;
-    denoise_work *work = context;
-    lmb_neighbour_ranges ranges;
     lmb_neighbour found[LMB_NEIGHBOURS_MOST];
-    lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
-    for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
-        const uint32_t count = alike_find(work, &ranges, rank, work->reach->radius[RADII - 1], found);
-        work->error[rank][0] = filter_error(work->light[rank], work->light[rank]);
-        for (int r = 1; r < RADII; ++r) {
-            float sum[ROW];
-            point_filter(work, found, count, work->reach->radius[r], sum);
-            work->error[rank][r] = filter_error(work->light[rank], sum);
-        }
-    }
-}
-
-static void choose_task(void *context, size_t cell, int worker)
-{
-    (void)worker;
-    denoise_work *work = context;
-    lmb_neighbour_ranges ranges;
-    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
-    lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
-    for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
-        const uint32_t count = alike_find(work, &ranges, rank, work->reach->smooth, found);
-        double relative[RADII] = {0.0}, sum[RADII] = {0.0}, weights = 0.0;
-        for (uint32_t i = 0; i < count; ++i) {
-            const uint32_t other = found[i].rank;
-            const double weight = (double)biweight(found[i].square, work->reach->smooth);
-            const double level = (double)lmb_larger(work->level[other], work->dark);
-            weights += weight;
-            for (int r = 0; r < RADII; ++r) {
-                sum[r] += weight * (double)work->error[other][r];
-                relative[r] += weight * (double)work->error[other][r] / level;
-            }
-        }
-        int best = 0;
+    const uint32_t count = alike_find(work, ranges, rank, work->reach->smooth, found);
+    double relative[RADII] = {0.0}, sum[RADII] = {0.0}, weights = 0.0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t other = found[i].rank;
+        const double weight = (double)biweight(found[i].square, work->reach->smooth);
+        const double level = (double)lmb_larger(work->level[other], work->dark);
+        weights += weight;
         for (int r = 0; r < RADII; ++r) {
-            best = relative[r] < relative[best] ? r : best;
-            work->smooth_error[rank][r] = (float)(sum[r] / weights);
+            sum[r] += weight * (double)work->error[other][r];
+            relative[r] += weight * (double)work->error[other][r] / level;
         }
-        work->choice[rank] = (uint8_t)best;
     }
+    int best = 0;
+    for (int r = 0; r < RADII; ++r) {
+        best = relative[r] < relative[best] ? r : best;
+        work->smooth_error[rank][r] = (float)(sum[r] / weights);
+    }
+    work->choice[rank] = (uint8_t)best;
 }
 
 /* How far the points around have chosen each radius. */
@@ -365,36 +342,30 @@ static void element_set(lmb_gathered *gathered, const float *row, const float *l
     gathered->squared_error = fmax(gathered->squared_error - differences, 0.0) + fmax((double)error, 0.0);
 }
 
-static void filter_task(void *context, size_t cell, int worker)
+static void point_renew(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank)
 {
-    (void)worker;
-    denoise_work *work = context;
-    lmb_neighbour_ranges ranges;
     lmb_neighbour found[LMB_NEIGHBOURS_MOST];
-    lmb_neighbour_ranges_find(&work->cells, (uint32_t)cell, &ranges);
-    for (uint32_t rank = work->cells.first[cell]; rank < work->cells.first[cell + 1]; ++rank) {
-        float share[RADII], light[COEFFICIENTS], error;
-        uint32_t count = alike_find(work, &ranges, rank, work->reach->smooth, found);
-        choices_share(work, found, count, share);
-        if (share[RADII - 1] > 0.0f) {
-            count = alike_find(work, &ranges, rank, work->reach->radius[RADII - 1], found);
-        }
-        error = share[0] * work->smooth_error[rank][0];
-        for (int k = 0; k < COEFFICIENTS; ++k) {
-            light[k] = share[0] * work->light[rank][k];
-        }
-        for (int r = 1; r < RADII; ++r) {
-            if (share[r] > 0.0f) {
-                float sum[ROW];
-                point_filter(work, found, count, work->reach->radius[r], sum);
-                error += share[r] * work->smooth_error[rank][r];
-                for (int k = 0; k < COEFFICIENTS; ++k) {
-                    light[k] += share[r] * sum[k];
-                }
+    float share[RADII], light[COEFFICIENTS], error;
+    uint32_t count = alike_find(work, ranges, rank, work->reach->smooth, found);
+    choices_share(work, found, count, share);
+    if (share[RADII - 1] > 0.0f) {
+        count = alike_find(work, ranges, rank, work->reach->radius[RADII - 1], found);
+    }
+    error = share[0] * work->smooth_error[rank][0];
+    for (int k = 0; k < COEFFICIENTS; ++k) {
+        light[k] = share[0] * work->light[rank][k];
+    }
+    for (int r = 1; r < RADII; ++r) {
+        if (share[r] > 0.0f) {
+            float sum[ROW];
+            point_filter(work, found, count, work->reach->radius[r], sum);
+            error += share[r] * work->smooth_error[rank][r];
+            for (int k = 0; k < COEFFICIENTS; ++k) {
+                light[k] += share[r] * sum[k];
             }
         }
-        element_set(&work->gathered[work->cells.element[rank]], work->light[rank], light, error);
     }
+    element_set(&work->gathered[work->cells.element[rank]], work->light[rank], light, error);
 }
 
 static void light_set(denoise_work *work)
@@ -427,21 +398,41 @@ static void dark_set(denoise_work *work)
     work->dark = (float)fmax(dark * dark, (double)FLT_MIN);
 }
 
+/* What a pass does at each point; points of a cell have the same ranges. */
+typedef struct denoise_pass {
+    denoise_work *work;
+    void (*at)(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank);
+} denoise_pass;
+
+static void cell_task(void *context, size_t cell, int worker)
+{
+    (void)worker;
+    const denoise_pass *pass = context;
+    const lmb_neighbour_cells *cells = &pass->work->cells;
+    lmb_neighbour_ranges ranges;
+    lmb_neighbour_ranges_find(cells, (uint32_t)cell, &ranges);
+    for (uint32_t rank = cells->first[cell]; rank < cells->first[cell + 1]; ++rank) {
+        pass->at(pass->work, &ranges, rank);
+    }
+}
+
 static lmb_result passes_run(denoise_work *work, lmb_pool *pool, const lmb_progress *progress)
 {
-    const size_t cells = work->cells.cell_count;
-    lmb_result result = work->seen ? lmb_pool_run(pool, cells, seen_task, work, "denoise", NULL) : LMB_OK;
-    if (result == LMB_OK) {
-        result = lmb_pool_run(pool, cells, noise_task, work, "denoise", NULL);
+    denoise_pass passes[] = {{work, point_see},
+                             {work, point_find_noise},
+                             {work, point_find_errors},
+                             {work, point_choose},
+                             {work, point_renew}};
+    lmb_result result = LMB_OK;
+    for (size_t i = work->seen ? 0 : 1; i < sizeof passes / sizeof passes[0] && result == LMB_OK; ++i) {
+        const bool longest = passes[i].at == point_find_errors;
+        if (longest) {
+            dark_set(work);
+        }
+        result =
+            lmb_pool_run(pool, work->cells.cell_count, cell_task, &passes[i], "denoise", longest ? progress : NULL);
     }
-    dark_set(work);
-    if (result == LMB_OK) {
-        result = lmb_pool_run(pool, cells, errors_task, work, "denoise", progress);
-    }
-    if (result == LMB_OK) {
-        result = lmb_pool_run(pool, cells, choose_task, work, "denoise", NULL);
-    }
-    return result == LMB_OK ? lmb_pool_run(pool, cells, filter_task, work, "denoise", NULL) : result;
+    return result;
 }
 
 /* Of which `work` has what the caller gave. */

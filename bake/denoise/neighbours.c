@@ -198,6 +198,7 @@ uint32_t lmb_neighbours_find(const lmb_neighbour_cells *cells, const lmb_neighbo
     lmb_vec3 tangent, bitangent;
     lmb_vec3_frame(in_space ? lmb_vec3_of(0.0f, 0.0f, 1.0f) : point.normal, &tangent, &bitangent);
     uint32_t count = 0;
+    found[count++] = (lmb_neighbour){.rank = rank};
     for (uint32_t range = 0; range < ranges->count; ++range) {
         for (uint32_t first = ranges->first[range]; first < ranges->end[range]; first += TESTED_AT_ONCE) {
             const uint32_t left = ranges->end[range] - first, tested = left < TESTED_AT_ONCE ? left : TESTED_AT_ONCE;
@@ -206,7 +207,7 @@ uint32_t lmb_neighbours_find(const lmb_neighbour_cells *cells, const lmb_neighbo
             points_test(cells, &point, first, tested, reach, near);
             for (uint32_t i = 0; i < tested; ++i) { /* no branches: they would be guessed wrong half of the time */
                 kept[kept_count] = first + i;
-                kept_count += (uint32_t)near[i];
+                kept_count += (uint32_t)near[i] & (first + i != rank);
             }
             for (uint32_t i = 0; i < kept_count && count < LMB_NEIGHBOURS_MOST; ++i) {
                 const lmb_vec3 at = {cells->x[kept[i]], cells->y[kept[i]], cells->z[kept[i]]};

@@ -41,7 +41,8 @@ typedef struct lmb_neighbour {
     float square; /* of the distance */
 } lmb_neighbour;
 
-/* Those within `reach` spacings of the point of that rank, itself among them, by rising rank. */
+/* Those within `reach` spacings of the point of that rank: itself, then others by rising rank, as many as there is room
+ * for. */
 enum { LMB_NEIGHBOURS_MOST = 1024 };
 uint32_t lmb_neighbours_find(const lmb_neighbour_cells *cells, const lmb_neighbour_ranges *ranges, uint32_t rank,
                              float reach, lmb_neighbour found[LMB_NEIGHBOURS_MOST]);
