@@ -36,7 +36,7 @@ static const char usage[] =
     "points, which counts as their error; both are relative root mean squares. leak is the mean of max(0, probe - "
     "reference) at points whose\n"
     "reference is below 1 % of the mean, over the mean; leak_points counts them (leak is 0 when there are none).\n"
-    "denoised says whether the lightmap is. seam_step_median and seam_step_p95 are steps of the lightmap's light "
+    "denoised says whether the bake is. seam_step_median and seam_step_p95 are steps of the lightmap's light "
     "between\n"
     "charts that meet on a smooth surface, relative to the light there, over points a texel apart.\n";
 
@@ -172,12 +172,10 @@ static void report_print_table(const check_options *options, const check_report 
         putchar('\n');
     }
     printf(
-        "%s%zu surface points, %zu free points, 8 normals each; reference: path tracer, 2 x %u samples a point, seed "
-        "%llu\n",
-        isnan(report->lightmap_leak) ? ""
-        : denoised                   ? "denoised lightmap; "
-                                     : "plain lightmap; ",
-        report->points, report->free_points, options->settings.samples, (unsigned long long)options->settings.seed);
+        "%s bake; %zu surface points, %zu free points, 8 normals each; reference: path tracer, 2 x %u samples a point, "
+        "seed %llu\n",
+        denoised ? "denoised" : "plain", report->points, report->free_points, options->settings.samples,
+        (unsigned long long)options->settings.seed);
 }
 
 int command_check(int count, char **values)
@@ -202,7 +200,7 @@ int command_check(int count, char **values)
     lmb_console console;
     const lmb_progress progress = console_progress(&console, options.quiet, false);
     const check_subject subject = {&baked.level.transport, baked.volume, baked.lightmap, baked.level.pool};
-    const bool denoised = baked.lightmap && baked.settings.denoise;
+    const bool denoised = baked.settings.denoise;
     check_report report;
     result = check_run(&subject, &options.settings, &progress, &report);
     console_finish(&console);

@@ -12,11 +12,12 @@
 
 #include "lightmap/lightmap_seams.h"
 
-/* What a texel's change counts beside a point's step: texels that were gathered know their light, others do not. */
+/* What a texel's change counts beside a point's step: texels that were gathered know their light, others do not. At
+ * 0.02 a ball whose islands are all border lost its shading, at 0.4 its borders showed. */
 #define HOLD_GATHERED 0.1
 #define HOLD_DILATED 0.002
 
-/* The step is below 1 % of what it was after fewer on all levels of docs/baking.md. */
+/* Conjugate gradients end here at the latest, or when what is left has this share of its first length. */
 enum { MOST_STEPS = 60 };
 #define ENOUGH 1e-6
 

@@ -1,6 +1,6 @@
 /* Lightmaps: where each instance's texels are, what light they hold, and the files.
  *
- * Every static instance with triangles owns a rectangle of texels in one of a few square images. Its UVs are the mesh's
+ * Every static instance with triangles owns a rectangle of texels in one of a few images. Its UVs are the mesh's
  * TEXCOORD_1 where that is good (lambent/chart.h), else charts made here. The layout depends on the scene and the
  * settings alone, so it can always be made again; docs/formats.md describes the files. */
 #ifndef LAMBENT_LIGHTMAP_H
