@@ -53,14 +53,16 @@ static void wait_ms(int milliseconds)
     nanosleep(&pause, NULL);
 }
 
-/* Whether a process waits for its signals yet: before, it is the loader's, which they kill. */
+/* Whether a process waits for its signals yet: before, it is the loader's, which they kill; and before that this
+ * program's own copy, in which fork() blocks all signals for a moment. */
 static bool waits_for_signals(pid_t process)
 {
-    char path[64], line[256];
+    char path[64], line[256], name[32] = "";
     snprintf(path, sizeof path, "/proc/%ld/status", (long)process);
     FILE *file = fopen(path, "r");
     unsigned long long blocked = 0;
     while (file && fgets(line, sizeof line, file)) {
+        sscanf(line, "Name: %31s", name);
         if (sscanf(line, "SigBlk: %llx", &blocked) == 1) {
             break;
         }
@@ -68,7 +70,7 @@ static bool waits_for_signals(pid_t process)
     if (file) {
         fclose(file);
     }
-    return (blocked >> (SIGINT - 1) & 1) != 0;
+    return strcmp(name, "lambent") == 0 && (blocked >> (SIGINT - 1) & 1) != 0;
 }
 
 /* Starts `lambent`, output to OUTPUT/printed and input from nowhere that ends. */
