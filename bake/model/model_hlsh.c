@@ -56,10 +56,11 @@ const lmb_model lmb_model_hlsh = {
     .channel_name = names,
     .part = parts,
     .light_count = CHANNELS,
+    .irradiance_first = true,
     .bytes = 2 * CHANNELS,
     .convention =
-        "R G B: normalised irradiance (integral of L cos / pi) at the vertex normal; a: C_a; R.XYZ and so on: "
-        "c in world space, +Y up; all / lambent:scale, linear Rec. 709",
+        "irradiance: normalised (integral of L cos / pi), at the vertex normal; a: C_a; R.XYZ and so on: c in world "
+        "space, +Y up; all / lambent:scale, linear Rec. 709",
     .encode = encode,
     .evaluate = evaluate,
     .average = average,

@@ -52,6 +52,7 @@ typedef struct lmb_model {
     const char *const *channel_name;
     const lmb_model_part *part; /* all channels; ended by a count of 0 */
     int light_count;            /* the first channels, which scale with the light: one RGB colour or more */
+    bool irradiance_first;      /* the first three are the normalised irradiance at the vertex normal */
     int bytes;                  /* of a stored texel or probe, as fp16 */
     const char *convention;     /* what the channels mean, for a file's header */
 
