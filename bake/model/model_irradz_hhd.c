@@ -78,6 +78,7 @@ const lmb_model lmb_model_irradz_hhd = {
     .part = parts,
     .light_count = 3,
     .bytes = 2 * CHANNELS,
+    .cone = true,
     .convention =
         "R G B: normalised irradiance (integral of L cos / pi) at the vertex normal / lambent:scale, linear Rec. 709; "
         "w: ambient weight; d: direction in world space, +Y up, normalise after filtering",

@@ -7,5 +7,8 @@
 extern const lmb_model lmb_model_irradz_hhd;
 extern const lmb_model lmb_model_hlsh;
 extern const lmb_model lmb_model_sh3;
+extern const lmb_model lmb_model_hhd_closed_gram;
+extern const lmb_model lmb_model_sh2;
+extern const lmb_model lmb_model_scalar;
 
 #endif
