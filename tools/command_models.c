@@ -7,6 +7,7 @@
 #include "command.h"
 #include "machine.h"
 #include "models.h"
+#include "models_cones.h"
 #include "query.h"
 
 enum { MOST_TURNS = 65536 };

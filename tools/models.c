@@ -2,9 +2,10 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <lambent/vector.h>
+
+#include "models_spread.h"
 
 static const lmb_vec3 up = {0.0f, 0.0f, 1.0f};
 
@@ -25,10 +26,12 @@ void models_apply(const lmb_model *model, models_input input, const models_turn 
     model->evaluate(channel, up, normal, MODELS_NORMAL_COUNT, irradiance);
 }
 
-/* The rows: every model that is made of SH3 with every input, others with the light above the horizon. */
+/* The rows: every model that is made of SH3 with every input, others with the light above the horizon. A texel's SH3
+ * means nothing below the horizon, so that only those go without clipping it that may be asked to. */
 static bool row_exists(const lmb_model *model, models_input input)
 {
-    return model->encode || input == MODELS_LIGHTMAP;
+    return input == MODELS_LIGHTMAP ? !model->unoccluded || (model->uses & LMB_MODEL_FOR_LIGHTMAP)
+                                    : model->encode != NULL;
 }
 
 static const lmb_model *model_at(const models_settings *settings, size_t index)
@@ -61,32 +64,6 @@ static lmb_result rows_make(const models_settings *settings, models_report *repo
         }
     }
     return LMB_OK;
-}
-
-/* Relative errors from 2^-20 to 2^5, 64 bins an octave by the leading bits of the float, with one bin for what is
- * smaller and one for what is larger. */
-enum {
-    BINS_AN_OCTAVE = 64,
-    LEAST_EXPONENT = -20,
-    OCTAVES = 25,
-    BIN_COUNT = BINS_AN_OCTAVE * OCTAVES + 2,
-    BIN_SHIFT = 23 - 6,
-    LEAST_BITS = (127 + LEAST_EXPONENT) * BINS_AN_OCTAVE
-};
-
-static size_t bin_of(float relative)
-{
-    uint32_t bits;
-    memcpy(&bits, &relative, sizeof bits);
-    const int bin = (int)(bits >> BIN_SHIFT) - LEAST_BITS + 1;
-    return (size_t)(bin < 0 ? 0 : bin < BIN_COUNT ? bin : BIN_COUNT - 1);
-}
-
-/* The lower edge of a bin. */
-static double bin_edge(size_t bin)
-{
-    const double octaves = (double)(bin - 1) / BINS_AN_OCTAVE, whole = floor(octaves);
-    return bin == 0 ? 0.0 : ldexp(1.0 + octaves - whole, (int)whole + LEAST_EXPONENT);
 }
 
 /* Sums of squares. */
@@ -138,7 +115,7 @@ static void histogram_add(uint32_t *bins, const lmb_rgb *found, const lmb_rgb *r
     }
     for (int i = 0; i < MODELS_NORMAL_COUNT; ++i) {
         const float own = lmb_larger(reference[i].c[1], 0.01f * mean);
-        ++bins[bin_of(own > 0.0f ? fabsf(found[i].c[1] - reference[i].c[1]) / own : 0.0f)];
+        ++bins[models_bin_of(own > 0.0f ? fabsf(found[i].c[1] - reference[i].c[1]) / own : 0.0f)];
     }
 }
 
@@ -161,7 +138,7 @@ static void turn_measure(void *context, size_t task, int worker)
         error->colour = squares_of_colour(found, coloured->reference);
         models_apply(row->model, row->input, grey, all->normal, found);
         error->luminance = squares_of_grey(found, grey->reference);
-        histogram_add(&all->histogram[((size_t)worker * rows + r) * BIN_COUNT], found, grey->reference);
+        histogram_add(&all->histogram[((size_t)worker * rows + r) * MODELS_BIN_COUNT], found, grey->reference);
     }
 }
 
@@ -186,39 +163,16 @@ static void row_pool(const job *all, size_t map_count, size_t r, models_row *row
     }
 }
 
-/* The value that a share of all stay below, from bins filled evenly. */
-static double quantile(const uint64_t *bins, uint64_t count, double share)
-{
-    const double wanted = share * (double)count;
-    double below = 0.0;
-    for (size_t bin = 0; bin + 1 < BIN_COUNT; ++bin) {
-        if (below + (double)bins[bin] >= wanted && bins[bin] > 0) {
-            const double inside = (wanted - below) / (double)bins[bin];
-            return bin_edge(bin) + inside * (bin_edge(bin + 1) - bin_edge(bin));
-        }
-        below += (double)bins[bin];
-    }
-    return bin_edge(BIN_COUNT - 1);
-}
-
 static void row_spread(const job *all, size_t r, models_row *row)
 {
     const size_t rows = all->report->row_count;
-    uint64_t bins[BIN_COUNT] = {0}, count = 0, over = 0;
-    const size_t tenth = bin_of(0.1f);
+    models_spread spread = {{0}, 0};
     for (int worker = 0; worker < all->workers; ++worker) {
-        const uint32_t *part = &all->histogram[((size_t)worker * rows + r) * BIN_COUNT];
-        for (size_t bin = 0; bin < BIN_COUNT; ++bin) {
-            bins[bin] += part[bin];
-            count += part[bin];
-            over += bin > tenth ? part[bin] : 0;
-        }
+        models_spread_add(&spread, &all->histogram[((size_t)worker * rows + r) * MODELS_BIN_COUNT]);
     }
-    /* Of the bin that a tenth is in, the part above it. */
-    const double inside = (bin_edge(tenth + 1) - 0.1) / (bin_edge(tenth + 1) - bin_edge(tenth));
-    row->median = quantile(bins, count, 0.5);
-    row->p95 = quantile(bins, count, 0.95);
-    row->share_over_10pct = ((double)over + inside * (double)bins[tenth]) / (double)count;
+    row->median = models_spread_quantile(&spread, 0.5);
+    row->p95 = models_spread_quantile(&spread, 0.95);
+    row->share_over_10pct = models_spread_share_over(&spread, 0.1f);
 }
 
 static lmb_result job_run(job *all, size_t map_count, lmb_pool *pool, const lmb_progress *progress,
@@ -229,7 +183,7 @@ static lmb_result job_run(job *all, size_t map_count, lmb_pool *pool, const lmb_
     all->turn = malloc(2 * workers * sizeof *all->turn);
     all->reference = malloc(tasks * sizeof *all->reference);
     all->error = malloc(tasks * rows * sizeof *all->error);
-    all->histogram = calloc(workers * rows * BIN_COUNT, sizeof *all->histogram);
+    all->histogram = calloc(workers * rows * MODELS_BIN_COUNT, sizeof *all->histogram);
     lmb_result result = LMB_ERROR_MEMORY;
     if (all->turn && all->reference && all->error && all->histogram) {
         result = lmb_pool_run(pool, tasks, turn_measure, all, "models", progress);

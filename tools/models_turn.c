@@ -88,8 +88,8 @@ static void wall_add(lmb_sh3_rgb *sh3, lmb_rgb light, double contrast)
 }
 
 /* All normals at once for each light, so that the compiler makes vectors of them. */
-static void irradiance_sum(const lmb_directed_light *light, size_t count, const lmb_vec3 normal[MODELS_NORMAL_COUNT],
-                           lmb_rgb irradiance[MODELS_NORMAL_COUNT])
+void models_turn_reference(const models_turn *turn, lmb_vec3 axis, float cone_cos,
+                           const lmb_vec3 normal[MODELS_NORMAL_COUNT], lmb_rgb irradiance[MODELS_NORMAL_COUNT])
 {
     float x[MODELS_NORMAL_COUNT], y[MODELS_NORMAL_COUNT], z[MODELS_NORMAL_COUNT];
     float sum[3][MODELS_NORMAL_COUNT] = {{0.0f}};
@@ -98,9 +98,12 @@ static void irradiance_sum(const lmb_directed_light *light, size_t count, const 
         y[i] = normal[i].y;
         z[i] = normal[i].z;
     }
-    for (size_t k = 0; k < count; ++k) {
-        const lmb_vec3 d = light[k].direction;
-        const lmb_rgb weight = lmb_rgb_scale(light[k].weight, 1.0f / LMB_PI_F);
+    for (size_t k = 0; k < turn->light_count; ++k) {
+        const lmb_vec3 d = turn->light[k].direction;
+        const lmb_rgb weight = lmb_rgb_scale(turn->light[k].weight, 1.0f / LMB_PI_F);
+        if (!(lmb_vec3_dot(d, axis) > cone_cos)) {
+            continue;
+        }
         for (int i = 0; i < MODELS_NORMAL_COUNT; ++i) {
             const float cosine = lmb_larger(x[i] * d.x + y[i] * d.y + z[i] * d.z, 0.0f);
             sum[0][i] += cosine * weight.c[0];
@@ -146,7 +149,7 @@ void models_turn_fill(models_turn *turn, const models_map *map, const lmb_vec3 n
     turn->sh3[MODELS_PROBE_WALL] = turn->sh3[MODELS_PROBE_WALL31] = clipped;
     wall_add(&turn->sh3[MODELS_PROBE_WALL], wall, 0.0);
     wall_add(&turn->sh3[MODELS_PROBE_WALL31], wall, 0.5);
-    irradiance_sum(turn->light, turn->light_count, normal, turn->reference);
+    models_turn_reference(turn, up, 0.0f, normal, turn->reference);
 }
 
 static lmb_rgb grey_of(lmb_rgb colour)

@@ -38,4 +38,8 @@ void models_turn_fill(models_turn *turn, const models_map *map, const lmb_vec3 n
 /* The same light without its colour. */
 void models_turn_make_grey(models_turn *turn);
 
+/* Normalised irradiance of the light that is above the horizon and in a cone. */
+void models_turn_reference(const models_turn *turn, lmb_vec3 axis, float cone_cos,
+                           const lmb_vec3 normal[MODELS_NORMAL_COUNT], lmb_rgb irradiance[MODELS_NORMAL_COUNT]);
+
 #endif
