@@ -8,6 +8,8 @@
 #include "machine.h"
 #include "models.h"
 #include "models_cones.h"
+#include "models_html.h"
+#include "output_file.h"
 #include "query.h"
 
 enum { MOST_TURNS = 65536 };
@@ -22,6 +24,7 @@ static const char usage[] =
     "  --turns N     turns of each environment (default 256)\n"
     "  --seed N      of the turns; 0, the default, are the published ones (docs/testing.md)\n"
     "  --threads N   default: all processors\n"
+    "  --html FILE   write plots, pictures and tables as well, one page that needs no other file\n"
     "  --json        print one JSON object\n"
     "  --quiet       no progress\n"
     "\n"
@@ -39,12 +42,20 @@ static const char usage[] =
     "  p95, over_10pct  of the same: its 95th percentile, and the share above a tenth\n"
     "  ns_encode, ns_eval  nanoseconds of CPU time of one thread, of a colour: made of its input; evaluated on one "
     "normal\n"
-    "  numbers, bytes  that a texel or a probe stores, for a colour\n";
+    "  numbers, bytes  that a texel or a probe stores, for a colour\n"
+    "\n"
+    "Behind cones of visibility the truth is the light in the cone and above the horizon, the input the whole "
+    "sphere's\n"
+    "SH3, and the error the median of each normal's own relative one:\n"
+    "  cone          the model's own way with a cone, about its axis\n"
+    "  ao            the model of the hemisphere times the visibility, cosine-weighted\n"
+    "  bent          the same with the normal bent towards the cone's axis, of models that clip nothing\n";
 
 typedef struct models_options {
     models_settings settings;
     const char **path; /* room for as many as there are arguments */
     size_t path_count;
+    const char *html; /* NULL: none */
     int threads;
     bool json;
     bool quiet;
@@ -59,6 +70,8 @@ static void options_read(lmb_arguments *arguments, models_options *options)
             options->settings.seed = (uint64_t)arguments_integer(arguments, next, 0, INT64_MAX);
         } else if (strcmp(next, "--threads") == 0) {
             options->threads = (int)arguments_integer(arguments, next, 1, 1024);
+        } else if (strcmp(next, "--html") == 0) {
+            options->html = arguments_text(arguments, next);
         } else if (strcmp(next, "--json") == 0) {
             options->json = true;
         } else if (strcmp(next, "--quiet") == 0) {
@@ -94,7 +107,26 @@ static cJSON *row_json(const models_row *row)
     return json;
 }
 
-static int report_print_json(const models_options *options, const models_report *report, const char *machine)
+/* One object for each model, method and tilt. */
+static cJSON *cones_json(const models_cone_report *cones)
+{
+    cJSON *list = cJSON_CreateArray();
+    for (size_t i = 0; i < cones->row_count; ++i) {
+        const models_cone_row *row = &cones->row[i];
+        for (int tilt = 0; tilt < MODELS_CONE_TILTS; ++tilt) {
+            cJSON *json = cJSON_CreateObject();
+            cJSON_AddStringToObject(json, "name", lmb_model_full_name(row->model));
+            cJSON_AddStringToObject(json, "method", models_cone_method_name(row->method));
+            cJSON_AddNumberToObject(json, "tilt_deg", (double)models_cone_tilt_deg[tilt]);
+            cJSON_AddItemToObject(json, "median", cJSON_CreateDoubleArray(row->median[tilt], MODELS_CONE_COSINES));
+            cJSON_AddItemToArray(list, json);
+        }
+    }
+    return list;
+}
+
+static int report_print_json(const models_options *options, const models_report *report,
+                             const models_cone_report *cones, const char *machine)
 {
     cJSON *json = cJSON_CreateObject();
     cJSON_AddStringToObject(json, "machine", machine);
@@ -108,12 +140,14 @@ static int report_print_json(const models_options *options, const models_report 
     for (size_t i = 0; i < report->row_count; ++i) {
         cJSON_AddItemToArray(models, row_json(&report->row[i]));
     }
+    cJSON_AddItemToObject(json, "cone_cos", cJSON_CreateFloatArray(models_cone_cosine, MODELS_CONE_COSINES));
+    cJSON_AddItemToObject(json, "cones", cones_json(cones));
     return json_print_line(json);
 }
 
 static void row_print(const models_row *row)
 {
-    printf("%-24s %-13s%7d%6d%8.4f%8.4f%8.4f%8.4f%8.4f%8.4f%10.0f%9.1f%s\n", lmb_model_full_name(row->model),
+    printf("%-27s %-13s%7d%6d%8.4f%8.4f%8.4f%8.4f%8.4f%8.4f%10.0f%9.1f%s\n", lmb_model_full_name(row->model),
            models_input_name(row->input), row->model->channel_count, row->model->bytes, row->luminance.mean,
            row->luminance.max, row->colour.mean, row->median, row->p95, row->share_over_10pct, row->ns_encode,
            row->ns_eval, row->is_default ? "  default" : "");
@@ -121,7 +155,7 @@ static void row_print(const models_row *row)
 
 static void report_print(const models_options *options, const models_report *report, const char *machine)
 {
-    printf("%s\n%zu environments, %u turns each\n\n%-24s %-13s%7s%6s%8s%8s%8s%8s%8s%8s%10s%9s\n", machine,
+    printf("%s\n%zu environments, %u turns each\n\n%-27s %-13s%7s%6s%8s%8s%8s%8s%8s%8s%10s%9s\n", machine,
            options->path_count, options->settings.turns, "model", "input", "numbers", "bytes", "rmse", "max", "colour",
            "median", "p95", "over10%", "ns_encode", "ns_eval");
     for (size_t i = 0; i < report->row_count; ++i) {
@@ -130,6 +164,32 @@ static void report_print(const models_options *options, const models_report *rep
         }
         row_print(&report->row[i]);
     }
+}
+
+static void cones_print(const models_cone_report *cones)
+{
+    printf("\nmedian relative error in percent behind cones\n%-27s %-5s", "tilt of the axis in degrees", "");
+    for (int tilt = 0; tilt < MODELS_CONE_TILTS; ++tilt) {
+        printf("  %-*.0f", 7 * MODELS_CONE_COSINES, (double)models_cone_tilt_deg[tilt]);
+    }
+    printf("\n%-27s %-5s", "cosine of the half angle", "");
+    for (int tilt = 0; tilt < MODELS_CONE_TILTS; ++tilt) {
+        printf("  ");
+        for (int k = 0; k < MODELS_CONE_COSINES; ++k) {
+            printf("%-7.2f", (double)models_cone_cosine[k]);
+        }
+    }
+    for (size_t i = 0; i < cones->row_count; ++i) {
+        const models_cone_row *row = &cones->row[i];
+        printf("\n%-27s %-5s", lmb_model_full_name(row->model), models_cone_method_name(row->method));
+        for (int tilt = 0; tilt < MODELS_CONE_TILTS; ++tilt) {
+            printf("  ");
+            for (int k = 0; k < MODELS_CONE_COSINES; ++k) {
+                printf("%-7.1f", 100.0 * row->median[tilt][k]);
+            }
+        }
+    }
+    putchar('\n');
 }
 
 static lmb_result maps_read(const models_options *options, models_map **maps, lmb_error *error)
@@ -145,41 +205,64 @@ static lmb_result maps_read(const models_options *options, models_map **maps, lm
     return result;
 }
 
-/* Reads, measures and prints. */
-static int models_run(const models_options *options)
+/* What was measured. */
+typedef struct measured {
+    models_map *map;
+    models_report report;
+    models_cone_report cones;
+} measured;
+
+static lmb_result all_measure(const models_options *options, const lmb_progress *progress, measured *all,
+                              lmb_error *error)
 {
-    lmb_error error = {""};
-    models_map *maps = NULL;
     lmb_pool *pool = NULL;
-    models_report report = {NULL, 0};
-    lmb_console console;
-    const lmb_progress progress = console_progress(&console, options->quiet, false);
-    lmb_result result = maps_read(options, &maps, &error);
+    lmb_result result = maps_read(options, &all->map, error);
     if (result == LMB_OK) {
         result = lmb_pool_create(options->threads, &pool);
     }
     if (result == LMB_OK) {
-        result = models_measure(&options->settings, maps, options->path_count, pool, &progress, &report);
+        result = models_measure(&options->settings, all->map, options->path_count, pool, progress, &all->report);
     }
     if (result == LMB_OK) {
-        result = models_measure_speed(&options->settings, maps, options->path_count, &progress, &report);
+        result = models_cones_measure(&options->settings, all->map, options->path_count, pool, progress, &all->cones);
+    }
+    if (result == LMB_OK) {
+        result = models_measure_speed(&options->settings, all->map, options->path_count, progress, &all->report);
+    }
+    lmb_pool_destroy(pool);
+    return result;
+}
+
+/* Reads, measures and prints. */
+static int models_run(const models_options *options)
+{
+    lmb_error error = {""};
+    measured all = {NULL};
+    char machine[512];
+    machine_text(machine);
+    lmb_result result = options->html ? output_file_check(options->html, &error) : LMB_OK;
+    lmb_console console;
+    const lmb_progress progress = console_progress(&console, options->quiet, false);
+    if (result == LMB_OK) {
+        result = all_measure(options, &progress, &all, &error);
     }
     console_finish(&console);
+    if (result == LMB_OK && options->html) {
+        const models_page page = {&options->settings, all.map, options->path_count, &all.report, &all.cones, machine};
+        result = models_html_write(options->html, &page, &error);
+    }
     int status = EXIT_DONE;
     if (result != LMB_OK) {
         status = command_fail(result, &error);
+    } else if (options->json) {
+        status = report_print_json(options, &all.report, &all.cones, machine);
     } else {
-        char machine[512];
-        machine_text(machine);
-        if (options->json) {
-            status = report_print_json(options, &report, machine);
-        } else {
-            report_print(options, &report, machine);
-        }
+        report_print(options, &all.report, machine);
+        cones_print(&all.cones);
     }
-    models_report_free(&report);
-    lmb_pool_destroy(pool);
-    free(maps);
+    models_cones_free(&all.cones);
+    models_report_free(&all.report);
+    free(all.map);
     return status;
 }
 

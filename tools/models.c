@@ -26,9 +26,7 @@ void models_apply(const lmb_model *model, models_input input, const models_turn 
     model->evaluate(channel, up, normal, MODELS_NORMAL_COUNT, irradiance);
 }
 
-/* The rows: every model that is made of SH3 with every input, others with the light above the horizon. A texel's SH3
- * means nothing below the horizon, so that only those go without clipping it that may be asked to. */
-static bool row_exists(const lmb_model *model, models_input input)
+bool models_row_exists(const lmb_model *model, models_input input)
 {
     return input == MODELS_LIGHTMAP ? !model->unoccluded || (model->uses & LMB_MODEL_FOR_LIGHTMAP)
                                     : model->encode != NULL;
@@ -55,7 +53,7 @@ static lmb_result rows_make(const models_settings *settings, models_report *repo
     for (int input = 0; input < MODELS_INPUT_COUNT; ++input) {
         for (size_t i = 0; i < models; ++i) {
             const lmb_model *model = model_at(settings, i);
-            if (row_exists(model, (models_input)input)) {
+            if (models_row_exists(model, (models_input)input)) {
                 report->row[report->row_count++] =
                     (models_row){.model = model,
                                  .input = (models_input)input,

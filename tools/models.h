@@ -59,6 +59,10 @@ void models_report_free(models_report *report);
 lmb_result models_measure_speed(const models_settings *settings, const models_map *map, size_t map_count,
                                 const lmb_progress *progress, models_report *report);
 
+/* Whether a model is measured with an input: every one that is made of SH3, others with the light above the horizon. A
+ * texel's SH3 means nothing below the horizon, so that only those go without clipping it that may be asked to. */
+bool models_row_exists(const lmb_model *model, models_input input);
+
 /* What a model gives of one input of a turn; `normal`: models_normals. */
 void models_apply(const lmb_model *model, models_input input, const models_turn *turn,
                   const lmb_vec3 normal[MODELS_NORMAL_COUNT], lmb_rgb irradiance[MODELS_NORMAL_COUNT]);
