@@ -79,6 +79,7 @@ const lmb_model lmb_model_irradz_hhd = {
     .light_count = 3,
     .irradiance_first = true,
     .bytes = 2 * CHANNELS,
+    .cone = true,
     .convention =
         "irradiance: normalised (integral of L cos / pi), at the vertex normal, linear Rec. 709; d: direction in world "
         "space, +Y up, filter and decode as it is; w: ambient weight",
