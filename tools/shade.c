@@ -185,8 +185,7 @@ lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 or
     for (int layer = 0; layer < MAX_LAYERS; ++layer) {
         seen_surface seen;
         if (!seen_nearest(shader, origin, direction, start, &seen)) {
-            float density;
-            const lmb_rgb sky = lmb_emitters_environment_radiance(shader->transport->emitters, direction, &density);
+            const lmb_rgb sky = lmb_emitters_environment_shown(shader->transport->emitters, direction);
             return lmb_rgb_add(radiance, lmb_rgb_mul(share, sky));
         }
         seen_complete(&seen, direction);

@@ -13,7 +13,18 @@
 #include <lambent/half_scale.h>
 #include <lambent/gltf.h>
 
-enum { FORMAT_VERSION = 1, MAX_FILE_NAME = 32 };
+/* Who reads version 1 alone would lose the key lights of version 2. */
+enum { FORMAT_VERSION = 1, FORMAT_VERSION_WITH_KEYS = 2, MAX_FILE_NAME = 32 };
+
+/* The channels of what is seen of key lights. */
+static const char *const KEY_NAMES[LMB_KEY_LIGHTS_MOST] = {"key0", "key1", "key2", "key3"};
+static const char *const KEY_ATTRIBUTES[LMB_KEY_LIGHTS_MOST] = {"lambent:key0", "lambent:key1", "lambent:key2",
+                                                                "lambent:key3"};
+
+static int format_version(const lmb_lightmap *lightmap)
+{
+    return lightmap->key_light_count > 0 ? FORMAT_VERSION_WITH_KEYS : FORMAT_VERSION;
+}
 
 static const char FORMAT_NAME[] = "lambent lightmap";
 static const char JSON_NAME[] = "lightmap.json";
@@ -22,6 +33,12 @@ static const char UV_LEVEL_NAME[] = "level_uv2.glb";
 static void image_file_name(int32_t number, char name[MAX_FILE_NAME])
 {
     snprintf(name, MAX_FILE_NAME, "lightmap_%d.exr", (int)number);
+}
+
+/* The name of a plane's channel. */
+static const char *plane_name(const lmb_model *model, int plane)
+{
+    return plane < model->channel_count ? model->channel_name[plane] : KEY_NAMES[plane - model->channel_count];
 }
 
 static lmb_result out_of_memory(lmb_error *error)
@@ -58,35 +75,63 @@ static float image_scale(const lmb_lightmap_image *image, const lmb_model *model
     return lmb_half_scale(brightest);
 }
 
-static lmb_result image_write(const lmb_lightmap_image *image, const lmb_model *model, const char *path,
+/* The channels of an image, those of light divided by `scale` in `scaled`, which has room for them. Returns how many.
+ */
+static size_t channels_make(const lmb_lightmap *lightmap, const lmb_lightmap_image *image, float scale, float *scaled,
+                            lmb_exr_channel channels[LMB_MODEL_MOST_CHANNELS + LMB_KEY_LIGHTS_MOST])
+{
+    const lmb_model *model = lightmap->model;
+    const size_t texels = (size_t)image->width * (size_t)image->height;
+    for (int c = 0; c < lmb_lightmap_plane_count(lightmap); ++c) {
+        channels[c] = (lmb_exr_channel){plane_name(model, c), lmb_lightmap_plane(image, c)};
+    }
+    for (int c = 0; c < model->light_count; ++c, scaled += texels) {
+        for (size_t i = 0; i < texels; ++i) {
+            scaled[i] = channels[c].values[i] * (1.0f / scale);
+        }
+        channels[c].values = scaled;
+    }
+    return (size_t)lmb_lightmap_plane_count(lightmap);
+}
+
+enum { PLAIN_ATTRIBUTES = 5, KEY_TEXT_SIZE = 128 };
+
+/* What an image's header says of a key light: its direction and irradiance. */
+static void key_text_make(const lmb_key_light *light, char text[KEY_TEXT_SIZE])
+{
+    snprintf(text, KEY_TEXT_SIZE, "%.9g %.9g %.9g %.9g %.9g %.9g", (double)light->direction.x,
+             (double)light->direction.y, (double)light->direction.z, (double)light->irradiance.c[0],
+             (double)light->irradiance.c[1], (double)light->irradiance.c[2]);
+}
+
+static lmb_result image_write(const lmb_lightmap *lightmap, const lmb_lightmap_image *image, const char *path,
                               lmb_error *error)
 {
+    const lmb_model *model = lightmap->model;
     const size_t texels = (size_t)image->width * (size_t)image->height;
     float *values = malloc(texels * (size_t)model->light_count * sizeof *values);
     if (!values) {
         return out_of_memory(error);
     }
     const float scale = image_scale(image, model);
-    lmb_exr_channel channels[LMB_MODEL_MOST_CHANNELS];
-    for (int c = 0; c < model->channel_count; ++c) {
-        channels[c] = (lmb_exr_channel){model->channel_name[c], lmb_lightmap_plane(image, c)};
-    }
-    for (int c = 0; c < model->light_count; ++c) {
-        float *const scaled = &values[(size_t)c * texels];
-        for (size_t i = 0; i < texels; ++i) {
-            scaled[i] = channels[c].values[i] * (1.0f / scale);
-        }
-        channels[c].values = scaled;
-    }
-    const lmb_exr_attribute attributes[] = {
-        {"lambent:format", FORMAT_NAME, 0.0f},   {"lambent:version", NULL, (float)FORMAT_VERSION},
+    lmb_exr_channel channels[LMB_MODEL_MOST_CHANNELS + LMB_KEY_LIGHTS_MOST];
+    char key_text[LMB_KEY_LIGHTS_MOST][KEY_TEXT_SIZE];
+    lmb_exr_attribute attributes[PLAIN_ATTRIBUTES + LMB_KEY_LIGHTS_MOST] = {
+        {"lambent:format", FORMAT_NAME, 0.0f},   {"lambent:version", NULL, (float)format_version(lightmap)},
         {"lambent:encoding", model->name, 0.0f}, {"lambent:convention", model->convention, 0.0f},
         {"lambent:scale", NULL, scale},
     };
+    for (uint32_t key = 0; key < lightmap->key_light_count; ++key) {
+        key_text_make(&lightmap->key_light[key], key_text[key]);
+        attributes[PLAIN_ATTRIBUTES + key] = (lmb_exr_attribute){KEY_ATTRIBUTES[key], key_text[key], 0.0f};
+    }
+    const lmb_exr_picture picture = {.width = image->width,
+                                     .height = image->height,
+                                     .channels = channels,
+                                     .channel_count = channels_make(lightmap, image, scale, values, channels),
+                                     .attributes = attributes,
+                                     .attribute_count = PLAIN_ATTRIBUTES + (size_t)lightmap->key_light_count};
     size_t overflows = 0;
-    const lmb_exr_picture picture = {image->width, image->height,
-                                     channels,     (size_t)model->channel_count,
-                                     attributes,   sizeof attributes / sizeof attributes[0]};
     const lmb_result result = lmb_exr_write(path, &picture, &overflows, error);
     free(values);
     return result;
@@ -149,20 +194,40 @@ static bool json_add_channels(cJSON *channels, const lmb_model *model)
     return good;
 }
 
+static bool json_add_key_light(cJSON *list, const char *channel, const lmb_key_light *light)
+{
+    const float direction[3] = {light->direction.x, light->direction.y, light->direction.z};
+    cJSON *object = cJSON_CreateObject();
+    return cJSON_AddItemToArray(list, object) && cJSON_AddStringToObject(object, "channel", channel) &&
+           cJSON_AddItemToObject(object, "direction", cJSON_CreateFloatArray(direction, 3)) &&
+           cJSON_AddItemToObject(object, "irradiance", cJSON_CreateFloatArray(light->irradiance.c, 3));
+}
+
+static bool json_add_key_lights(cJSON *root, const lmb_lightmap *lightmap)
+{
+    cJSON *list = lightmap->key_light_count > 0 ? cJSON_AddArrayToObject(root, "key_lights") : NULL;
+    bool good = list || lightmap->key_light_count == 0;
+    for (uint32_t key = 0; good && key < lightmap->key_light_count; ++key) {
+        good = json_add_key_light(list, KEY_NAMES[key], &lightmap->key_light[key]);
+    }
+    return good;
+}
+
 /* lightmap.json as text, for cJSON_free; NULL when out of memory. */
 static char *json_print(const lmb_lightmap *lightmap)
 {
     cJSON *root = cJSON_CreateObject();
     bool good =
         cJSON_AddStringToObject(root, "format", FORMAT_NAME) &&
-        cJSON_AddNumberToObject(root, "version", FORMAT_VERSION) &&
+        cJSON_AddNumberToObject(root, "version", format_version(lightmap)) &&
         cJSON_AddStringToObject(root, "encoding", lightmap->model->name) &&
         cJSON_AddNumberToObject(root, "texels_per_m", (double)lightmap->settings.texels_per_m) &&
         cJSON_AddNumberToObject(root, "max_image_size", lightmap->settings.max_image_size) &&
         (lightmap->settings.padding == 1 || cJSON_AddNumberToObject(root, "padding", lightmap->settings.padding)) &&
         (any_charts(lightmap) ? cJSON_AddStringToObject(root, "uv_level", UV_LEVEL_NAME)
                               : cJSON_AddNullToObject(root, "uv_level"));
-    good = good && json_add_channels(cJSON_AddObjectToObject(root, "channels"), lightmap->model);
+    good = good && json_add_channels(cJSON_AddObjectToObject(root, "channels"), lightmap->model) &&
+           json_add_key_lights(root, lightmap);
     cJSON *images = cJSON_AddArrayToObject(root, "images");
     cJSON *nodes = cJSON_AddArrayToObject(root, "nodes");
     good = good && images && nodes;
@@ -227,7 +292,7 @@ static lmb_result file_write(file_writer *writer, file_kind kind, int32_t image,
     lmb_result result;
     switch (kind) {
     case FILE_IMAGE:
-        result = image_write(&writer->lightmap->image[image], writer->lightmap->model, path, writer->error);
+        result = image_write(writer->lightmap, &writer->lightmap->image[image], path, writer->error);
         break;
     case FILE_UV_LEVEL:
         result = uv_level_write(writer->lightmap, path, writer->options, writer->error);
@@ -334,6 +399,12 @@ static bool json_layout_matches(const cJSON *root, const lmb_lightmap *lightmap)
     return item == NULL;
 }
 
+static bool json_key_lights_match(const cJSON *root, const lmb_lightmap *lightmap)
+{
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(root, "key_lights");
+    return cJSON_GetArraySize(list) == (int)lightmap->key_light_count;
+}
+
 /* Of a JSON that matches. */
 static void json_sides_take(const cJSON *root, lmb_lightmap *lightmap)
 {
@@ -359,11 +430,11 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error
     lmb_result result = LMB_OK;
     if (!root || !json_text_is(root, "format", FORMAT_NAME)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not a lightmap's description", path);
-    } else if (!json_number_is(root, "version", FORMAT_VERSION) ||
+    } else if (!json_number_is(root, "version", format_version(lightmap)) ||
                !json_text_is(root, "encoding", lightmap->model->name)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: neither version %d nor encoding '%s'", path,
-                               (int)FORMAT_VERSION, lightmap->model->name);
-    } else if (!json_layout_matches(root, lightmap)) {
+                               format_version(lightmap), lightmap->model->name);
+    } else if (!json_layout_matches(root, lightmap) || !json_key_lights_match(root, lightmap)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT,
                                "%s: describes another layout than this level and these settings have", path);
     } else {
@@ -374,13 +445,18 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error
 }
 
 /* Reads one image's channels into `plane`, of the image's size. */
-static lmb_result image_read(const lmb_lightmap_image *image, const lmb_model *model, const char *path, float *plane,
-                             lmb_error *error)
+static lmb_result image_read(const lmb_lightmap *lightmap, const lmb_lightmap_image *image, const char *path,
+                             float *plane, lmb_error *error)
 {
-    float *values[LMB_MODEL_MOST_CHANNELS] = {NULL};
+    const lmb_model *model = lightmap->model;
+    const int planes = lmb_lightmap_plane_count(lightmap);
+    const char *names[LMB_MODEL_MOST_CHANNELS + LMB_KEY_LIGHTS_MOST];
+    float *values[LMB_MODEL_MOST_CHANNELS + LMB_KEY_LIGHTS_MOST] = {NULL};
+    for (int c = 0; c < planes; ++c) {
+        names[c] = plane_name(model, c);
+    }
     lmb_exr_header header;
-    const lmb_result result =
-        lmb_exr_read_channels(path, model->channel_name, (size_t)model->channel_count, values, &header, error);
+    const lmb_result result = lmb_exr_read_channels(path, names, (size_t)planes, values, &header, error);
     if (result != LMB_OK) {
         return result;
     }
@@ -388,7 +464,7 @@ static lmb_result image_read(const lmb_lightmap_image *image, const lmb_model *m
     const bool good = header.width == image->width && header.height == image->height && scale > 0.0f && isfinite(scale);
     const size_t count = good ? (size_t)image->width * (size_t)image->height : 0;
     bool finite = true;
-    for (int c = 0; c < model->channel_count; ++c) {
+    for (int c = 0; c < planes; ++c) {
         for (size_t i = 0; i < count; ++i) {
             const float value = values[c][i] * (c < model->light_count ? scale : 1.0f);
             finite = finite && isfinite(value);
@@ -404,15 +480,15 @@ static lmb_result image_read(const lmb_lightmap_image *image, const lmb_model *m
 
 static lmb_result images_read(const lmb_lightmap *lightmap, const char *directory, float **plane, lmb_error *error)
 {
-    const lmb_model *model = lightmap->model;
+    const size_t planes = (size_t)lmb_lightmap_plane_count(lightmap);
     for (int32_t i = 0; i < lightmap->image_count; ++i) {
         const lmb_lightmap_image *image = &lightmap->image[i];
         char name[MAX_FILE_NAME];
         image_file_name(i, name);
         char *path = lmb_file_in(directory, name);
-        plane[i] = calloc((size_t)image->width * (size_t)image->height * (size_t)model->channel_count, sizeof **plane);
+        plane[i] = calloc((size_t)image->width * (size_t)image->height * planes, sizeof **plane);
         const lmb_result result =
-            path && plane[i] ? image_read(image, model, path, plane[i], error) : out_of_memory(error);
+            path && plane[i] ? image_read(lightmap, image, path, plane[i], error) : out_of_memory(error);
         free(path);
         if (result != LMB_OK) {
             return result;

@@ -70,7 +70,7 @@ static lmb_result images_make(lmb_lightmap *lightmap, int32_t count)
         image->width = (image->width + IMAGE_MULTIPLE - 1) / IMAGE_MULTIPLE * IMAGE_MULTIPLE;
         image->height = (image->height + IMAGE_MULTIPLE - 1) / IMAGE_MULTIPLE * IMAGE_MULTIPLE;
         const size_t texels = (size_t)image->width * (size_t)image->height;
-        image->plane = calloc(texels * (size_t)lightmap->model->channel_count, sizeof *image->plane);
+        image->plane = calloc(texels * (size_t)lmb_lightmap_plane_count(lightmap), sizeof *image->plane);
         image->state = calloc(texels, sizeof *image->state);
         if (!image->plane || !image->state) {
             return LMB_ERROR_MEMORY;

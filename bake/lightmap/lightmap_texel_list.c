@@ -203,20 +203,24 @@ lmb_result lmb_texel_list_denoise(const lmb_texel_list *list, lmb_pool *pool, co
     return result;
 }
 
-static void texel_encode(const lmb_texel_list *list, const listed_texel *texel, const lmb_sh3_rgb *moments,
+static void texel_encode(const lmb_texel_list *list, const listed_texel *texel, const lmb_gathered *gathered,
                          lmb_lightmap *lightmap)
 {
     const lmb_hit at = {.instance = texel->instance, .triangle = texel->triangle, .u = texel->u, .v = texel->v};
     const lmb_vec3 normal = lmb_trace_place(list->tracer, &at).shading_normal;
     lmb_sh3_rgb radiance;
     for (int c = 0; c < 3; ++c) {
-        radiance.channel[c] = lmb_sh3_fit_hemisphere(&moments->channel[c], normal);
+        radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered->moments.channel[c], normal);
     }
     lmb_lightmap_image *image = &lightmap->image[lightmap->region[texel->instance].image];
     float channel[LMB_MODEL_MOST_CHANNELS];
     lightmap->model->encode(&radiance, normal, 0.0f, channel);
     for (int c = 0; c < lightmap->model->channel_count; ++c) {
         lmb_lightmap_plane(image, c)[texel->pixel] = channel[c];
+    }
+    for (uint32_t key = 0; key < lightmap->key_light_count; ++key) {
+        lmb_lightmap_plane(image, lightmap->model->channel_count + (int)key)[texel->pixel] =
+            gathered->key_visibility[key];
     }
     image->state[texel->pixel] = LMB_TEXEL_GATHERED;
 }
@@ -226,7 +230,7 @@ static void images_clear(lmb_lightmap *lightmap)
     for (int32_t i = 0; i < lightmap->image_count; ++i) {
         lmb_lightmap_image *image = &lightmap->image[i];
         const size_t texels = (size_t)image->width * (size_t)image->height;
-        memset(image->plane, 0, (size_t)lightmap->model->channel_count * texels * sizeof *image->plane);
+        memset(image->plane, 0, (size_t)lmb_lightmap_plane_count(lightmap) * texels * sizeof *image->plane);
         memset(image->state, LMB_TEXEL_EMPTY, texels);
     }
 }
@@ -245,7 +249,7 @@ static void encode_task(void *context, size_t task, int worker)
     const finish_work *work = context;
     const size_t first = task * TEXELS_PER_TASK, left = work->list->count - first;
     for (size_t i = first; i < first + (left < TEXELS_PER_TASK ? left : TEXELS_PER_TASK); ++i) {
-        texel_encode(work->list, &work->list->texel[i], &work->gathered[i].moments, work->lightmap);
+        texel_encode(work->list, &work->list->texel[i], &work->gathered[i], work->lightmap);
     }
 }
 

@@ -32,7 +32,7 @@ static uint32_t effort_share(const lmb_gather_effort *effort, double squared_err
 
 static double squared_light(const lmb_gather_effort *effort, const lmb_gathered *gathered)
 {
-    return fmax(gathered->squared_length, effort->floor * effort->floor);
+    return fmax(gathered->squared_light, effort->floor * effort->floor);
 }
 
 static double error_share(double squared_error, double squared_light)
