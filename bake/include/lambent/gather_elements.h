@@ -74,7 +74,7 @@ typedef struct lmb_gather_stats {
     uint64_t samples;
     uint64_t rays;
     double squared_error; /* summed over the elements, as lmb_gathered has them */
-    double squared_length;
+    double squared_light;
 } lmb_gather_stats;
 
 /* Sums of errors and lengths over what was gathered, once it has changed. */
