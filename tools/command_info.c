@@ -114,14 +114,38 @@ static lmb_result vdb_info(const char *path, cJSON **json, lmb_error *error)
     return LMB_OK;
 }
 
+/* The channels of a lightmap that are to be described: those of its model but for directions, and of its key lights. */
+enum { MOST_SHOWN = LMB_MODEL_MOST_CHANNELS + LMB_KEY_LIGHTS_MOST };
+static lmb_result exr_channels(const char *path, const lmb_model *model, const char *names[MOST_SHOWN], int *count,
+                               lmb_error *error)
+{
+    static const char *const key_names[LMB_KEY_LIGHTS_MOST] = {"key0", "key1", "key2", "key3"};
+    lmb_exr_header header;
+    float *values;
+    const lmb_result result = lmb_exr_read_channels(path, model->channel_name, 1, &values, &header, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    free(values);
+    *count = model->direction ? model->direction->first : model->channel_count;
+    memcpy(names, model->channel_name, (size_t)*count * sizeof *names);
+    for (int key = 0; key < LMB_KEY_LIGHTS_MOST && (float)key < header.key_lights; ++key) {
+        names[(*count)++] = key_names[key];
+    }
+    return LMB_OK;
+}
+
 static lmb_result exr_info(const char *path, cJSON **json, lmb_error *error)
 {
     const lmb_model *model = lmb_model_default(LMB_MODEL_FOR_LIGHTMAP);
-    const char *const *names = model->channel_name;
-    const int shown = model->direction ? model->direction->first : model->channel_count;
-    float *values[LMB_MODEL_MOST_CHANNELS];
+    const char *names[MOST_SHOWN];
+    float *values[MOST_SHOWN];
+    int shown = 0;
     lmb_exr_header header;
-    const lmb_result result = lmb_exr_read_channels(path, names, (size_t)shown, values, &header, error);
+    lmb_result result = exr_channels(path, model, names, &shown, error);
+    if (result == LMB_OK) {
+        result = lmb_exr_read_channels(path, names, (size_t)shown, values, &header, error);
+    }
     if (result != LMB_OK) {
         return result;
     }

@@ -13,6 +13,7 @@
 #include <OpenEXR/openexr.h>
 
 static const char SCALE_ATTRIBUTE[] = "lambent:scale";
+static const char KEY_LIGHTS_ATTRIBUTE[] = "lambent:key_lights";
 
 /* The file being read. The library's messages are kept instead of printed. */
 typedef struct exr_source {
@@ -474,8 +475,9 @@ static lmb_result file_decode(exr_source *source, const char *const *names, lmb_
         targets->target = target;
         result = channels_decode(source, context, target, targets, error);
         if (result == LMB_OK) {
-            *header = (lmb_exr_header){targets->width, targets->height, 1.0f};
+            *header = (lmb_exr_header){targets->width, targets->height, 1.0f, 0.0f};
             (void)exr_attr_get_float(context, 0, SCALE_ATTRIBUTE, &header->scale); /* absent: stays 1 */
+            (void)exr_attr_get_float(context, 0, KEY_LIGHTS_ATTRIBUTE, &header->key_lights);
         }
         exr_finish(&context);
     }

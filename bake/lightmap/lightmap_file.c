@@ -104,6 +104,20 @@ static void key_text_make(const lmb_key_light *light, char text[KEY_TEXT_SIZE])
              (double)light->irradiance.c[1], (double)light->irradiance.c[2]);
 }
 
+/* Adds how many key lights there are, and what each is; `text` is to outlive them. Returns how many attributes those
+ * are. */
+static size_t key_attributes_make(const lmb_lightmap *lightmap, char text[LMB_KEY_LIGHTS_MOST][KEY_TEXT_SIZE],
+                                  lmb_exr_attribute attributes[1 + LMB_KEY_LIGHTS_MOST])
+{
+    const uint32_t count = lightmap->key_light_count;
+    attributes[0] = (lmb_exr_attribute){"lambent:key_lights", NULL, (float)count};
+    for (uint32_t key = 0; key < count; ++key) {
+        key_text_make(&lightmap->key_light[key], text[key]);
+        attributes[1 + key] = (lmb_exr_attribute){KEY_ATTRIBUTES[key], text[key], 0.0f};
+    }
+    return count > 0 ? 1 + (size_t)count : 0;
+}
+
 static lmb_result image_write(const lmb_lightmap *lightmap, const lmb_lightmap_image *image, const char *path,
                               lmb_error *error)
 {
@@ -116,21 +130,18 @@ static lmb_result image_write(const lmb_lightmap *lightmap, const lmb_lightmap_i
     const float scale = image_scale(image, model);
     lmb_exr_channel channels[LMB_MODEL_MOST_CHANNELS + LMB_KEY_LIGHTS_MOST];
     char key_text[LMB_KEY_LIGHTS_MOST][KEY_TEXT_SIZE];
-    lmb_exr_attribute attributes[PLAIN_ATTRIBUTES + LMB_KEY_LIGHTS_MOST] = {
+    lmb_exr_attribute attributes[PLAIN_ATTRIBUTES + 1 + LMB_KEY_LIGHTS_MOST] = {
         {"lambent:format", FORMAT_NAME, 0.0f},   {"lambent:version", NULL, (float)format_version(lightmap)},
         {"lambent:encoding", model->name, 0.0f}, {"lambent:convention", model->convention, 0.0f},
         {"lambent:scale", NULL, scale},
     };
-    for (uint32_t key = 0; key < lightmap->key_light_count; ++key) {
-        key_text_make(&lightmap->key_light[key], key_text[key]);
-        attributes[PLAIN_ATTRIBUTES + key] = (lmb_exr_attribute){KEY_ATTRIBUTES[key], key_text[key], 0.0f};
-    }
+    const size_t key_attributes = key_attributes_make(lightmap, key_text, &attributes[PLAIN_ATTRIBUTES]);
     const lmb_exr_picture picture = {.width = image->width,
                                      .height = image->height,
                                      .channels = channels,
                                      .channel_count = channels_make(lightmap, image, scale, values, channels),
                                      .attributes = attributes,
-                                     .attribute_count = PLAIN_ATTRIBUTES + (size_t)lightmap->key_light_count};
+                                     .attribute_count = PLAIN_ATTRIBUTES + key_attributes};
     size_t overflows = 0;
     const lmb_result result = lmb_exr_write(path, &picture, &overflows, error);
     free(values);

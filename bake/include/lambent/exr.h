@@ -40,7 +40,8 @@ lmb_result lmb_exr_write(const char *path, const lmb_exr_picture *picture, size_
 /* What is read beside the channels. */
 typedef struct lmb_exr_header {
     int32_t width, height;
-    float scale; /* the float attribute "lambent:scale", or 1 */
+    float scale;      /* the float attribute "lambent:scale", or 1 */
+    float key_lights; /* the float attribute "lambent:key_lights", or 0 */
 } lmb_exr_header;
 
 /* Reads named channels of an EXR of ours back: values[i] gets width x height malloc'ed floats of channel names[i].
