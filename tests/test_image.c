@@ -283,7 +283,7 @@ static void exr_round_trip_is_exact(void)
     static const char *const names[] = {"dir.X", "iz.R", "w"};
     static const int plane_of[] = {2, 0, 1};
     float *values[3] = {NULL, NULL, NULL};
-    lmb_exr_header header = {0, 0, 0.0f, 0.0f};
+    lmb_exr_header header = {0, 0, 0.0f};
     result = lmb_exr_read_channels(OUT("round.exr"), names, 3, values, &header, &error);
     CHECK(result == LMB_OK && header.width == WIDTH && header.height == HEIGHT && header.scale == 0.25f, "%s",
           error.message);
@@ -417,7 +417,7 @@ static void exr_values_are_rounded_and_clamped(void)
     CHECK(overflows == 5, "%zu overflows", overflows);
     const char *const name = "Y";
     float *read = NULL;
-    lmb_exr_header header = {0, 0, 0.0f, 0.0f};
+    lmb_exr_header header = {0, 0, 0.0f};
     if (lmb_exr_read_channels(OUT("half.exr"), &name, 1, &read, &header, &error) != LMB_OK) {
         CHECK(false, "%s", error.message);
         return;

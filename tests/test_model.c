@@ -28,15 +28,25 @@ static void rows_are_whole(void)
 {
     for (size_t i = 0; i < lmb_model_count(); ++i) {
         const lmb_model *model = lmb_model_at(i);
+        CHECK(lmb_model_find(model->name) == model && lmb_model_find(lmb_model_full_name(model)) == model, "%s",
+              model->name);
+        CHECK(model->title && !model->encode != !model->encode_light && model->evaluate, "%s", model->name);
+        CHECK(model->channel_count > 0 && model->channel_count <= LMB_MODEL_MOST_CHANNELS, "%s: %d", model->name,
+              model->channel_count);
+        CHECK(model->bytes > 0 && model->bytes <= 2 * model->channel_count, "%s: %d", model->name, model->bytes);
+        if (model->uses == 0) {
+            CHECK(model->default_uses == 0 && !model->short_name && !model->at_run_time, "%s", model->name);
+            continue;
+        }
         int channels = 0;
         for (const lmb_model_part *part = model->part; part->count > 0; ++part) {
             channels += part->count;
         }
-        CHECK(channels == model->channel_count && channels <= LMB_MODEL_MOST_CHANNELS, "%s: %d", model->name, channels);
-        CHECK(model->light_count > 0 && model->light_count <= channels && model->bytes >= 2 * channels, "%s",
+        CHECK(channels == model->channel_count, "%s: %d", model->name, channels);
+        CHECK(model->light_count > 0 && model->light_count <= channels && model->encode && model->average, "%s",
               model->name);
         CHECK((model->default_uses & ~model->uses) == 0, "%s", model->name);
-        CHECK(lmb_model_find(model->name) == model && lmb_model_find(model->short_name) == model, "%s", model->name);
+        CHECK(lmb_model_find(model->short_name) == model, "%s", model->name);
         for (int a = 0; a < channels; ++a) {
             for (int b = 0; b < a; ++b) {
                 CHECK(strcmp(model->channel_name[a], model->channel_name[b]) != 0, "%s: %s", model->name,
@@ -95,6 +105,9 @@ static void lightmaps_in_every_model(void)
     }
     for (size_t i = 0; i < lmb_model_count(); ++i) {
         const lmb_lightmap_settings settings = {.texels_per_m = 4.0f, .max_image_size = 256, .model = lmb_model_at(i)};
+        if (!(settings.model->uses & LMB_MODEL_FOR_LIGHTMAP)) {
+            continue;
+        }
         lmb_lightmap *read = NULL;
         char folder[256];
         uint64_t bytes = 0;

@@ -32,17 +32,22 @@ typedef enum check_pair {
 const char *check_pair_name(check_pair pair);
 bool check_pair_needs_lightmap(check_pair pair);
 
+/* What an eye would compare, in a few words. */
+const char *check_pair_seen(check_pair pair);
+
 /* What is checked. */
 typedef struct check_subject {
-    const lmb_transport *transport;
+    const lmb_transport *transport; /* that the bake gathered with; the reference is the path tracer in any case */
     const lmb_volume *volume;
     const lmb_lightmap *lightmap; /* NULL: none */
     lmb_pool *pool;
 } check_subject;
 
 typedef struct check_settings {
-    uint32_t points;  /* on surfaces, and as many in free space; > 0 */
-    uint32_t samples; /* of each half of the reference; > 0. A coincident probe takes four times as many */
+    uint32_t points;     /* on surfaces, and as many in free space; > 0 */
+    uint32_t max_points; /* if more than `points`: as many again and again, up to so many, until the standard error of
+                            each line's rel_rmse is below a tenth of it */
+    uint32_t samples;    /* of each half of the reference; > 0. A coincident probe takes 16 times as many */
     uint64_t seed;
 } check_settings;
 

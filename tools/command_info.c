@@ -114,61 +114,49 @@ static lmb_result vdb_info(const char *path, cJSON **json, lmb_error *error)
     return LMB_OK;
 }
 
-/* The channels of a lightmap that are to be described: those of its model but for directions, and of its key lights. */
-enum { MOST_SHOWN = LMB_MODEL_MOST_CHANNELS + LMB_KEY_LIGHTS_MOST };
-static lmb_result exr_channels(const char *path, const lmb_model *model, const char *names[MOST_SHOWN], int *count,
-                               lmb_error *error)
+static cJSON *channel_describe(const float *values, size_t count)
 {
-    static const char *const key_names[LMB_KEY_LIGHTS_MOST] = {"key0", "key1", "key2", "key3"};
-    lmb_exr_header header;
-    float *values;
-    const lmb_result result = lmb_exr_read_channels(path, model->channel_name, 1, &values, &header, error);
-    if (result != LMB_OK) {
-        return result;
+    double low = INFINITY, high = -INFINITY, sum = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        low = fmin(low, (double)values[i]);
+        high = fmax(high, (double)values[i]);
+        sum += (double)values[i];
     }
-    free(values);
-    *count = model->direction ? model->direction->first : model->channel_count;
-    memcpy(names, model->channel_name, (size_t)*count * sizeof *names);
-    for (int key = 0; key < LMB_KEY_LIGHTS_MOST && (float)key < header.key_lights; ++key) {
-        names[(*count)++] = key_names[key];
-    }
-    return LMB_OK;
+    cJSON *channel = cJSON_CreateObject();
+    cJSON_AddNumberToObject(channel, "min", low);
+    cJSON_AddNumberToObject(channel, "mean", sum / (double)count);
+    cJSON_AddNumberToObject(channel, "max", high);
+    return channel;
 }
 
+/* Any EXR, but one of ours has a scale. */
 static lmb_result exr_info(const char *path, cJSON **json, lmb_error *error)
 {
-    const lmb_model *model = lmb_model_default(LMB_MODEL_FOR_LIGHTMAP);
-    const char *names[MOST_SHOWN];
-    float *values[MOST_SHOWN];
-    int shown = 0;
+    lmb_exr_name listed[LMB_MODEL_MOST_CHANNELS];
+    const char *names[LMB_MODEL_MOST_CHANNELS];
+    float *values[LMB_MODEL_MOST_CHANNELS];
     lmb_exr_header header;
-    lmb_result result = exr_channels(path, model, names, &shown, error);
+    size_t channel_count = 0;
+    lmb_result result = lmb_exr_list_channels(path, listed, LMB_MODEL_MOST_CHANNELS, &channel_count, error);
+    const size_t shown = channel_count < LMB_MODEL_MOST_CHANNELS ? channel_count : LMB_MODEL_MOST_CHANNELS;
+    for (size_t k = 0; result == LMB_OK && k < shown; ++k) {
+        names[k] = listed[k].text;
+    }
     if (result == LMB_OK) {
-        result = lmb_exr_read_channels(path, names, (size_t)shown, values, &header, error);
+        result = lmb_exr_read_channels(path, names, shown, values, &header, error);
     }
     if (result != LMB_OK) {
         return result;
     }
-    const size_t count = (size_t)header.width * (size_t)header.height;
     cJSON *object = cJSON_CreateObject();
-    char kind[64];
-    snprintf(kind, sizeof kind, "lambent lightmap (%s)", model->title);
-    cJSON_AddStringToObject(object, "kind", kind);
+    cJSON_AddStringToObject(object, "kind", "OpenEXR image");
     cJSON_AddNumberToObject(object, "width", header.width);
     cJSON_AddNumberToObject(object, "height", header.height);
     cJSON_AddNumberToObject(object, "scale", (double)header.scale);
     cJSON *channels = cJSON_AddObjectToObject(object, "channels");
-    for (int k = 0; k < shown; ++k) {
-        double low = INFINITY, high = -INFINITY, sum = 0.0;
-        for (size_t i = 0; i < count; ++i) {
-            low = fmin(low, (double)values[k][i]);
-            high = fmax(high, (double)values[k][i]);
-            sum += (double)values[k][i];
-        }
-        cJSON *channel = cJSON_AddObjectToObject(channels, names[k]);
-        cJSON_AddNumberToObject(channel, "min", low);
-        cJSON_AddNumberToObject(channel, "mean", sum / (double)count);
-        cJSON_AddNumberToObject(channel, "max", high);
+    for (size_t k = 0; k < shown; ++k) {
+        cJSON_AddItemToObject(channels, names[k],
+                              channel_describe(values[k], (size_t)header.width * (size_t)header.height));
         free(values[k]);
     }
     *json = object;

@@ -13,7 +13,6 @@
 #include <OpenEXR/openexr.h>
 
 static const char SCALE_ATTRIBUTE[] = "lambent:scale";
-static const char KEY_LIGHTS_ATTRIBUTE[] = "lambent:key_lights";
 
 /* The file being read. The library's messages are kept instead of printed. */
 typedef struct exr_source {
@@ -475,9 +474,8 @@ static lmb_result file_decode(exr_source *source, const char *const *names, lmb_
         targets->target = target;
         result = channels_decode(source, context, target, targets, error);
         if (result == LMB_OK) {
-            *header = (lmb_exr_header){targets->width, targets->height, 1.0f, 0.0f};
+            *header = (lmb_exr_header){targets->width, targets->height, 1.0f};
             (void)exr_attr_get_float(context, 0, SCALE_ATTRIBUTE, &header->scale); /* absent: stays 1 */
-            (void)exr_attr_get_float(context, 0, KEY_LIGHTS_ATTRIBUTE, &header->key_lights);
         }
         exr_finish(&context);
     }
@@ -506,6 +504,31 @@ lmb_result lmb_exr_read_channels(const char *path, const char *const *names, siz
     lmb_exr_targets targets = {.count = count};
     result = lmb_exr_is(&source.file) ? file_decode(&source, names, &targets, values, header, error)
                                       : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not an OpenEXR file", path);
+    free(data);
+    return result;
+}
+
+lmb_result lmb_exr_list_channels(const char *path, lmb_exr_name *names, size_t most, size_t *count, lmb_error *error)
+{
+    unsigned char *data = NULL;
+    exr_source source = {.file = {.name = path}};
+    exr_context_t context = NULL;
+    lmb_result result = lmb_file_read(path, &data, &source.file.size, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    source.file.data = data;
+    result = lmb_exr_is(&source.file) ? source_open(&source, &context, error)
+                                      : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not an OpenEXR file", path);
+    if (result == LMB_OK) {
+        const exr_attr_chlist_t *channels = NULL;
+        const bool listed = exr_get_channels(context, 0, &channels) == EXR_ERR_SUCCESS && channels;
+        *count = listed ? (size_t)channels->num_channels : 0;
+        for (size_t i = 0; i < *count && i < most; ++i) {
+            snprintf(names[i].text, sizeof names[i].text, "%s", channels->entries[i].name.str);
+        }
+        exr_finish(&context);
+    }
     free(data);
     return result;
 }

@@ -521,6 +521,10 @@ void lmb_lightmap_destroy(lmb_lightmap *lightmap)
     for (int32_t i = 0; i < lightmap->image_count; ++i) {
         free(lightmap->image[i].plane);
         free(lightmap->image[i].state);
+        free(lightmap->image[i].error);
+        for (int k = 0; k < LMB_LIGHTMAP_MOST_MODELS; ++k) {
+            free(lightmap->image[i].other[k]);
+        }
     }
     free(lightmap->image);
     free(lightmap->region);

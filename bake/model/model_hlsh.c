@@ -47,6 +47,7 @@ static void average(float *channel, float total)
 
 const lmb_model lmb_model_hlsh = {
     .name = "hlsh",
+    .full_name = "hlsh.t1",
     .short_name = "hlsh",
     .title = "HLSH",
     .uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
@@ -56,10 +57,12 @@ const lmb_model lmb_model_hlsh = {
     .channel_name = names,
     .part = parts,
     .light_count = CHANNELS,
+    .irradiance_first = true,
     .bytes = 2 * CHANNELS,
+    .cone = true,
     .convention =
-        "R G B: normalised irradiance (integral of L cos / pi) at the vertex normal; a: C_a; R.XYZ and so on: "
-        "c in world space, +Y up; all / lambent:scale, linear Rec. 709",
+        "irradiance: normalised (integral of L cos / pi), at the vertex normal; a: C_a; R.XYZ and so on: c in world "
+        "space, +Y up; all / lambent:scale, linear Rec. 709",
     .encode = encode,
     .evaluate = evaluate,
     .average = average,

@@ -4,11 +4,11 @@
 
 #include "model/models.h"
 
-enum { R, G, B, WEIGHT, DIRECTION, CHANNELS = DIRECTION + 3 };
+enum { R, G, B, DIRECTION, WEIGHT = DIRECTION + 3, CHANNELS };
 
-static const char *const names[CHANNELS] = {"R", "G", "B", "w", "d.X", "d.Y", "d.Z"};
+static const char *const names[CHANNELS] = {"R", "G", "B", "d.X", "d.Y", "d.Z", "w"};
 
-static const lmb_model_part parts[] = {{"irradiance", 3}, {"ambient_weight", 1}, {"direction", 3}, {NULL, 0}};
+static const lmb_model_part parts[] = {{"irradiance", 3}, {"direction", 3}, {"ambient_weight", 1}, {NULL, 0}};
 
 static lmb_irradz irradz_of(const float *channel)
 {
@@ -77,10 +77,12 @@ const lmb_model lmb_model_irradz_hhd = {
     .channel_name = names,
     .part = parts,
     .light_count = 3,
+    .irradiance_first = true,
     .bytes = 2 * CHANNELS,
+    .cone = true,
     .convention =
-        "R G B: normalised irradiance (integral of L cos / pi) at the vertex normal / lambent:scale, linear Rec. 709; "
-        "w: ambient weight; d: direction in world space, +Y up, normalise after filtering",
+        "irradiance: normalised (integral of L cos / pi), at the vertex normal, linear Rec. 709; d: direction in world "
+        "space, +Y up, filter and decode as it is; w: ambient weight",
     .encode = encode,
     .evaluate = evaluate,
     .average = average,

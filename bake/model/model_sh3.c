@@ -41,6 +41,7 @@ static void average(float *channel, float total)
 
 const lmb_model lmb_model_sh3 = {
     .name = "sh3",
+    .full_name = "sh3.unoccluded",
     .short_name = "sh3",
     .title = "SH3",
     .uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
@@ -50,6 +51,7 @@ const lmb_model lmb_model_sh3 = {
     .part = parts,
     .light_count = CHANNELS,
     .bytes = 2 * CHANNELS,
+    .unoccluded = true,
     .convention =
         "R G B, y1 .. y8: SH coefficients of radiance in world space, +Y up (docs/maths.md), / lambent:scale, "
         "linear Rec. 709",

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "run/step.h"
@@ -111,6 +112,8 @@ static lmb_lightmap_settings lightmap_settings(const lmb_bake *bake)
     settings.max_image_size = wanted->max_image_size > 0 ? wanted->max_image_size : settings.max_image_size;
     settings.padding = wanted->padding > 0 ? wanted->padding : settings.padding;
     settings.warnings = bake->level->warnings;
+    memcpy(settings.other, wanted->models, sizeof settings.other);
+    settings.error = wanted->texel_error;
     return settings;
 }
 

@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-enum { LMB_LIGHTMAP_MAX_PADDING = 64 };
+enum { LMB_LIGHTMAP_MAX_PADDING = 64, LMB_LIGHTMAP_MOST_MODELS = 16 };
 
 typedef struct lmb_lightmap_settings {
     float texels_per_m;     /* > 0; lowered for instances that would not fit an image */
@@ -28,6 +28,8 @@ typedef struct lmb_lightmap_settings {
                                that. 0 counts as 1 */
     lmb_warnings warnings;  /* UVs that are not used, densities that do not fit, islands of a few texels */
     const lmb_model *model; /* that texels are stored in; NULL: the default one of lightmaps */
+    const lmb_model *other[LMB_LIGHTMAP_MOST_MODELS]; /* that they are stored in too, up to the first NULL */
+    bool error;                                       /* the standard error of each texel, too */
 } lmb_lightmap_settings;
 
 /* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048, padding 1. */
@@ -50,6 +52,9 @@ typedef struct lmb_lightmap_image {
     float *plane;   /* [channel][x + width y] of the lightmap's model, then [key light] what is seen of it, 0 to 1; 0
                        until   baked or read */
     uint8_t *state; /* [x + width y] lmb_texel_state */
+    float *other[LMB_LIGHTMAP_MOST_MODELS]; /* as `plane`, of the other models */
+    float *error; /* [x + width y] standard error of what was gathered, relative to it or 1 % of the root mean square if
+                     that is more; NULL: not asked for */
 } lmb_lightmap_image;
 
 typedef enum lmb_texel_state { LMB_TEXEL_EMPTY, LMB_TEXEL_GATHERED, LMB_TEXEL_DILATED } lmb_texel_state;
@@ -150,15 +155,16 @@ lmb_result lmb_lightmap_seam_steps(const lmb_lightmap *lightmap, const lmb_trace
  * none. */
 bool lmb_lightmap_texel(const lmb_lightmap *lightmap, const lmb_hit *hit, int32_t *column, int32_t *row);
 
-/* Writes lightmap_N.exr for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the
- * new UVs, through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.
+/* Writes lightmap_N.exr, the irradiance at the vertex normal as a picture, and lightmap_N_MODEL.exr, what else each
+ * model has, for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the new UVs,
+ * through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.
  * @return LMB_ERROR_WRITE, _MEMORY */
 struct lmb_gltf_options;
 lmb_result lmb_lightmap_write(const lmb_lightmap *lightmap, const char *directory,
                               const struct lmb_gltf_options *options, uint64_t *bytes, lmb_error *error);
 
-/* Fills the images of a freshly created lightmap from the files in `directory`; lightmap.json must describe the same
- * layout. @return LMB_ERROR_IO, _FORMAT (another layout), _MEMORY */
+/* Fills the images of a freshly created lightmap from the files in `directory`, of its own model alone; lightmap.json
+ * must describe the same layout. @return LMB_ERROR_IO, _FORMAT (another layout), _MEMORY */
 lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_error *error);
 
 #ifdef __cplusplus

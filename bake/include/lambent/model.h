@@ -1,8 +1,9 @@
 /* Lighting models: what is made of a hemisphere of light, and how it lights a bumpy surface.
  *
  * One row for each model; everything that bakes, stores, filters or compares them goes through the table and knows none
- * by name. A model is stored as floats, its channels, which can be filtered; what filtering leaves can be evaluated.
- * Rows of what ships with the sampler wrap its functions, so that a file and a game agree bit for bit. */
+ * by name. A model is stored as floats, its channels. Those of a model with a use can be filtered; what filtering
+ * leaves can be evaluated. Models without a use are there to be compared with, and no file holds them. Rows of what
+ * ships with the sampler wrap its functions, so that a file and a game agree bit for bit. */
 #ifndef LAMBENT_MODEL_H
 #define LAMBENT_MODEL_H
 
@@ -39,29 +40,45 @@ typedef struct lmb_model_part {
     int count;
 } lmb_model_part;
 
-enum { LMB_MODEL_MOST_CHANNELS = 27 };
+enum { LMB_MODEL_MOST_CHANNELS = 33 };
+
+/* Light from one direction: radiance times solid angle. */
+typedef struct lmb_directed_light {
+    lmb_vec3 direction;
+    lmb_rgb weight;
+} lmb_directed_light;
 
 typedef struct lmb_model {
     const char *name;       /* in files: what it is made of */
-    const char *short_name; /* on the command line */
+    const char *full_name;  /* among the compared ones, where `name` does not say all; NULL: `name` */
+    const char *short_name; /* on the command line; NULL: none */
     const char *title;      /* for people */
-    unsigned uses;          /* lmb_model_use */
+    unsigned uses;          /* lmb_model_use; 0: to be compared with */
     unsigned default_uses;  /* of them, those that it is taken for unless told otherwise */
     bool at_run_time;       /* the sampler has it */
     int channel_count;
-    const char *const *channel_name;
-    const lmb_model_part *part; /* all channels; ended by a count of 0 */
-    int light_count;            /* the first channels, which scale with the light: one RGB colour or more */
-    int bytes;                  /* of a stored texel or probe, as fp16 */
-    const char *convention;     /* what the channels mean, for a file's header */
+    int bytes;       /* of a stored texel or probe, as fp16 */
+    bool cone;       /* encodes behind a cone, not only behind the hemisphere */
+    bool unoccluded; /* light from below the horizon counts as well */
 
     /* Makes channels of SH3 radiance about unit `vertex_normal`, clipped by a cone about it (cone_cos = 0: the
-     * hemisphere). Models without occlusion ignore both. */
+     * hemisphere). Models without occlusion ignore both. NULL: the model is made of the light itself. */
     void (*encode)(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos, float *channel);
+
+    /* Makes channels of the light itself, of which what is below the horizon counts for nothing. NULL: of SH3. */
+    void (*encode_light)(const lmb_directed_light *light, size_t count, lmb_vec3 vertex_normal, float *channel);
 
     /* Normalised irradiance at `count` unit normals, >= 0, whatever was filtered. */
     void (*evaluate)(const float *channel, lmb_vec3 vertex_normal, const lmb_vec3 *normal, int count,
                      lmb_rgb *irradiance);
+
+    /* The rest is of models with a use. */
+
+    const char *const *channel_name;
+    const lmb_model_part *part; /* all channels; ended by a count of 0 */
+    int light_count;            /* the first channels, which scale with the light: one RGB colour or more */
+    bool irradiance_first;      /* the first three are the normalised irradiance at the vertex normal */
+    const char *convention;     /* what the channels mean, for a file's header */
 
     /* Makes of a sum over several, whose weights come to `total`, what one of them would be. */
     void (*average)(float *channel, float total);
@@ -73,8 +90,11 @@ typedef struct lmb_model {
 size_t lmb_model_count(void);
 const lmb_model *lmb_model_at(size_t index);
 
-/* The row of that name, or short name; NULL: none. */
+/* The row of that name, full name or short name; NULL: none. */
 const lmb_model *lmb_model_find(const char *name);
+
+/* What a row is called among all. */
+const char *lmb_model_full_name(const lmb_model *model);
 
 /* What is taken unless told otherwise. */
 const lmb_model *lmb_model_default(lmb_model_use use);
