@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <lambent/occlusion.h>
 #include <lambent/opaque_surface.h>
@@ -9,6 +10,7 @@
 #include <lambent/surface.h>
 
 #include "check_points.h"
+#include "key_lights_seen.h"
 #include "replicates.h"
 
 static const double missing = (double)NAN;
@@ -107,26 +109,44 @@ typedef struct check_work {
     size_t count;
 } check_work;
 
-static void evaluate_channels(const lmb_model *model, const float *channel, lmb_vec3 vertex_normal,
-                              const lmb_vec3 *normals, irradiance_set *set)
+/* What a probe holds: harmonics, and the key lights that they leave out. */
+typedef struct probe_light {
+    lmb_sh3_rgb radiance;
+    key_lights_seen keys;
+} probe_light;
+
+static probe_light volume_light(const lmb_volume *volume, lmb_vec3d position)
+{
+    probe_light light;
+    light.keys.count = lmb_volume_key_lights(volume, light.keys.light);
+    lmb_volume_sample_with_keys(volume, position, &light.radiance, light.keys.visibility);
+    return light;
+}
+
+static void evaluate_channels(const lmb_model *model, const float *channel, const key_lights_seen *keys,
+                              lmb_vec3 vertex_normal, const lmb_vec3 *normals, irradiance_set *set)
 {
     model->evaluate(channel, vertex_normal, normals, NORMALS, set->at);
+    for (int k = 0; k < NORMALS; ++k) {
+        set->at[k] = key_lights_add(keys, vertex_normal, normals[k], set->at[k]);
+    }
 }
 
 /* What a probe gives by the default model of that use. */
-static void evaluate_probe(lmb_model_use use, const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos,
+static void evaluate_probe(lmb_model_use use, const probe_light *light, lmb_vec3 vertex_normal, float cone_cos,
                            const lmb_vec3 *normals, irradiance_set *set)
 {
     const lmb_model *model = lmb_model_default(use);
     float channel[LMB_MODEL_MOST_CHANNELS];
-    model->encode(radiance, vertex_normal, cone_cos, channel);
-    evaluate_channels(model, channel, vertex_normal, normals, set);
+    model->encode(&light->radiance, vertex_normal, cone_cos, channel);
+    evaluate_channels(model, channel, &light->keys, vertex_normal, normals, set);
 }
 
-static void evaluate_unoccluded(const lmb_sh3_rgb *radiance, const lmb_vec3 *normals, irradiance_set *set)
+static void evaluate_unoccluded(const probe_light *light, const lmb_vec3 *normals, irradiance_set *set)
 {
     for (int k = 0; k < NORMALS; ++k) {
-        set->at[k] = lmb_sh3_rgb_irradiance(radiance, normals[k]);
+        const lmb_rgb rest = lmb_sh3_rgb_irradiance(&light->radiance, normals[k]);
+        set->at[k] = key_lights_add(&light->keys, normals[k], normals[k], rest);
     }
 }
 
@@ -226,8 +246,12 @@ static surface_sample sample_make(const check_work *work, size_t index)
     gather_reference(work, &sample.point, sample.normals, sample.reference);
     if (has_lightmap) {
         float channel[LMB_MODEL_MOST_CHANNELS];
+        key_lights_seen keys;
+        keys.count = lmb_scene_key_lights(subject->lightmap->scene, keys.light);
         lmb_lightmap_sample(subject->lightmap, &at, channel);
-        evaluate_channels(subject->lightmap->model, channel, sample.point.normal, sample.normals, &sample.lightmap);
+        lmb_lightmap_sample_keys(subject->lightmap, &at, keys.visibility);
+        evaluate_channels(subject->lightmap->model, channel, &keys, sample.point.normal, sample.normals,
+                          &sample.lightmap);
     }
     return sample;
 }
@@ -237,14 +261,17 @@ static void record_coincident(check_work *work, const surface_sample *sample)
     const lmb_gather_point whole = {.position = sample->point.position, .hemisphere = false};
     lmb_gathered gathered;
     lmb_gather_sh3(&work->baked, &whole, COINCIDENT_SAMPLES_FACTOR * work->settings.samples, &gathered);
-    work->coincident[sample->index] = (coincident_noise){gathered.squared_error, gathered.squared_length};
+    work->coincident[sample->index] = (coincident_noise){gathered.squared_error, gathered.squared_light};
+    probe_light light = {.radiance = gathered.moments};
+    light.keys.count = lmb_scene_key_lights(lmb_tracer_scene(work->transport.tracer), light.keys.light);
+    memcpy(light.keys.visibility, gathered.key_visibility, sizeof gathered.key_visibility);
     irradiance_set x;
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, &gathered.moments, sample->point.normal, 0.0f, sample->normals, &x);
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, &light, sample->point.normal, 0.0f, sample->normals, &x);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &x);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, &x);
 }
 
-static void record_cone(check_work *work, const surface_sample *sample, const lmb_sh3_rgb *radiance)
+static void record_cone(check_work *work, const surface_sample *sample, const probe_light *light)
 {
     const uint64_t stream = lmb_mix(lmb_mix(work->settings.seed, STREAM_AMBIENT), sample->index);
     const lmb_scene *scene = lmb_tracer_scene(work->subject->transport->tracer);
@@ -253,7 +280,7 @@ static void record_cone(check_work *work, const surface_sample *sample, const lm
     const float visibility = ambient_visibility(work->transport.tracer, sample->point.position, sample->point.normal,
                                                 spacing, stream, AMBIENT_RAYS);
     irradiance_set x;
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, radiance, sample->point.normal, lmb_cone_cos_from_visibility(visibility),
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, light, sample->point.normal, lmb_cone_cos_from_visibility(visibility),
                    sample->normals, &x);
     record(work, sample, CHECK_PROBE_CONE_VS_LIGHTMAP, &x);
 }
@@ -267,22 +294,21 @@ static void surface_task(void *context, size_t task, int worker)
     const size_t index = work->first + task;
     const surface_sample sample = sample_make(work, index);
     const lmb_vec3 normal = sample.point.normal;
-    lmb_sh3_rgb radiance;
-    lmb_volume_sample_at(subject->volume, lmb_scene_to_world(scene, sample.point.position), &radiance);
+    const probe_light light = volume_light(subject->volume, lmb_scene_to_world(scene, sample.point.position));
 
     irradiance_set x;
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, &radiance, normal, 0.0f, sample.normals, &x);
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, &light, normal, 0.0f, sample.normals, &x);
     record(work, &sample, CHECK_PROBE_VS_REFERENCE, &x);
     record(work, &sample, CHECK_PROBE_VS_LIGHTMAP, &x);
     work->lights[index] = point_light_of(x.at, sample.reference[0].at, sample.reference[1].at, NORMALS);
-    evaluate_probe(LMB_MODEL_FOR_OBJECT, &radiance, normal, 0.0f, sample.normals, &x);
+    evaluate_probe(LMB_MODEL_FOR_OBJECT, &light, normal, 0.0f, sample.normals, &x);
     record(work, &sample, CHECK_OBJECT_VS_REFERENCE, &x);
     record_coincident(work, &sample);
     work->mapped[index] = sample.has_lightmap;
     if (sample.has_lightmap) {
-        evaluate_unoccluded(&radiance, sample.normals, &x);
+        evaluate_unoccluded(&light, sample.normals, &x);
         record(work, &sample, CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP, &x);
-        record_cone(work, &sample, &radiance);
+        record_cone(work, &sample, &light);
         record(work, &sample, CHECK_LIGHTMAP_VS_REFERENCE, &sample.lightmap);
         work->lightmap_lights[index] =
             point_light_of(sample.lightmap.at, sample.reference[0].at, sample.reference[1].at, NORMALS);
@@ -305,10 +331,9 @@ static void free_task(void *context, size_t task, int worker)
     sphere_directions(lmb_mix(lmb_mix(seed, STREAM_FREE_DIRECTIONS), index), NORMALS, directions);
     irradiance_set reference[2], x;
     gather_reference(work, &point, directions, reference);
-    lmb_sh3_rgb radiance;
-    lmb_volume_sample_at(work->subject->volume,
-                         lmb_scene_to_world(lmb_tracer_scene(work->transport.tracer), point.position), &radiance);
-    evaluate_unoccluded(&radiance, directions, &x);
+    const lmb_scene *scene = lmb_tracer_scene(work->transport.tracer);
+    const probe_light light = volume_light(work->subject->volume, lmb_scene_to_world(scene, point.position));
+    evaluate_unoccluded(&light, directions, &x);
     work->errors[CHECK_VOLUME_VS_REFERENCE][index] = point_error_of(x.at, reference[0].at, reference[1].at, NORMALS);
 }
 

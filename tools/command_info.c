@@ -23,6 +23,14 @@ static void json_add_range(cJSON *json, const char *key, const int32_t value[3])
     cJSON_AddItemToObject(json, key, cJSON_CreateIntArray((const int[3]){value[0], value[1], value[2]}, 3));
 }
 
+static void json_add_key_lights(cJSON *json, const lmb_key_light *light, uint32_t count)
+{
+    cJSON *list = cJSON_AddArrayToObject(json, "key_lights");
+    for (uint32_t i = 0; i < count; ++i) {
+        cJSON_AddItemToArray(list, json_key_light(&light[i]));
+    }
+}
+
 static cJSON *lmb_describe(const lmb_volume *volume)
 {
     const lmb_volume_info info = lmb_volume_get_info(volume);
@@ -48,6 +56,8 @@ static cJSON *lmb_describe(const lmb_volume *volume)
     cJSON_AddNumberToObject(json, "bytes", (double)info.file_bytes);
     cJSON_AddNumberToObject(json, "bytes_per_probe",
                             info.probe_count > 0 ? (double)info.file_bytes / (double)info.probe_count : 0.0);
+    lmb_key_light light[LMB_KEY_LIGHTS_MOST];
+    json_add_key_lights(json, light, lmb_volume_key_lights(volume, light));
     return json;
 }
 
@@ -69,6 +79,7 @@ static cJSON *vdb_describe(const lmb_probes *probes, const char *settings, const
     json_add_range(json, "lattice_min", probes->level[0].lattice.min);
     json_add_range(json, "lattice_size", probes->level[0].lattice.size);
     cJSON_AddItemToObject(json, "mean_radiance", cJSON_CreateDoubleArray(mean, 3));
+    json_add_key_lights(json, probes->key_light, probes->key_light_count);
     cJSON_AddStringToObject(json, "scene_hash", scene_hash);
     cJSON *parsed = cJSON_Parse(settings);
     cJSON_AddItemToObject(json, "settings", parsed ? parsed : cJSON_CreateString(settings));

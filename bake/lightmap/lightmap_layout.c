@@ -480,6 +480,7 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
         created->settings = *settings;
         created->model = settings->model ? settings->model : lmb_model_default(LMB_MODEL_FOR_LIGHTMAP);
         created->settings.padding = settings->padding > 0 ? settings->padding : 1;
+        created->key_light_count = lmb_scene_key_lights(scene, created->key_light);
         created->region = calloc(instances, sizeof *created->region);
         created->corner_uv = calloc(meshes, sizeof *created->corner_uv);
         created->fault = calloc(meshes, sizeof *created->fault);

@@ -49,12 +49,13 @@ static size_t image_take(lmb_lightmap *lightmap, int32_t image, chart_item *item
 
 static bool planes_make(const lmb_lightmap *lightmap, lmb_lightmap_image *image, size_t texels)
 {
-    image->plane = calloc(texels * (size_t)lightmap->model->channel_count, sizeof *image->plane);
+    image->plane = calloc(texels * (size_t)lmb_lightmap_plane_count(lightmap), sizeof *image->plane);
     image->state = calloc(texels, sizeof *image->state);
     bool enough = image->plane && image->state;
     const lmb_lightmap_settings *settings = &lightmap->settings;
     for (int k = 0; enough && k < LMB_LIGHTMAP_MOST_MODELS && settings->other[k]; ++k) {
-        image->other[k] = calloc(texels * (size_t)settings->other[k]->channel_count, sizeof *image->other[k]);
+        image->other[k] = calloc(texels * (size_t)(settings->other[k]->channel_count + (int)lightmap->key_light_count),
+                                 sizeof *image->other[k]);
         enough = image->other[k] != NULL;
     }
     if (enough && settings->error) {

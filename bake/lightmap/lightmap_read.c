@@ -84,6 +84,12 @@ static bool json_layout_matches(const cJSON *root, const lmb_lightmap *lightmap)
     return item == NULL;
 }
 
+static bool json_key_lights_match(const cJSON *root, const lmb_lightmap *lightmap)
+{
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(root, "key_lights");
+    return cJSON_GetArraySize(list) == (int)lightmap->key_light_count;
+}
+
 /* Of a JSON that matches. */
 static void json_sides_take(const cJSON *root, lmb_lightmap *lightmap)
 {
@@ -109,11 +115,11 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error
     lmb_result result = LMB_OK;
     if (!root || !json_text_is(root, "format", LMB_LIGHTMAP_FORMAT_NAME)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not a lightmap's description", path);
-    } else if (!json_number_is(root, "version", LMB_LIGHTMAP_FORMAT_VERSION) ||
+    } else if (!json_number_is(root, "version", lmb_lightmap_format_version(lightmap)) ||
                !json_text_is(root, "encoding", lightmap->model->name)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: neither version %d nor encoding '%s'", path,
-                               (int)LMB_LIGHTMAP_FORMAT_VERSION, lightmap->model->name);
-    } else if (!json_layout_matches(root, lightmap)) {
+                               lmb_lightmap_format_version(lightmap), lightmap->model->name);
+    } else if (!json_layout_matches(root, lightmap) || !json_key_lights_match(root, lightmap)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT,
                                "%s: describes another layout than this level and these settings have", path);
     } else {
@@ -123,13 +129,13 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error
     return result;
 }
 
-/* Reads some of a model's channels into `plane`, of the image's size and all the model's channels. */
+/* Reads some of an image's planes into `plane`, which has room for all of them. */
 static lmb_result channels_read(const lmb_lightmap_image *image, const lmb_lightmap_channels *which, const char *path,
                                 float *plane, lmb_error *error)
 {
     float *values[LMB_MODEL_MOST_CHANNELS] = {NULL};
     lmb_exr_header header;
-    const lmb_result result = lmb_exr_read_channels(path, which->name, (size_t)which->count, values, &header, error);
+    const lmb_result result = lmb_exr_read_channels(path, which->name, (size_t)which->stored, values, &header, error);
     if (result != LMB_OK) {
         return result;
     }
@@ -137,8 +143,8 @@ static lmb_result channels_read(const lmb_lightmap_image *image, const lmb_light
     const bool good = header.width == image->width && header.height == image->height && scale > 0.0f && isfinite(scale);
     const size_t count = good ? (size_t)image->width * (size_t)image->height : 0;
     bool finite = true;
-    for (int c = 0; c < which->count; ++c) {
-        for (size_t i = 0; i < count; ++i) {
+    for (int c = 0; c < which->stored; ++c) {
+        for (size_t i = 0; c < which->count && i < count; ++i) {
             const float value = values[c][i] * (c < which->light_count ? scale : 1.0f);
             finite = finite && isfinite(value);
             plane[(size_t)(which->first + c) * count + i] = value;
@@ -151,12 +157,18 @@ static lmb_result channels_read(const lmb_lightmap_image *image, const lmb_light
     return finite ? LMB_OK : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: holds NaN or infinity", path);
 }
 
-/* The picture (`kind` NULL), or the model's own file. */
+static lmb_lightmap_channels kind_channels(const lmb_lightmap *lightmap, const char *kind)
+{
+    return !kind                                       ? lmb_lightmap_picture_channels()
+           : strcmp(kind, LMB_LIGHTMAP_KEYS_KIND) == 0 ? lmb_lightmap_key_channels(lightmap)
+                                                       : lmb_lightmap_model_channels(lightmap->model);
+}
+
+/* The picture (`kind` NULL), the model's own file, or that of key lights. */
 static lmb_result file_read(const lmb_lightmap *lightmap, int32_t number, const char *kind, const char *directory,
                             float *plane, lmb_error *error)
 {
-    const lmb_lightmap_channels which =
-        kind ? lmb_lightmap_model_channels(lightmap->model) : lmb_lightmap_picture_channels();
+    const lmb_lightmap_channels which = kind_channels(lightmap, kind);
     char name[LMB_LIGHTMAP_FILE_NAME];
     lmb_lightmap_file_name(number, kind, name);
     char *path = lmb_file_in(directory, name);
@@ -169,16 +181,20 @@ static lmb_result file_read(const lmb_lightmap *lightmap, int32_t number, const 
 static lmb_result images_read(const lmb_lightmap *lightmap, const char *directory, float **plane, lmb_error *error)
 {
     const lmb_model *model = lightmap->model;
+    const size_t planes = (size_t)lmb_lightmap_plane_count(lightmap);
     lmb_result result = LMB_OK;
     for (int32_t i = 0; i < lightmap->image_count && result == LMB_OK; ++i) {
         const lmb_lightmap_image *image = &lightmap->image[i];
-        plane[i] = calloc((size_t)image->width * (size_t)image->height * (size_t)model->channel_count, sizeof **plane);
+        plane[i] = calloc((size_t)image->width * (size_t)image->height * planes, sizeof **plane);
         result = plane[i] ? LMB_OK : out_of_memory(error);
         if (result == LMB_OK && model->irradiance_first) {
             result = file_read(lightmap, i, NULL, directory, plane[i], error);
         }
         if (result == LMB_OK && lmb_lightmap_model_channels(model).count > 0) {
             result = file_read(lightmap, i, model->short_name, directory, plane[i], error);
+        }
+        if (result == LMB_OK && lightmap->key_light_count > 0) {
+            result = file_read(lightmap, i, LMB_LIGHTMAP_KEYS_KIND, directory, plane[i], error);
         }
     }
     return result;

@@ -217,7 +217,7 @@ static double dark_length(const lmb_gathered *gathered, size_t count)
 {
     double sum = 0.0;
     for (size_t i = 0; i < count; ++i) {
-        sum += gathered[i].squared_length;
+        sum += gathered[i].squared_light;
     }
     return count > 0 ? 1e-4 * sum / (double)count : 0.0;
 }
@@ -238,8 +238,12 @@ static void texel_encode(const finish_work *work, const listed_texel *texel, con
     for (int c = 0; c < lightmap->model->channel_count; ++c) {
         lmb_lightmap_plane(image, c)[texel->pixel] = channel[c];
     }
+    for (uint32_t key = 0; key < lightmap->key_light_count; ++key) {
+        lmb_lightmap_plane(image, lightmap->model->channel_count + (int)key)[texel->pixel] =
+            gathered->key_visibility[key];
+    }
     if (image->error) {
-        const double length = fmax(gathered->squared_length, work->dark);
+        const double length = fmax(gathered->squared_light, work->dark);
         image->error[texel->pixel] = (float)lmb_relative_error(gathered->squared_error, length);
     }
     image->state[texel->pixel] = LMB_TEXEL_GATHERED;
@@ -250,7 +254,7 @@ static void images_clear(lmb_lightmap *lightmap)
     for (int32_t i = 0; i < lightmap->image_count; ++i) {
         lmb_lightmap_image *image = &lightmap->image[i];
         const size_t texels = (size_t)image->width * (size_t)image->height;
-        memset(image->plane, 0, (size_t)lightmap->model->channel_count * texels * sizeof *image->plane);
+        memset(image->plane, 0, (size_t)lmb_lightmap_plane_count(lightmap) * texels * sizeof *image->plane);
         memset(image->state, LMB_TEXEL_EMPTY, texels);
         if (image->error) {
             memset(image->error, 0, texels * sizeof *image->error);

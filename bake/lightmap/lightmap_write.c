@@ -45,12 +45,14 @@ typedef struct image_file {
     const lmb_model *model;
     const float *plane; /* of all the model's channels */
     lmb_lightmap_channels channels;
+    int version;
 } image_file;
 
 static image_file picture_of(const lmb_lightmap *lightmap, int32_t number)
 {
     const lmb_lightmap_image *image = &lightmap->image[number];
-    return (image_file){image, lightmap->model, image->plane, lmb_lightmap_picture_channels()};
+    return (image_file){image, lightmap->model, image->plane, lmb_lightmap_picture_channels(),
+                        lmb_lightmap_format_version(lightmap)};
 }
 
 /* What else a model has: the lightmap's own, -1, or another one. */
@@ -59,7 +61,7 @@ static image_file model_of(const lmb_lightmap *lightmap, int32_t number, int oth
     const lmb_lightmap_image *image = &lightmap->image[number];
     const lmb_model *model = other < 0 ? lightmap->model : lightmap->settings.other[other];
     return (image_file){image, model, other < 0 ? image->plane : image->other[other],
-                        lmb_lightmap_model_channels(model)};
+                        lmb_lightmap_model_channels(model), lmb_lightmap_format_version(lightmap)};
 }
 
 static size_t texels_of(const lmb_lightmap_image *image)
@@ -102,7 +104,7 @@ static lmb_result image_write(const image_file *file, const char *path, lmb_erro
     }
     const lmb_exr_attribute attributes[] = {
         {"lambent:format", LMB_LIGHTMAP_FORMAT_NAME, 0.0f},
-        {"lambent:version", NULL, (float)LMB_LIGHTMAP_FORMAT_VERSION},
+        {"lambent:version", NULL, (float)file->version},
         {"lambent:encoding", file->model->name, 0.0f},
         {"lambent:convention", file->model->convention, 0.0f},
         {"lambent:scale", NULL, scale},
@@ -116,12 +118,52 @@ static lmb_result image_write(const image_file *file, const char *path, lmb_erro
     return result;
 }
 
-static lmb_result error_write(const lmb_lightmap_image *image, const char *path, lmb_error *error)
+/* How much of each key light is seen, as a picture of three channels or four: unused ones are 0. */
+static lmb_result keys_write(const lmb_lightmap *lightmap, const lmb_lightmap_image *image, const char *path,
+                             lmb_error *error)
+{
+    enum { MOST_ATTRIBUTES = 3 + LMB_KEY_LIGHTS_MOST, TEXT = 128 };
+    static const char *const key_names[LMB_KEY_LIGHTS_MOST] = {"lambent:key0", "lambent:key1", "lambent:key2",
+                                                               "lambent:key3"};
+    const lmb_lightmap_channels which = lmb_lightmap_key_channels(lightmap);
+    lmb_exr_attribute attributes[MOST_ATTRIBUTES] = {
+        {"lambent:format", LMB_LIGHTMAP_FORMAT_NAME, 0.0f},
+        {"lambent:version", NULL, (float)lmb_lightmap_format_version(lightmap)},
+        {"lambent:convention", "R G B A: visibility of key lights 0 to 3, whose directions and irradiances stand here",
+         0.0f},
+    };
+    char text[LMB_KEY_LIGHTS_MOST][TEXT];
+    for (int key = 0; key < which.count; ++key) {
+        const lmb_key_light *light = &lightmap->key_light[key];
+        snprintf(text[key], TEXT, "%.9g %.9g %.9g %.9g %.9g %.9g", (double)light->direction.x,
+                 (double)light->direction.y, (double)light->direction.z, (double)light->irradiance.c[0],
+                 (double)light->irradiance.c[1], (double)light->irradiance.c[2]);
+        attributes[3 + key] = (lmb_exr_attribute){key_names[key], text[key], 0.0f};
+    }
+    float *const none = calloc(texels_of(image), sizeof *none);
+    if (!none) {
+        return out_of_memory(error);
+    }
+    lmb_exr_channel channels[LMB_KEY_LIGHTS_MOST];
+    for (int c = 0; c < which.stored; ++c) {
+        channels[c] =
+            (lmb_exr_channel){which.name[c], c < which.count ? lmb_lightmap_plane(image, which.first + c) : none};
+    }
+    size_t overflows = 0;
+    const lmb_exr_picture picture = {image->width,         image->height, channels,
+                                     (size_t)which.stored, attributes,    3 + (size_t)which.count};
+    const lmb_result result = lmb_exr_write(path, &picture, &overflows, error);
+    free(none);
+    return result;
+}
+
+static lmb_result error_write(const lmb_lightmap *lightmap, const lmb_lightmap_image *image, const char *path,
+                              lmb_error *error)
 {
     const lmb_exr_channel channel = {"Y", image->error};
     const lmb_exr_attribute attributes[] = {
         {"lambent:format", LMB_LIGHTMAP_FORMAT_NAME, 0.0f},
-        {"lambent:version", NULL, (float)LMB_LIGHTMAP_FORMAT_VERSION},
+        {"lambent:version", NULL, (float)lmb_lightmap_format_version(lightmap)},
         {"lambent:convention", "Y: standard error of what was gathered, relative to it or 1 % of the root mean square",
          0.0f},
     };
@@ -176,6 +218,10 @@ static bool json_add_image(cJSON *images, const lmb_lightmap *lightmap, int32_t 
     for (int k = 0; good && k < model_count(lightmap); ++k) {
         good = json_add_file(files, lightmap, number, k - 1);
     }
+    if (good && lightmap->key_light_count > 0) {
+        lmb_lightmap_file_name(number, LMB_LIGHTMAP_KEYS_KIND, name);
+        good = cJSON_AddStringToObject(object, "key_lights", name);
+    }
     if (good && image->error) {
         lmb_lightmap_file_name(number, ERROR_KIND, name);
         good = cJSON_AddStringToObject(object, "error", name);
@@ -226,13 +272,33 @@ static bool json_add_channels(cJSON *models, const lmb_model *model)
     return good;
 }
 
+static bool json_add_key_light(cJSON *list, const char *channel, const lmb_key_light *light)
+{
+    const float direction[3] = {light->direction.x, light->direction.y, light->direction.z};
+    cJSON *object = cJSON_CreateObject();
+    return cJSON_AddItemToArray(list, object) && cJSON_AddStringToObject(object, "channel", channel) &&
+           cJSON_AddItemToObject(object, "direction", cJSON_CreateFloatArray(direction, 3)) &&
+           cJSON_AddItemToObject(object, "irradiance", cJSON_CreateFloatArray(light->irradiance.c, 3));
+}
+
+static bool json_add_key_lights(cJSON *root, const lmb_lightmap *lightmap)
+{
+    const lmb_lightmap_channels which = lmb_lightmap_key_channels(lightmap);
+    cJSON *list = which.count > 0 ? cJSON_AddArrayToObject(root, "key_lights") : NULL;
+    bool good = list || which.count == 0;
+    for (int key = 0; good && key < which.count; ++key) {
+        good = json_add_key_light(list, which.name[key], &lightmap->key_light[key]);
+    }
+    return good;
+}
+
 /* lightmap.json as text, for cJSON_free; NULL when out of memory. */
 static char *json_print(const lmb_lightmap *lightmap)
 {
     cJSON *root = cJSON_CreateObject();
     bool good =
         cJSON_AddStringToObject(root, "format", LMB_LIGHTMAP_FORMAT_NAME) &&
-        cJSON_AddNumberToObject(root, "version", LMB_LIGHTMAP_FORMAT_VERSION) &&
+        cJSON_AddNumberToObject(root, "version", lmb_lightmap_format_version(lightmap)) &&
         cJSON_AddStringToObject(root, "encoding", lightmap->model->name) &&
         cJSON_AddNumberToObject(root, "texels_per_m", (double)lightmap->settings.texels_per_m) &&
         cJSON_AddNumberToObject(root, "max_image_size", lightmap->settings.max_image_size) &&
@@ -244,6 +310,7 @@ static char *json_print(const lmb_lightmap *lightmap)
     for (int k = 0; good && k < model_count(lightmap) - 1; ++k) {
         good = json_add_channels(channels, lightmap->settings.other[k]);
     }
+    good = good && json_add_key_lights(root, lightmap);
     cJSON *images = cJSON_AddArrayToObject(root, "images");
     cJSON *nodes = cJSON_AddArrayToObject(root, "nodes");
     good = good && images && nodes;
@@ -321,7 +388,7 @@ static lmb_result planes_write(file_writer *writer, const image_file *file, cons
     return path ? file_end(writer, image_write(file, path, writer->error), path) : LMB_ERROR_MEMORY;
 }
 
-/* An image's picture, models and error. */
+/* An image's picture, models, key lights and error. */
 static lmb_result image_files_write(file_writer *writer, int32_t number)
 {
     const lmb_lightmap *lightmap = writer->lightmap;
@@ -334,10 +401,16 @@ static lmb_result image_files_write(file_writer *writer, int32_t number)
         lmb_lightmap_file_name(number, file.model->short_name, name);
         result = planes_write(writer, &file, name);
     }
+    if (result == LMB_OK && lightmap->key_light_count > 0) {
+        lmb_lightmap_file_name(number, LMB_LIGHTMAP_KEYS_KIND, name);
+        char *path = file_begin(writer, name);
+        result = path ? file_end(writer, keys_write(lightmap, &lightmap->image[number], path, writer->error), path)
+                      : LMB_ERROR_MEMORY;
+    }
     if (result == LMB_OK && lightmap->image[number].error) {
         lmb_lightmap_file_name(number, ERROR_KIND, name);
         char *path = file_begin(writer, name);
-        result = path ? file_end(writer, error_write(&lightmap->image[number], path, writer->error), path)
+        result = path ? file_end(writer, error_write(lightmap, &lightmap->image[number], path, writer->error), path)
                       : LMB_ERROR_MEMORY;
     }
     return result;

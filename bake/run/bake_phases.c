@@ -57,6 +57,7 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
     record->content_hash = level->scene->content_hash;
     record->threads = lmb_pool_threads(level->pool);
     record->triangles_dropped = level->scene->dropped_triangle_count;
+    record->key_light_count = lmb_scene_key_lights(level->scene, record->key_light);
     record->seconds[LMB_PHASE_LOAD] = level->seconds_load;
     record->seconds[LMB_PHASE_BVH] = level->seconds_bvh;
     return bake;

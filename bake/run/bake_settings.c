@@ -70,6 +70,9 @@ static void json_add_level(cJSON *json, const lmb_level_settings *level, uint64_
     cJSON_AddItemToObject(json, "isa", text_or_null(level->isa));
     cJSON_AddNumberToObject(json, "bounces", level->bounces);
     cJSON_AddNumberToObject(json, "seed", (double)level->seed);
+    if (level->key_lights != 0) { /* what a record without it has */
+        cJSON_AddNumberToObject(json, "key_lights", level->key_lights);
+    }
 }
 
 /* The default model first; nothing where there is no other. */
@@ -168,8 +171,10 @@ static bool level_read(const cJSON *json, lmb_level_settings *level)
     level->emission_scale = number_or(json, "emission_scale", level->emission_scale);
     level->bounces = integer_or(json, "bounces", level->bounces);
     level->seed = seed_of(json);
+    level->key_lights = count_or(json, "key_lights", 0);
     return level->path && text_of(json, "content_hash") &&
-           cJSON_IsNumber(cJSON_GetObjectItemCaseSensitive(json, "bounces")) && exclude_read(json, level);
+           cJSON_IsNumber(cJSON_GetObjectItemCaseSensitive(json, "bounces")) &&
+           level->key_lights <= LMB_KEY_LIGHTS_MOST && exclude_read(json, level);
 }
 
 static bool seeds_read(const cJSON *json, lmb_bake_settings *settings)
