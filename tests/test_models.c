@@ -201,10 +201,6 @@ static void white_sky(void)
         }
     }
     CHECK(!models_row_exists(lmb_model_find("rnm"), MODELS_PROBE), "rnm of a probe");
-    CHECK(models_measure_speed(&settings, map, 1, NULL, &report[0]) == LMB_OK, "speed");
-    for (size_t i = 0; i < report[0].row_count; ++i) {
-        CHECK(report[0].row[i].ns_encode > 0.0 && report[0].row[i].ns_eval > 0.0, "row %zu", i);
-    }
     models_report_free(&report[0]);
     models_report_free(&report[1]);
     free(map);
@@ -287,7 +283,9 @@ static void json_has_its_keys(void)
         const char *name = cJSON_GetStringValue(cJSON_GetObjectItem(row, "name"));
         const char *input = cJSON_GetStringValue(cJSON_GetObjectItem(row, "input"));
         for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
-            CHECK(cJSON_IsNumber(cJSON_GetObjectItem(row, numbers[i])), "%s: %s", name, numbers[i]);
+            const double number = cJSON_GetNumberValue(cJSON_GetObjectItem(row, numbers[i]));
+            CHECK((number > 0.0 || strcmp(numbers[i], "share_over_10pct") == 0) && isfinite(number), "%s, %s: %s is %g",
+                  name, input, numbers[i], number);
         }
         for (int i = 0; i < MODELS_INPUT_COUNT; ++i) {
             if (input && strcmp(input, models_input_name((models_input)i)) == 0) {

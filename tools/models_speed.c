@@ -8,7 +8,7 @@ enum {
     INPUT_COUNT = 256, /* lights that every pass encodes */
     LIGHT_COUNT = 4,   /* of them, where a model takes the light itself, some thousands of samples */
     NORMAL_COUNT = 16, /* that each is evaluated on */
-    REPEATS = 9,       /* of which the median is taken */
+    REPEATS = 7,       /* of which the median is taken */
     MOST_PASSES = 1 << 20
 };
 
