@@ -27,6 +27,7 @@ typedef struct lmb_lightmap_settings {
                                that. 0 counts as 1 */
     lmb_warnings warnings;  /* UVs that are not used, densities that do not fit, islands of a few texels */
     const lmb_model *model; /* that texels are stored in; NULL: the default one of lightmaps */
+    lmb_pool *pool;         /* that lays out; NULL: the caller's thread */
 } lmb_lightmap_settings;
 
 /* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048, padding 1. */
