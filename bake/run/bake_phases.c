@@ -144,6 +144,10 @@ lmb_result lmb_bake_layout(lmb_bake *bake, lmb_error *error)
         return result;
     }
     record_laid_out(bake);
+    const lmb_gather_effort effort = lmb_bake_effort(&bake->record.settings, bake->level);
+    if (lmb_texel_list_create(bake->lightmap, &bake->level->transport, &effort, &bake->texels) != LMB_OK) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory for the lightmap's texels");
+    }
     return step_report(bake->progress, name, 1.0, error);
 }
 
@@ -258,29 +262,25 @@ lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error)
     }
     const lmb_bake_settings *settings = &bake->record.settings;
     const lmb_gather_effort effort = lmb_bake_effort(settings, bake->level);
-    lmb_texel_list *list;
-    lmb_result result = lmb_texel_list_create(bake->lightmap, &bake->level->transport, &effort, &list);
-    if (result != LMB_OK) {
-        return phase_result(LMB_PHASE_LIGHTMAPS, result, error);
-    }
-    const lmb_gather_list elements = lmb_texel_list_elements(list);
+    const lmb_gather_list elements = lmb_texel_list_elements(bake->texels);
     lmb_gathered *gathered = malloc((elements.count + 1) * sizeof *gathered);
-    result = gathered ? texels_gather(bake, &elements, &effort, gathered) : LMB_ERROR_MEMORY;
+    lmb_result result = gathered ? texels_gather(bake, &elements, &effort, gathered) : LMB_ERROR_MEMORY;
     if (result == LMB_OK && settings->denoise) {
-        result = texels_denoise(bake, list, elements.count, gathered);
+        result = texels_denoise(bake, bake->texels, elements.count, gathered);
     }
     if (result == LMB_OK) {
-        result = texels_finish(bake, list, gathered);
+        result = texels_finish(bake, bake->texels, gathered);
     }
     free(gathered);
-    lmb_texel_list_destroy(list);
     return phase_result(LMB_PHASE_LIGHTMAPS, result, error);
 }
 
 void lmb_bake_end(lmb_bake *bake)
 {
+    lmb_texel_list_destroy(bake->texels);
     lmb_lightmap_destroy(bake->lightmap);
     lmb_probes_destroy(bake->probes);
+    bake->texels = NULL;
     bake->lightmap = NULL;
     bake->probes = NULL;
 }
