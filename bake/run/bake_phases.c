@@ -75,12 +75,24 @@ static void record_placed(lmb_bake *bake)
     record->rays[LMB_PHASE_PLACE] = record->placement.rays;
 }
 
+static float detail_of(const lmb_bake_settings *settings)
+{
+    return settings->detail > 0.0f ? settings->detail : 1.0f;
+}
+
+static float spacing_wanted(const lmb_bake *bake)
+{
+    const lmb_bake_settings *wanted = &bake->record.settings;
+    return wanted->spacing > 0.0f ? wanted->spacing
+                                  : lmb_placement_default_spacing(bake->level->scene) / detail_of(wanted);
+}
+
 lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
 {
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     const lmb_warnings *warnings = &bake->level->warnings;
-    const lmb_placement_settings settings = {.spacing = record->settings.spacing,
+    const lmb_placement_settings settings = {.spacing = spacing_wanted(bake),
                                              .max_probes = record->settings.max_probes,
                                              .seeds = record->settings.seeds,
                                              .seed_count = record->settings.seed_count,
@@ -106,7 +118,8 @@ static lmb_lightmap_settings lightmap_settings(const lmb_bake *bake)
 {
     const lmb_bake_settings *wanted = &bake->record.settings;
     lmb_lightmap_settings settings = lmb_lightmap_settings_default(bake->level->scene);
-    settings.texels_per_m = wanted->texels_per_m > 0.0f ? wanted->texels_per_m : settings.texels_per_m;
+    settings.texels_per_m =
+        wanted->texels_per_m > 0.0f ? wanted->texels_per_m : detail_of(wanted) * settings.texels_per_m;
     settings.max_image_size = wanted->max_image_size > 0 ? wanted->max_image_size : settings.max_image_size;
     settings.padding = wanted->padding > 0 ? wanted->padding : settings.padding;
     settings.warnings = bake->level->warnings;

@@ -28,13 +28,15 @@ typedef struct lmb_bake_settings {
     float texels_per_m;
     int32_t max_image_size;
     int32_t padding;
+    float detail; /* share of the level's own densities along a line, where spacing or texels_per_m is 0: half in a
+                     draft; 0 counts as 1 */
     bool denoise; /* lambent/denoise.h; never of LMB_ESTIMATOR_REFERENCE */
 } lmb_bake_settings;
 
 /* Medium quality, no lightmaps, the level's own spacing and density, denoised; no level. */
 lmb_bake_settings lmb_bake_settings_default(void);
 
-/* Samples and tolerance of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
+/* Samples, tolerance and detail of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
 bool lmb_bake_settings_quality(lmb_bake_settings *settings, const char *name);
 
 #ifdef __cplusplus
