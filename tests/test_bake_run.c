@@ -215,6 +215,28 @@ static void settings_are_values(void)
     }
 }
 
+/* Half as dense along a line, where nothing else is asked for. */
+static void drafts_are_coarse(void)
+{
+    lmb_bake_settings settings = lmb_bake_settings_default();
+    lmb_bake_record whole, draft, asked;
+    lmb_error error;
+    settings.level.path = LEVEL;
+    settings.lightmaps = true;
+    if (!cornell_make(OUTPUT, LEVEL)) {
+        return;
+    }
+    CHECK(lmb_bake_plan(&settings, NULL, &whole, &error) == LMB_OK, "medium");
+    CHECK(lmb_bake_settings_quality(&settings, "draft"), "draft");
+    CHECK(lmb_bake_plan(&settings, NULL, &draft, &error) == LMB_OK, "draft");
+    settings.spacing = 0.75f;
+    settings.texels_per_m = 3.0f;
+    CHECK(lmb_bake_plan(&settings, NULL, &asked, &error) == LMB_OK, "asked");
+    CHECK(draft.settings.spacing == 2.0f * whole.settings.spacing, "%g", (double)draft.settings.spacing);
+    CHECK(draft.settings.texels_per_m == 0.5f * whole.settings.texels_per_m, "%g", (double)draft.settings.texels_per_m);
+    CHECK(asked.settings.spacing == 0.75f && asked.settings.texels_per_m == 3.0f, "as asked");
+}
+
 static void qualities_have_names(void)
 {
     lmb_bake_settings settings = lmb_bake_settings_default();
@@ -222,6 +244,7 @@ static void qualities_have_names(void)
     CHECK(lmb_bake_settings_quality(&settings, "draft") && settings.tolerance > medium, "%g", settings.tolerance);
     CHECK(lmb_bake_settings_quality(&settings, "high") && settings.tolerance < medium, "%g", settings.tolerance);
     CHECK(lmb_bake_settings_quality(&settings, "medium") && settings.tolerance == medium, "%g", settings.tolerance);
+    CHECK(settings.detail == 1.0f, "%g", (double)settings.detail);
     CHECK(!lmb_bake_settings_quality(&settings, "good") && settings.tolerance == medium, "%g", settings.tolerance);
     lmb_estimator estimator = LMB_ESTIMATOR_CACHED;
     CHECK(lmb_estimator_find("reference", &estimator) && estimator == LMB_ESTIMATOR_REFERENCE, "reference");
@@ -393,6 +416,7 @@ static const test_case cases[] = {
     {"warnings_arrive", warnings_arrive},
     {"stopped_bakes_leave_the_old", stopped_bakes_leave_the_old},
     {"settings_are_values", settings_are_values},
+    {"drafts_are_coarse", drafts_are_coarse},
     {"qualities_have_names", qualities_have_names},
     {"a_bake_opens_again", a_bake_opens_again},
     {"the_record_is_what_lies_there", the_record_is_what_lies_there},

@@ -130,6 +130,27 @@ static void all_bounces_solve_the_system(void)
     }
 }
 
+/* Chains of rows, each seen by the next alone and the last by nobody, beside rows that all see each other. */
+static void rows_that_give_no_light_take_it(void)
+{
+    enum { CHAIN = 5 };
+    corridor made = corridor_make(ROWS, 100, 0.9f);
+    for (uint32_t i = 0; i < ROWS; ++i) {
+        for (size_t k = made.first[i]; k < made.first[i + 1]; ++k) {
+            lmb_link *link = &made.links[k];
+            link->target -= link->target % CHAIN;
+            if (i % CHAIN != 0 && k % 2 == 0) {
+                link->target = i % 2 == 0 && i % CHAIN > 1 ? i - 2 : i - 1;
+            }
+        }
+    }
+    int passes;
+    lmb_rgb *light = corridor_sum(&made, -1, 1, &passes);
+    CHECK_NEAR(error_most(&made, light), 0.0, 0.01, "%d passes", passes);
+    free(light);
+    corridor_free(&made);
+}
+
 /* Mirrors around no light but what is already there would sum without end. */
 static void trapped_light_harms_nobody_else(void)
 {
@@ -201,6 +222,7 @@ static void threads_sum_the_same(void)
 
 static const test_case cases[] = {
     {"all_bounces_solve_the_system", all_bounces_solve_the_system},
+    {"rows_that_give_no_light_take_it", rows_that_give_no_light_take_it},
     {"trapped_light_harms_nobody_else", trapped_light_harms_nobody_else},
     {"some_bounces_are_so_many", some_bounces_are_so_many},
     {"threads_sum_the_same", threads_sum_the_same},

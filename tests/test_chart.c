@@ -420,7 +420,7 @@ static uint32_t charts_check(const char *name, const lmb_mesh *mesh, float texel
     lmb_charts charts;
     struct timespec start, end;
     clock_gettime(CLOCK_MONOTONIC, &start);
-    const lmb_result result = lmb_charts_make(mesh, texels_per_m, gutter, &charts);
+    const lmb_result result = lmb_charts_make(mesh, texels_per_m, gutter, NULL, &charts);
     clock_gettime(CLOCK_MONOTONIC, &end);
     if (result != LMB_OK) {
         CHECK(false, "%s: result %d", name, (int)result);
@@ -439,10 +439,13 @@ static uint32_t charts_check(const char *name, const lmb_mesh *mesh, float texel
     printf("     %s: %u triangles, %u charts, %d^2 texels, %.0f %% used, %.3f s\n", name, mesh->triangle_count,
            charts.chart_count, charts.resolution, 100.0 * used, seconds);
     lmb_charts again;
-    if (lmb_charts_make(mesh, texels_per_m, gutter, &again) == LMB_OK) {
-        CHECK(charts_hash(mesh, &charts) == charts_hash(mesh, &again), "%s: not the same twice", name);
+    lmb_pool *pool;
+    CHECK(lmb_pool_create(3, &pool) == LMB_OK, "pool");
+    if (lmb_charts_make(mesh, texels_per_m, gutter, pool, &again) == LMB_OK) {
+        CHECK(charts_hash(mesh, &charts) == charts_hash(mesh, &again), "%s: not the same by three threads", name);
         lmb_charts_free(&again);
     }
+    lmb_pool_destroy(pool);
     if (hash) {
         *hash = charts_hash(mesh, &charts);
     }
@@ -470,7 +473,7 @@ static void packing_is_tight_where_it_can_be(void)
 {
     builder b = cube_make(false); /* six boxes of 16 + 2 texels: a square of 3 x 18 + 2 holds them */
     lmb_charts charts;
-    if (lmb_charts_make(&b.mesh, 16.0f, 2, &charts) == LMB_OK) {
+    if (lmb_charts_make(&b.mesh, 16.0f, 2, NULL, &charts) == LMB_OK) {
         CHECK(charts.resolution == 56, "resolution %d", charts.resolution);
         for (uint32_t t = 0; t < 12; ++t) { /* sides of whole texels lie on whole texels */
             const flat f = flat_of(&charts, t);
@@ -516,7 +519,7 @@ static void packing_fills_holes(void)
     normals_make(&b);
     lmb_charts charts;
     CHECK(charts_check("frame", &b.mesh, 1.0f, 2, NULL) == 5, "a frame and four squares");
-    if (lmb_charts_make(&b.mesh, 1.0f, 2, &charts) == LMB_OK) {
+    if (lmb_charts_make(&b.mesh, 1.0f, 2, NULL, &charts) == LMB_OK) {
         CHECK(charts.resolution == 44, "resolution %d", charts.resolution);
         lmb_charts_free(&charts);
     }
@@ -650,7 +653,7 @@ static void degenerate_triangles_do_no_harm(void)
     CHECK(charts_check("nothing but a point", &b.mesh, 16.0f, 2, NULL) == 1, "one chart");
     b.mesh.triangle_count = 0;
     lmb_charts charts;
-    CHECK(lmb_charts_make(&b.mesh, 16.0f, 2, &charts) == LMB_OK && charts.chart_count == 0, "empty mesh");
+    CHECK(lmb_charts_make(&b.mesh, 16.0f, 2, NULL, &charts) == LMB_OK && charts.chart_count == 0, "empty mesh");
     lmb_charts_free(&charts);
     builder_free(&b);
 }
@@ -664,7 +667,7 @@ static void impossible_requests_are_refused(void)
     } cases[] = {{0.0f, 2}, {-1.0f, 2}, {NAN, 2}, {INFINITY, 2}, {1e6f, 2}, {3e38f, 2}, {15000.0f, 2}, {10.0f, -1}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         lmb_charts charts = {.resolution = 77};
-        const lmb_result result = lmb_charts_make(&b.mesh, cases[i].density, cases[i].gutter, &charts);
+        const lmb_result result = lmb_charts_make(&b.mesh, cases[i].density, cases[i].gutter, NULL, &charts);
         CHECK(result == LMB_ERROR_ARGUMENT && charts.resolution == 77, "case %zu: %d", i, (int)result);
     }
     builder_free(&b);
@@ -689,7 +692,7 @@ static void large_meshes_take_seconds_at_most(void)
     struct timespec start, end;
     lmb_charts charts;
     clock_gettime(CLOCK_MONOTONIC, &start);
-    if (lmb_charts_make(&b.mesh, 8.0f, 2, &charts) == LMB_OK) {
+    if (lmb_charts_make(&b.mesh, 8.0f, 2, NULL, &charts) == LMB_OK) {
         clock_gettime(CLOCK_MONOTONIC, &end);
         const double seconds = (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec);
         printf("     %u triangles, %u charts, %.2f s\n", b.mesh.triangle_count, charts.chart_count, seconds);
@@ -793,7 +796,7 @@ static void charts_pass_the_check(void)
 {
     builder source = terrain_make(30, 0.5f);
     lmb_charts charts;
-    if (lmb_charts_make(&source.mesh, 12.0f, 1, &charts) == LMB_OK) {
+    if (lmb_charts_make(&source.mesh, 12.0f, 1, NULL, &charts) == LMB_OK) {
         builder b = builder_make(3 * source.mesh.triangle_count, source.mesh.triangle_count);
         for (uint32_t i = 0; i < 3 * source.mesh.triangle_count; ++i) {
             const lmb_vec3 p = source.mesh.position[source.mesh.triangle[i / 3][i % 3]];

@@ -306,6 +306,25 @@ static void threads_do_not_matter(void)
     free(first);
 }
 
+/* Floors on top of each other, so that more points are around each than are kept in mind from pass to pass. */
+static void stacks_lose_their_noise(void)
+{
+    enum { FLOORS = 12 };
+    points p = points_make((size_t)FLOORS * COUNT);
+    for (size_t i = 0; i < p.count; ++i) {
+        const size_t floor = i / COUNT, x = i % SIDE, z = i / SIDE % SIDE;
+        const lmb_vec3 at = {SPACING * (float)x, 0.5f * SPACING * (float)floor, SPACING * (float)z};
+        p.point[i] = (lmb_denoise_point){at, {0.0f, 1.0f, 0.0f}, SPACING};
+        p.truth[i] = 0.5 + 0.5 * (double)z / SIDE + 0.3 * (double)(floor % 2);
+    }
+    points_gather(&p, 0.1, 10);
+    const double before = error_true(&p);
+    denoise(&p);
+    CHECK(error_true(&p) < 0.2 * before, "error %g, before %g", error_true(&p), before);
+    CHECK_NEAR(mean_ratio(&p), 1.0, 1e-3, "mean");
+    points_free(&p);
+}
+
 /* No points, one, many in one place, and spacings and places of all sizes. */
 static void odd_points(void)
 {
@@ -397,6 +416,7 @@ static const test_case cases[] = {
     {"rare_light_is_spread_not_lost", rare_light_is_spread_not_lost},
     {"steady_light_stays", steady_light_stays},
     {"threads_do_not_matter", threads_do_not_matter},
+    {"stacks_lose_their_noise", stacks_lose_their_noise},
     {"odd_points", odd_points},
     {"space_is_filtered_by_sight", space_is_filtered_by_sight},
 };

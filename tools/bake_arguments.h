@@ -19,7 +19,8 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     "  --texel-error         the standard error of each texel, as a picture\n"                                         \
     "  --no-denoise          probes and lightmaps as they were gathered, noise and all\n"                              \
     "  --quality NAME        draft, medium or high: noise of 12, 6 or 3 %, by at most 256, 1024 or\n"                  \
-    "                        4096 samples at each probe and texel (default medium)\n"                                  \
+    "                        4096 samples at each probe and texel; a draft has half the default\n"                     \
+    "                        densities (default medium)\n"                                                             \
     "  --tolerance E         the noise as a share of the light, in place of the quality's\n"                           \
     "  --samples N           just so many samples everywhere, in place of both\n"                                      \
     "  --estimator NAME      cached: solve the light on surfaces first, then gather it (default);\n"                   \

@@ -1,8 +1,7 @@
 /* Passes over all points, each of which reads what the last has written:
  *
- *     point_see           which others a point in space sees
- *     point_find_noise    its noise, and the light around it
- *     point_find_errors   what error each radius leaves at it
+ *     point_find_noise    which are around it, its noise, and the light around it
+ *     point_find_errors   which of them have the same light, and what error each radius leaves at it
  *     point_choose        the radius of the least error, by the mean of those around, which are less random
  *     point_renew         its light, with the radii that it and those around have chosen */
 #include <lambent/denoise.h>
@@ -15,7 +14,9 @@
 #include <lambent/vector.h>
 
 #include "base/vectorised.h"
+#include "denoise/neighbour_marks.h"
 #include "denoise/neighbours.h"
+#include "denoise/plane_filter.h"
 
 /* How far what reaches, in spacings. */
 enum { RADII = 4 };
@@ -30,19 +31,14 @@ static const denoise_reach on_surfaces = {{0.0f, 2.0f, 4.0f, 8.0f}, 2.5f, 4.0f, 
 /* Among lattice points: those beside a point, with those at edges, with those at corners and the next but one. */
 static const denoise_reach in_space = {{0.0f, 1.2f, 1.6f, 2.1f}, 1.5f, 2.1f, 2.1f};
 
-/* A point's noisy light: 27 coefficients of the mean of its replicates, then of half their difference, each filled up
- * with zeros to whole vectors. */
-enum { COEFFICIENTS = 3 * LMB_SH3_COUNT, LANES = 8, HALF = 32, ROW = 2 * HALF };
-
-/* Of a point in space, which of its neighbours it sees, a bit each in the order in which they are found. Lattice points
- * have 33 that are near enough; those beyond the last bit do not count. */
-enum { SEEN_WORDS = 2, SEEN_MOST = 64 * SEEN_WORDS };
+/* Of a point's noisy light, in rows (plane_filter.h). */
+enum { COEFFICIENTS = 3 * LMB_SH3_COUNT, LANES = 8, HALF = LMB_LIGHT_HALF, ROW = LMB_LIGHT_ROW };
 
 typedef struct denoise_work {
     const denoise_reach *reach;
     lmb_neighbour_cells cells;
+    lmb_neighbour_marks marks;    /* those around a point, then those alike */
     const lmb_tracer *tracer;     /* of points in space; else NULL */
-    uint64_t (*seen)[SEEN_WORDS]; /* [rank], of points in space; else NULL */
     float (*light)[ROW];          /* [rank] */
     float *noise;                 /* [rank] squared, of the mean of the replicates */
     float *level;                 /* [rank] squared length of the mean light around */
@@ -52,97 +48,6 @@ typedef struct denoise_work {
     uint8_t *choice;              /* [rank] radius */
     lmb_gathered *gathered;       /* [element] */
 } denoise_work;
-
-/* 1 at the middle, 0 at `radius` and beyond. */
-static float biweight(float square, float radius)
-{
-    const float rest = lmb_larger(1.0f - square / (radius * radius), 0.0f);
-    return rest * rest;
-}
-
-/* The first column of the inverse of a positive symmetric matrix, of which the lower half is given and lost. */
-enum { PLANE = 4 };
-static void inverse_column(double a[PLANE][PLANE], double column[PLANE])
-{
-    for (int k = 0; k < PLANE; ++k) { /* a = L D L^T */
-        for (int i = k + 1; i < PLANE; ++i) {
-            const double factor = a[i][k] / a[k][k];
-            for (int j = k + 1; j <= i; ++j) {
-                a[i][j] -= factor * a[j][k];
-            }
-            column[i] = 0.0;
-        }
-    }
-    column[0] = 1.0;
-    for (int i = 1; i < PLANE; ++i) {
-        column[i] = 0.0;
-        for (int k = 0; k < i; ++k) {
-            column[i] -= a[i][k] / a[k][k] * column[k];
-        }
-    }
-    for (int i = PLANE - 1; i >= 0; --i) {
-        column[i] /= a[i][i];
-        for (int k = i + 1; k < PLANE; ++k) {
-            column[i] -= a[k][i] / a[i][i] * column[k];
-        }
-    }
-}
-
-/* Weights of a plane's value at the middle, fitted by least squares: the sum of weight x value is that. Where points
- * lie to one side only, its slope is held back. */
-static void plane_weights(const lmb_neighbour *found, uint32_t count, float radius, float *weight)
-{
-    double moment[PLANE][PLANE] = {{0.0}}, plane[PLANE];
-    for (uint32_t i = 0; i < count; ++i) {
-        const double w = (double)biweight(found[i].square, radius);
-        const double term[PLANE] = {1.0, (double)found[i].x, (double)found[i].y, (double)found[i].z};
-        for (int row = 0; row < PLANE; ++row) {
-            for (int k = 0; k <= row; ++k) {
-                moment[row][k] += w * term[row] * term[k];
-            }
-        }
-        weight[i] = (float)w;
-    }
-    const double hold = 0.02 * (double)radius * (double)radius * moment[0][0];
-    for (int row = 1; row < PLANE; ++row) {
-        moment[row][row] += hold;
-    }
-    inverse_column(moment, plane);
-    for (uint32_t i = 0; i < count; ++i) {
-        weight[i] *= (float)(plane[0] + plane[1] * (double)found[i].x + plane[2] * (double)found[i].y +
-                             plane[3] * (double)found[i].z);
-    }
-}
-
-LMB_VECTORISED
-static void rows_sum(const float (*light)[ROW], const lmb_neighbour *found, const float *weight, uint32_t count,
-                     float sum[ROW])
-{
-    memset(sum, 0, ROW * sizeof *sum);
-    for (uint32_t i = 0; i < count; ++i) {
-        const float *const row = light[found[i].rank];
-        const float w = weight[i];
-        for (int k = 0; k < ROW; ++k) {
-            sum[k] += w * row[k];
-        }
-    }
-}
-
-/* The point's light filtered within a radius. */
-static void point_filter(const denoise_work *work, const lmb_neighbour *found, uint32_t count, float radius,
-                         float sum[ROW])
-{
-    lmb_neighbour near[LMB_NEIGHBOURS_MOST];
-    float weight[LMB_NEIGHBOURS_MOST];
-    uint32_t near_count = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        if (found[i].square < radius * radius) {
-            near[near_count++] = found[i];
-        }
-    }
-    plane_weights(near, near_count, radius, weight);
-    rows_sum((const float(*)[ROW])work->light, near, weight, near_count, sum);
-}
 
 /* An estimate of the squared error of the filtered light F M of a point, without bias. Its halves are M + D and M - D,
  * with independent errors; filtered, F M + F D and F M - F D. The mean over both of |one half filtered - other half|^2
@@ -165,12 +70,13 @@ static float filter_error(const float *row, const float *filtered)
 
 /* Leaves the neighbours that have the same light as far as its noise tells. */
 LMB_VECTORISED
-static uint32_t alike_keep(const denoise_work *work, uint32_t rank, uint32_t count, lmb_neighbour *found)
+static void alike_keep(const denoise_work *work, lmb_neighbours *found)
 {
+    const uint32_t rank = found->rank[0];
     const float *const row = work->light[rank];
-    uint32_t alike = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        const float *const other = work->light[found[i].rank];
+    uint32_t alike = 1;
+    for (uint32_t i = 1; i < found->count; ++i) {
+        const float *const other = work->light[found->rank[i]];
         float lane[LANES] = {0.0f};
         for (int k = 0; k < HALF; k += LANES) {
             for (int j = 0; j < LANES; ++j) {
@@ -179,35 +85,12 @@ static uint32_t alike_keep(const denoise_work *work, uint32_t rank, uint32_t cou
             }
         }
         const float square = ((lane[0] + lane[4]) + (lane[1] + lane[5])) + ((lane[2] + lane[6]) + (lane[3] + lane[7]));
-        if (square <= OTHER_LIGHT * (work->noise[rank] + work->noise[found[i].rank])) {
-            found[alike++] = found[i];
-        }
+        const bool kept = square <= OTHER_LIGHT * (work->noise[rank] + work->noise[found->rank[i]]);
+        found->rank[alike] = found->rank[i];
+        found->candidate[alike] = found->candidate[i];
+        alike += kept;
     }
-    return alike;
-}
-
-/* The neighbours of a point within a radius; of a point in space those that it sees. */
-static uint32_t around_find(const denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank, float radius,
-                            lmb_neighbour found[LMB_NEIGHBOURS_MOST])
-{
-    if (!work->seen) {
-        return lmb_neighbours_find(&work->cells, ranges, rank, radius, found);
-    }
-    const uint32_t count = lmb_neighbours_find(&work->cells, ranges, rank, work->reach->radius[RADII - 1], found);
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < count && i < SEEN_MOST; ++i) {
-        if (found[i].square < radius * radius && (work->seen[rank][i / 64] >> i % 64 & 1) != 0) {
-            found[kept++] = found[i];
-        }
-    }
-    return kept;
-}
-
-/* Those of them that have the same light as far as its noise tells. */
-static uint32_t alike_find(const denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank, float radius,
-                           lmb_neighbour found[LMB_NEIGHBOURS_MOST])
-{
-    return alike_keep(work, rank, around_find(work, ranges, rank, radius, found), found);
+    found->count = alike;
 }
 
 static lmb_vec3 point_position(const denoise_work *work, uint32_t rank)
@@ -215,18 +98,54 @@ static lmb_vec3 point_position(const denoise_work *work, uint32_t rank)
     return lmb_vec3_of(work->cells.x[rank], work->cells.y[rank], work->cells.z[rank]);
 }
 
-static void point_see(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank)
+/* Leaves the neighbours that a point in space sees. */
+static void seen_keep(const denoise_work *work, lmb_neighbours *found)
 {
-    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
-    const uint32_t count = lmb_neighbours_find(&work->cells, ranges, rank, work->reach->radius[RADII - 1], found);
-    for (uint32_t i = 0; i < count && i < SEEN_MOST; ++i) {
+    const uint32_t rank = found->rank[0];
+    uint32_t seen = 1;
+    for (uint32_t i = 1; i < found->count; ++i) {
         uint64_t rays = 0;
-        const uint32_t other = found[i].rank;
+        const uint32_t other = found->rank[i];
         /* The same from either side. */
         const lmb_vec3 from = point_position(work, rank < other ? rank : other);
         const lmb_vec3 to = point_position(work, rank < other ? other : rank);
-        const bool sees = other == rank || lmb_rgb_max(lmb_trace_transmittance(work->tracer, from, to, &rays)) > 0.0f;
-        work->seen[rank][i / 64] |= (uint64_t)sees << i % 64;
+        const bool sees = lmb_rgb_max(lmb_trace_transmittance(work->tracer, from, to, &rays)) > 0.0f;
+        found->rank[seen] = other;
+        found->candidate[seen] = found->candidate[i];
+        seen += sees;
+    }
+    found->count = seen;
+}
+
+/* A point's neighbours; of a point in space those that it sees. */
+static void around_find(denoise_work *work, const lmb_neighbour_point *point, lmb_neighbours *found)
+{
+    lmb_neighbours_find(point->cells, point->ranges, point->rank, found);
+    if (work->tracer) {
+        seen_keep(work, found);
+    }
+    lmb_neighbour_marks_set(&work->marks, point, found);
+    lmb_neighbours_place(point->cells, found);
+}
+
+/* Those of them that have the same light. */
+static void alike_find(denoise_work *work, const lmb_neighbour_point *point, lmb_neighbours *found)
+{
+    if (!lmb_neighbour_marks_get(&work->marks, point, found)) {
+        around_find(work, point, found);
+    }
+    alike_keep(work, found);
+    lmb_neighbour_marks_set(&work->marks, point, found);
+    lmb_neighbours_place(point->cells, found);
+}
+
+/* The same, once alike_find has found them. */
+static void alike_get(denoise_work *work, const lmb_neighbour_point *point, lmb_neighbours *found)
+{
+    if (lmb_neighbour_marks_get(&work->marks, point, found)) {
+        lmb_neighbours_place(point->cells, found);
+    } else {
+        alike_find(work, point, found);
     }
 }
 
@@ -244,56 +163,53 @@ static float squared_difference(const float *row)
     return squared_length(row + HALF);
 }
 
-static float level_find(const denoise_work *work, const lmb_neighbour *found, uint32_t count)
-{
-    float weight[LMB_NEIGHBOURS_MOST], sum[ROW];
-    for (uint32_t i = 0; i < count; ++i) {
-        weight[i] = 1.0f / (float)count;
-    }
-    rows_sum((const float(*)[ROW])work->light, found, weight, count, sum);
-    return squared_length(sum);
-}
-
 /* The mean noise of a point and those beside it: of one with any among those with any, since what is dark beside a lit
  * edge has none. */
-static void point_find_noise(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank)
+static void point_find_noise(denoise_work *work, const lmb_neighbour_point *point)
 {
-    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
-    const uint32_t count = around_find(work, ranges, rank, work->reach->level, found);
-    const bool noisy = squared_difference(work->light[rank]) > 0.0f;
-    float sum = 0.0f, noisy_count = 0.0f;
-    for (uint32_t i = 0; i < count; ++i) {
-        if (found[i].square >= work->reach->noise * work->reach->noise) {
-            continue;
-        }
-        const float square = squared_difference(work->light[found[i].rank]);
+    lmb_neighbours found;
+    lmb_plane even;
+    around_find(work, point, &found);
+    lmb_neighbours_within(&found, work->reach->noise, &even.part);
+    const bool noisy = squared_difference(work->light[point->rank]) > 0.0f;
+    float sum = 0.0f, noisy_count = 0.0f, light[HALF];
+    for (uint32_t i = 0; i < even.part.count; ++i) {
+        const float square = squared_difference(work->light[found.rank[even.part.place[i]]]);
         sum += square;
         noisy_count += square > 0.0f ? 1.0f : 0.0f;
     }
-    work->noise[rank] = noisy ? sum / noisy_count : 0.0f;
-    work->level[rank] = level_find(work, found, count);
+    work->noise[point->rank] = noisy ? sum / noisy_count : 0.0f;
+    lmb_plane_even(&found, work->reach->level, &even);
+    lmb_plane_halves(&even, &found, (const float(*)[ROW])work->light, light);
+    work->level[point->rank] = squared_length(light);
 }
 
-static void point_find_errors(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank)
+static void point_find_errors(denoise_work *work, const lmb_neighbour_point *point)
 {
-    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
-    const uint32_t count = alike_find(work, ranges, rank, work->reach->radius[RADII - 1], found);
-    work->error[rank][0] = filter_error(work->light[rank], work->light[rank]);
+    lmb_neighbours found;
+    alike_find(work, point, &found);
+    const float *const row = work->light[point->rank];
+    float *const error = work->error[point->rank];
+    error[0] = filter_error(row, row);
     for (int r = 1; r < RADII; ++r) {
-        float sum[ROW];
-        point_filter(work, found, count, work->reach->radius[r], sum);
-        work->error[rank][r] = filter_error(work->light[rank], sum);
+        lmb_plane plane;
+        float filtered[ROW];
+        lmb_plane_fit(&found, work->reach->radius[r], &plane);
+        lmb_plane_rows(&plane, &found, (const float(*)[ROW])work->light, filtered);
+        error[r] = filter_error(row, filtered);
     }
 }
 
-static void point_choose(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank)
+static void point_choose(denoise_work *work, const lmb_neighbour_point *point)
 {
-    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
-    const uint32_t count = alike_find(work, ranges, rank, work->reach->smooth, found);
+    lmb_neighbours found;
+    lmb_neighbours_part near;
+    alike_get(work, point, &found);
+    lmb_neighbours_within(&found, work->reach->smooth, &near);
     double relative[RADII] = {0.0}, sum[RADII] = {0.0}, weights = 0.0;
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t other = found[i].rank;
-        const double weight = (double)biweight(found[i].square, work->reach->smooth);
+    for (uint32_t i = 0; i < near.count; ++i) {
+        const uint32_t other = found.rank[near.place[i]];
+        const double weight = (double)lmb_biweight(found.square[near.place[i]], work->reach->smooth);
         const double level = (double)lmb_larger(work->level[other], work->dark);
         weights += weight;
         for (int r = 0; r < RADII; ++r) {
@@ -304,19 +220,21 @@ static void point_choose(denoise_work *work, const lmb_neighbour_ranges *ranges,
     int best = 0;
     for (int r = 0; r < RADII; ++r) {
         best = relative[r] < relative[best] ? r : best;
-        work->smooth_error[rank][r] = (float)(sum[r] / weights);
+        work->smooth_error[point->rank][r] = (float)(sum[r] / weights);
     }
-    work->choice[rank] = (uint8_t)best;
+    work->choice[point->rank] = (uint8_t)best;
 }
 
 /* How far the points around have chosen each radius. */
-static void choices_share(const denoise_work *work, const lmb_neighbour *found, uint32_t count, float share[RADII])
+static void choices_share(const denoise_work *work, const lmb_neighbours *found, float share[RADII])
 {
     float sum = 0.0f;
     memset(share, 0, RADII * sizeof *share);
-    for (uint32_t i = 0; i < count; ++i) {
-        const float weight = biweight(found[i].square, work->reach->smooth);
-        share[work->choice[found[i].rank]] += weight;
+    for (uint32_t i = 0; i < found->count; ++i) {
+        const float weight = lmb_biweight(found->square[i], work->reach->smooth);
+        for (int r = 0; r < RADII; ++r) { /* in registers */
+            share[r] += work->choice[found->rank[i]] == r ? weight : 0.0f;
+        }
         sum += weight;
     }
     for (int r = 0; r < RADII; ++r) {
@@ -344,26 +262,25 @@ static void element_set(lmb_gathered *gathered, const float *row, const float *l
     gathered->squared_error = fmax(gathered->squared_error - differences, 0.0) + fmax((double)error, 0.0);
 }
 
-static void point_renew(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank)
+static void point_renew(denoise_work *work, const lmb_neighbour_point *point)
 {
-    lmb_neighbour found[LMB_NEIGHBOURS_MOST];
-    float share[RADII], light[COEFFICIENTS], error;
-    uint32_t count = alike_find(work, ranges, rank, work->reach->smooth, found);
-    choices_share(work, found, count, share);
-    if (share[RADII - 1] > 0.0f) {
-        count = alike_find(work, ranges, rank, work->reach->radius[RADII - 1], found);
-    }
-    error = share[0] * work->smooth_error[rank][0];
-    for (int k = 0; k < COEFFICIENTS; ++k) {
-        light[k] = share[0] * work->light[rank][k];
-    }
-    for (int r = 1; r < RADII; ++r) {
+    lmb_neighbours found;
+    const uint32_t rank = point->rank;
+    float share[RADII], light[COEFFICIENTS] = {0.0f}, error = 0.0f;
+    alike_get(work, point, &found);
+    choices_share(work, &found, share);
+    for (int r = 0; r < RADII; ++r) {
         if (share[r] > 0.0f) {
-            float sum[ROW];
-            point_filter(work, found, count, work->reach->radius[r], sum);
+            float filtered[HALF];
+            memcpy(filtered, work->light[rank], sizeof filtered);
+            if (r > 0) {
+                lmb_plane plane;
+                lmb_plane_fit(&found, work->reach->radius[r], &plane);
+                lmb_plane_halves(&plane, &found, (const float(*)[ROW])work->light, filtered);
+            }
             error += share[r] * work->smooth_error[rank][r];
             for (int k = 0; k < COEFFICIENTS; ++k) {
-                light[k] += share[r] * sum[k];
+                light[k] += share[r] * filtered[k];
             }
         }
     }
@@ -403,7 +320,7 @@ static void dark_set(denoise_work *work)
 /* What a pass does at each point; points of a cell have the same ranges. */
 typedef struct denoise_pass {
     denoise_work *work;
-    void (*at)(denoise_work *work, const lmb_neighbour_ranges *ranges, uint32_t rank);
+    void (*at)(denoise_work *work, const lmb_neighbour_point *point);
 } denoise_pass;
 
 static void cell_task(void *context, size_t cell, int worker)
@@ -413,20 +330,18 @@ static void cell_task(void *context, size_t cell, int worker)
     const lmb_neighbour_cells *cells = &pass->work->cells;
     lmb_neighbour_ranges ranges;
     lmb_neighbour_ranges_find(cells, (uint32_t)cell, &ranges);
-    for (uint32_t rank = cells->first[cell]; rank < cells->first[cell + 1]; ++rank) {
-        pass->at(pass->work, &ranges, rank);
+    lmb_neighbour_point point = {cells, &ranges, (uint32_t)cell, cells->first[cell]};
+    for (; point.rank < cells->first[cell + 1]; ++point.rank) {
+        pass->at(pass->work, &point);
     }
 }
 
 static lmb_result passes_run(denoise_work *work, lmb_pool *pool, const lmb_progress *progress)
 {
-    denoise_pass passes[] = {{work, point_see},
-                             {work, point_find_noise},
-                             {work, point_find_errors},
-                             {work, point_choose},
-                             {work, point_renew}};
+    denoise_pass passes[] = {
+        {work, point_find_noise}, {work, point_find_errors}, {work, point_choose}, {work, point_renew}};
     lmb_result result = LMB_OK;
-    for (size_t i = work->seen ? 0 : 1; i < sizeof passes / sizeof passes[0] && result == LMB_OK; ++i) {
+    for (size_t i = 0; i < sizeof passes / sizeof passes[0] && result == LMB_OK; ++i) {
         const bool longest = passes[i].at == point_find_errors;
         if (longest) {
             dark_set(work);
@@ -447,16 +362,18 @@ static lmb_result denoise_run(denoise_work *work, const lmb_denoise_point *point
     work->error = malloc((count + 1) * sizeof *work->error);
     work->smooth_error = malloc((count + 1) * sizeof *work->smooth_error);
     work->choice = malloc(count + 1);
-    work->seen = work->tracer ? calloc(count + 1, sizeof *work->seen) : NULL;
     lmb_result result = LMB_ERROR_MEMORY;
-    if (work->light && work->noise && work->level && work->error && work->smooth_error && work->choice &&
-        (work->seen || !work->tracer)) {
+    if (work->light && work->noise && work->level && work->error && work->smooth_error && work->choice) {
         result = lmb_neighbour_cells_make(points, (uint32_t)count, work->reach->radius[RADII - 1], &work->cells);
+    }
+    if (result == LMB_OK) {
+        result = lmb_neighbour_marks_make(&work->cells, &work->marks);
     }
     if (result == LMB_OK) {
         light_set(work);
         result = passes_run(work, pool, progress);
     }
+    lmb_neighbour_marks_free(&work->marks);
     lmb_neighbour_cells_free(&work->cells);
     free(work->light);
     free(work->noise);
@@ -464,7 +381,6 @@ static lmb_result denoise_run(denoise_work *work, const lmb_denoise_point *point
     free(work->error);
     free(work->smooth_error);
     free(work->choice);
-    free(work->seen);
     return result;
 }
 

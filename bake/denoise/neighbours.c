@@ -152,6 +152,7 @@ static uint32_t cell_from(const lmb_neighbour_cells *cells, uint64_t key)
 void lmb_neighbour_ranges_find(const lmb_neighbour_cells *cells, uint32_t cell, lmb_neighbour_ranges *ranges)
 {
     ranges->count = 0;
+    ranges->candidates = 0;
     for (int z = -1; z <= 1; ++z) {
         for (int y = -1; y <= 1; ++y) {
             /* Three along x follow each other. */
@@ -160,7 +161,9 @@ void lmb_neighbour_ranges_find(const lmb_neighbour_cells *cells, uint32_t cell, 
             const uint32_t begin = cell_from(cells, middle - 1), end = cell_from(cells, middle + 2);
             if (begin < end) {
                 ranges->first[ranges->count] = cells->first[begin];
-                ranges->end[ranges->count++] = cells->first[end];
+                ranges->end[ranges->count] = cells->first[end];
+                ranges->candidates += ranges->end[ranges->count] - ranges->first[ranges->count];
+                ++ranges->count;
             }
         }
     }
@@ -169,12 +172,12 @@ void lmb_neighbour_ranges_find(const lmb_neighbour_cells *cells, uint32_t cell, 
 /* Of points that follow each other, which are neighbours of `point`. */
 LMB_VECTORISED
 static void points_test(const lmb_neighbour_cells *cells, const lmb_denoise_point *point, uint32_t first,
-                        uint32_t count, float reach, int32_t *near)
+                        uint32_t count, int32_t *near)
 {
     const float *const x = cells->x + first, *const y = cells->y + first, *const z = cells->z + first;
     const float *const nx = cells->nx + first, *const ny = cells->ny + first, *const nz = cells->nz + first;
     const lmb_vec3 p = point->position, n = point->normal;
-    const float per_metre = 1.0f / point->spacing, reach_squared = reach * reach;
+    const float per_metre = 1.0f / point->spacing, reach_squared = cells->reach * cells->reach;
     const float least_cosine = lmb_vec3_dot(n, n) > 0.0f ? LEAST_COSINE : 0.0f; /* in space all are 0 */
     for (uint32_t i = 0; i < count; ++i) {
         const float sx = (x[i] - p.x) * per_metre, sy = (y[i] - p.y) * per_metre, sz = (z[i] - p.z) * per_metre;
@@ -187,35 +190,77 @@ static void points_test(const lmb_neighbour_cells *cells, const lmb_denoise_poin
     }
 }
 
-uint32_t lmb_neighbours_find(const lmb_neighbour_cells *cells, const lmb_neighbour_ranges *ranges, uint32_t rank,
-                             float reach, lmb_neighbour found[LMB_NEIGHBOURS_MOST])
+void lmb_neighbours_find(const lmb_neighbour_cells *cells, const lmb_neighbour_ranges *ranges, uint32_t rank,
+                         lmb_neighbours *found)
 {
     const lmb_denoise_point point = {{cells->x[rank], cells->y[rank], cells->z[rank]},
                                      {cells->nx[rank], cells->ny[rank], cells->nz[rank]},
                                      cells->spacing[rank]};
-    const float per_metre = 1.0f / point.spacing;
-    const bool in_space = !(lmb_vec3_dot(point.normal, point.normal) > 0.0f);
-    lmb_vec3 tangent, bitangent;
-    lmb_vec3_frame(in_space ? lmb_vec3_of(0.0f, 0.0f, 1.0f) : point.normal, &tangent, &bitangent);
-    uint32_t count = 0;
-    found[count++] = (lmb_neighbour){.rank = rank};
+    uint32_t count = 0, candidate = 0;
+    found->rank[count++] = rank;
     for (uint32_t range = 0; range < ranges->count; ++range) {
         for (uint32_t first = ranges->first[range]; first < ranges->end[range]; first += TESTED_AT_ONCE) {
             const uint32_t left = ranges->end[range] - first, tested = left < TESTED_AT_ONCE ? left : TESTED_AT_ONCE;
             int32_t near[TESTED_AT_ONCE];
             uint32_t kept[TESTED_AT_ONCE], kept_count = 0;
-            points_test(cells, &point, first, tested, reach, near);
+            points_test(cells, &point, first, tested, near);
             for (uint32_t i = 0; i < tested; ++i) { /* no branches: they would be guessed wrong half of the time */
-                kept[kept_count] = first + i;
+                kept[kept_count] = i;
                 kept_count += (uint32_t)near[i] & (first + i != rank);
             }
             for (uint32_t i = 0; i < kept_count && count < LMB_NEIGHBOURS_MOST; ++i) {
-                const lmb_vec3 at = {cells->x[kept[i]], cells->y[kept[i]], cells->z[kept[i]]};
-                const lmb_vec3 step = lmb_vec3_scale(lmb_vec3_sub(at, point.position), per_metre);
-                found[count++] = (lmb_neighbour){kept[i], lmb_vec3_dot(step, tangent), lmb_vec3_dot(step, bitangent),
-                                                 in_space ? step.z : 0.0f, lmb_vec3_dot(step, step)};
+                found->rank[count] = first + kept[i];
+                found->candidate[count++] = candidate + kept[i];
             }
+            candidate += tested;
         }
     }
-    return count;
+    found->count = count;
+}
+
+/* From where they are in space to where they are from the first of them. */
+LMB_VECTORISED
+static void steps_make(lmb_neighbours *found, lmb_vec3 position, const lmb_vec3 axis[3], float per_metre)
+{
+    float *const x = found->x, *const y = found->y, *const z = found->z, *const square = found->square;
+    const lmb_vec3 a = axis[0], b = axis[1], c = axis[2];
+    for (uint32_t i = 0; i < found->count; ++i) {
+        const float sx = (x[i] - position.x) * per_metre;
+        const float sy = (y[i] - position.y) * per_metre;
+        const float sz = (z[i] - position.z) * per_metre;
+        x[i] = sx * a.x + sy * a.y + sz * a.z;
+        y[i] = sx * b.x + sy * b.y + sz * b.z;
+        z[i] = sx * c.x + sy * c.y + sz * c.z;
+        square[i] = sx * sx + sy * sy + sz * sz;
+    }
+}
+
+void lmb_neighbours_place(const lmb_neighbour_cells *cells, lmb_neighbours *found)
+{
+    const uint32_t self = found->rank[0];
+    const lmb_vec3 position = {cells->x[self], cells->y[self], cells->z[self]};
+    const lmb_vec3 normal = {cells->nx[self], cells->ny[self], cells->nz[self]};
+    found->flat = lmb_vec3_dot(normal, normal) > 0.0f;
+    lmb_vec3 axis[3] = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
+    if (found->flat) {
+        lmb_vec3_frame(normal, &axis[0], &axis[1]);
+        axis[2] = lmb_vec3_of(0.0f, 0.0f, 0.0f);
+    }
+    for (uint32_t i = 0; i < found->count; ++i) {
+        const uint32_t rank = found->rank[i];
+        found->x[i] = cells->x[rank];
+        found->y[i] = cells->y[rank];
+        found->z[i] = cells->z[rank];
+    }
+    steps_make(found, position, axis, 1.0f / cells->spacing[self]);
+}
+
+void lmb_neighbours_within(const lmb_neighbours *found, float radius, lmb_neighbours_part *part)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < found->count; ++i) { /* no branches here either */
+        part->place[kept] = i;
+        kept += found->square[i] < radius * radius;
+    }
+    part->count = kept;
 }

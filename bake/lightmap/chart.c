@@ -441,7 +441,8 @@ static lmb_result charts_fill(const grower *g, const chart_layout *flat, int32_t
     return LMB_OK;
 }
 
-lmb_result lmb_charts_make(const lmb_mesh *mesh, float texels_per_m, int32_t gutter_texels, lmb_charts *charts)
+lmb_result lmb_charts_make(const lmb_mesh *mesh, float texels_per_m, int32_t gutter_texels, lmb_pool *pool,
+                           lmb_charts *charts)
 {
     assert(mesh && charts);
     if (!(texels_per_m > 0.0f && texels_per_m < INFINITY) || gutter_texels < 0 || gutter_texels > 1024 ||
@@ -463,7 +464,7 @@ lmb_result lmb_charts_make(const lmb_mesh *mesh, float texels_per_m, int32_t gut
         result = chart_join(&g.faces, &flat, g.chart);
     }
     if (result == LMB_OK) {
-        result = chart_pack(flat.charts, flat.chart_count, flat.corners, gutter_texels, &resolution);
+        result = chart_pack(flat.charts, flat.chart_count, flat.corners, gutter_texels, pool, &resolution);
     }
     if (result == LMB_OK) {
         result = charts_fill(&g, &flat, resolution, charts);

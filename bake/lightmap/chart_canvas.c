@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/vectorised.h"
+
 enum { WORD = 64 };
 
 /* A triangle that reaches less than this far into a texel does not touch it. Half of what covering texels forgives, so
@@ -25,7 +27,8 @@ static bool shape_alloc(int32_t width, int32_t height, chart_shape *shape)
     shape->bits = calloc((size_t)shape->words * (size_t)height, sizeof *shape->bits);
     shape->bottom = malloc((size_t)width * sizeof *shape->bottom);
     shape->run = malloc((size_t)height * sizeof *shape->run);
-    return shape->bits && shape->bottom && shape->run;
+    shape->alike = malloc((size_t)height * sizeof *shape->alike);
+    return shape->bits && shape->bottom && shape->run && shape->alike;
 }
 
 void chart_shape_free(chart_shape *shape)
@@ -33,6 +36,7 @@ void chart_shape_free(chart_shape *shape)
     free(shape->bits);
     free(shape->bottom);
     free(shape->run);
+    free(shape->alike);
     *shape = (chart_shape){0};
 }
 
@@ -60,9 +64,7 @@ static int32_t bit_find(const uint64_t *row, int32_t x, int32_t end, bool value)
             x = (x / WORD + 1) * WORD;
             continue;
         }
-        for (uint64_t bit = rest; (bit & 1) == 0; bit >>= 1) {
-            ++x;
-        }
+        x += __builtin_ctzll(rest);
         return x < end ? x : end;
     }
     return end;
@@ -96,7 +98,9 @@ static uint64_t shape_key(const chart_shape *shape)
 /* What the search asks of a shape's bits. */
 static void shape_finish(chart_shape *shape)
 {
+    const size_t row_bytes = (size_t)shape->words * sizeof *shape->bits;
     shape->solid = true;
+    shape->least_run = shape->width;
     for (int32_t x = 0; x < shape->width; ++x) {
         shape->bottom[x] = shape->height;
     }
@@ -104,10 +108,16 @@ static void shape_finish(chart_shape *shape)
         const uint64_t *const row = shape->bits + (size_t)y * (size_t)shape->words;
         shape->run[y] = longest_run(row, shape->width, true);
         shape->solid = shape->solid && shape->run[y] == shape->width;
+        shape->least_run = shape->run[y] < shape->least_run ? shape->run[y] : shape->least_run;
         for (int32_t x = bit_find(row, 0, shape->width, true); x < shape->width;
              x = bit_find(row, x + 1, shape->width, true)) {
             shape->bottom[x] = y < shape->bottom[x] ? y : shape->bottom[x];
         }
+    }
+    for (int32_t y = shape->height - 1; y >= 0; --y) {
+        const uint64_t *const row = shape->bits + (size_t)y * (size_t)shape->words;
+        const bool same = y + 1 < shape->height && memcmp(row, row + shape->words, row_bytes) == 0;
+        shape->alike[y] = same ? shape->alike[y + 1] + 1 : 1;
     }
     shape->key = shape_key(shape);
 }
@@ -272,69 +282,97 @@ static void row_smear(uint64_t *row, int32_t words, int32_t length)
     }
 }
 
-/* Where the shape may not begin in row `y`, into `hit`. Rows of the shape that are alike are looked at once. */
-static void row_search(chart_canvas *canvas, const chart_shape *shape, int32_t y)
+/* What one look of rows that are alike, `count` of them from `first` on, leaves of row `y`, onto `hit`. */
+static void rows_search(chart_canvas *canvas, const chart_shape *shape, int32_t y, int32_t first, int32_t count)
 {
     const int32_t words = canvas->words;
-    const size_t row_bytes = (size_t)shape->words * sizeof(uint64_t);
-    memset(canvas->hit, 0, (size_t)words * sizeof *canvas->hit);
-    for (int32_t first = 0; first < shape->height && y + first < canvas->height;) {
-        const uint64_t *const row = shape->bits + (size_t)first * (size_t)shape->words;
-        int32_t end = first + 1;
-        while (end < shape->height && memcmp(row, row + (size_t)(end - first) * (size_t)shape->words, row_bytes) == 0) {
-            ++end;
-        }
-        for (int32_t x = bit_find(row, 0, shape->width, true); x < shape->width;) {
-            const int32_t stop = bit_find(row, x, shape->width, false);
-            memset(canvas->row, 0, (size_t)words * sizeof *canvas->row);
-            for (int32_t k = first; k < end && y + k < canvas->height; ++k) {
-                const uint64_t *const blocked = canvas_row(canvas, y + k);
-                for (int32_t i = 0; i < words; ++i) {
-                    canvas->row[i] |= blocked[i];
-                }
+    const uint64_t *const row = shape->bits + (size_t)first * (size_t)shape->words;
+    for (int32_t x = bit_find(row, 0, shape->width, true); x < shape->width;) {
+        const int32_t stop = bit_find(row, x, shape->width, false);
+        memset(canvas->row, 0, (size_t)words * sizeof *canvas->row);
+        for (int32_t k = first; k < first + count && y + k < canvas->height; ++k) {
+            const uint64_t *const blocked = canvas_row(canvas, y + k);
+            for (int32_t i = 0; i < words; ++i) {
+                canvas->row[i] |= blocked[i];
             }
-            row_smear(canvas->row, words, stop - x);
-            row_or_shifted(canvas->hit, canvas->row, words, x);
-            x = bit_find(row, stop, shape->width, true);
         }
-        canvas->work += (uint64_t)(end - first + 8) * (uint64_t)words;
-        first = end;
+        row_smear(canvas->row, words, stop - x);
+        row_or_shifted(canvas->hit, canvas->row, words, x);
+        x = bit_find(row, stop, shape->width, true);
     }
 }
 
-static bool rows_have_room(const chart_canvas *canvas, const chart_shape *shape, int32_t y)
+/* The first place of row `y`, before `end`, where the shape may begin; `end` if there is none. */
+static int32_t row_search(chart_canvas *canvas, const chart_shape *shape, int32_t y, int32_t end)
 {
-    for (int32_t k = 0; k < shape->height && y + k < canvas->height; ++k) {
-        if (canvas->room[y + k] < shape->run[k]) {
-            return false;
+    const int32_t words = canvas->words;
+    int32_t free = canvas->gutter;
+    memset(canvas->hit, 0, (size_t)words * sizeof *canvas->hit);
+    for (int32_t first = 0; first < shape->height && y + first < canvas->height; first += shape->alike[first]) {
+        if (free < end) {
+            rows_search(canvas, shape, y, first, shape->alike[first]);
+            free = bit_find(canvas->hit, free, end, false);
         }
+        canvas->work += (uint64_t)(shape->alike[first] + 8) * (uint64_t)words;
     }
-    return true;
+    return free;
 }
 
-/* The lowest place of a shape that is let down from above. */
+/* The first row from `y` on whose rows, and those above it, have room for the shape's; `end` if there is none before
+ * it. */
+static int32_t row_with_room(const chart_canvas *canvas, const chart_shape *shape, int32_t y, int32_t end)
+{
+    for (int32_t k = 0; y < end && k < shape->height && y + k < canvas->height;) {
+        const int32_t room = canvas->room[y + k];
+        if (room < shape->least_run) { /* for none of its rows */
+            y += k + 1;
+            k = 0;
+        } else if (room < shape->run[k]) {
+            ++y;
+            k = 0;
+        } else {
+            ++k;
+        }
+    }
+    return y < end ? y : end;
+}
+
+/* How low what hangs `bottom[k]` below each of its columns may stand at each of `count` places from the left, no lower
+ * than `floor`. @return the least */
+LMB_VECTORISED
+static int32_t lowest_find(int32_t *lowest, int32_t count, const int32_t *top, const int32_t *bottom, int32_t columns,
+                           int32_t floor)
+{
+    for (int32_t i = 0; i < count; ++i) {
+        lowest[i] = floor;
+    }
+    for (int32_t k = 0; k < columns; ++k) {
+        for (int32_t i = 0; i < count; ++i) {
+            const int32_t stands = top[i + k] - bottom[k];
+            lowest[i] = stands > lowest[i] ? stands : lowest[i];
+        }
+    }
+    int32_t least = INT32_MAX;
+    for (int32_t i = 0; i < count; ++i) {
+        least = lowest[i] < least ? lowest[i] : least;
+    }
+    return least;
+}
+
+/* The lowest place of a shape that is let down from above, then the leftmost. */
 static bool fall_find(chart_canvas *canvas, const chart_shape *shape, int32_t *x, int32_t *y)
 {
-    const int32_t first = canvas->gutter, last = canvas->width - canvas->gutter - shape->width;
-    for (int32_t i = first; i <= last; ++i) {
-        canvas->lowest[i] = canvas->gutter;
+    const int32_t first = canvas->gutter, count = canvas->width - canvas->gutter - shape->width - first + 1;
+    if (count <= 0) {
+        return false;
     }
-    for (int32_t k = 0; k < shape->width; ++k) {
-        const int32_t bottom = shape->bottom[k];
-        const int32_t *const top = canvas->top + k;
-        int32_t *const lowest = canvas->lowest;
-        for (int32_t i = first; i <= last; ++i) {
-            lowest[i] = top[i] - bottom > lowest[i] ? top[i] - bottom : lowest[i];
-        }
+    *y = lowest_find(canvas->lowest, count, canvas->top + first, shape->bottom, shape->width, canvas->gutter);
+    *x = first;
+    while (canvas->lowest[*x - first] != *y) {
+        ++*x;
     }
-    canvas->work += (uint64_t)shape->width * (uint64_t)(last < first ? 0 : last - first + 1) / 4;
-    for (int32_t i = first; i <= last; ++i) {
-        if (i == first || canvas->lowest[i] < *y) {
-            *x = i;
-            *y = canvas->lowest[i];
-        }
-    }
-    return first <= last;
+    canvas->work += (uint64_t)shape->width * (uint64_t)count / 4;
+    return true;
 }
 
 /* The lowest place in a hole below `fallen`, then the leftmost. */
@@ -346,13 +384,15 @@ static bool hole_find(chart_canvas *canvas, const chart_shape *shape, int32_t fa
     int32_t row = seen ? canvas->seen[slot].row : canvas->gutter;
     int32_t free = last + 1;
     for (; row < fallen; ++row) {
-        canvas->work += 4;
-        if (rows_have_room(canvas, shape, row)) {
-            row_search(canvas, shape, row);
-            free = bit_find(canvas->hit, canvas->gutter, last + 1, false);
-            if (free <= last) {
-                break;
-            }
+        const int32_t first = row;
+        row = row_with_room(canvas, shape, row, fallen);
+        canvas->work += 4 * (uint64_t)(row - first + (row < fallen));
+        if (row == fallen) {
+            break;
+        }
+        free = row_search(canvas, shape, row, last + 1);
+        if (free <= last) {
+            break;
         }
     }
     if (shape->key != 0) {

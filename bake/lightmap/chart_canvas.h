@@ -18,6 +18,8 @@ typedef struct chart_shape {
     uint64_t *bits;
     int32_t *bottom; /* [x] the first row that is set; `height`: none */
     int32_t *run;    /* [y] the longest row of set texels */
+    int32_t *alike;  /* [y] how many rows look the same from that one on, itself included */
+    int32_t least_run;
 } chart_shape;
 
 /* The texels of a width x height box that its triangles (three corners each, count corners) reach into.

@@ -54,6 +54,6 @@ lmb_result chart_join(const chart_mesh *mesh, chart_layout *layout, uint32_t *ch
 /* Turns each chart to its smallest bounding box, packs the boxes, and moves `corners` to where they are in the packed
  * square, in texels. @return LMB_ERROR_MEMORY, or LMB_ERROR_ARGUMENT when the square would be too large */
 lmb_result chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *corners, int32_t gutter_texels,
-                      int32_t *resolution);
+                      lmb_pool *pool, int32_t *resolution);
 
 #endif

@@ -158,7 +158,7 @@ static void corners_move(const chart_flat *chart, const chart_item *item, const 
 }
 
 lmb_result chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *corners, int32_t gutter_texels,
-                      int32_t *resolution)
+                      lmb_pool *pool, int32_t *resolution)
 {
     int32_t(*const sizes)[2] = malloc(chart_count * sizeof *sizes);
     chart_item *const items = calloc(chart_count, sizeof *items);
@@ -170,8 +170,12 @@ lmb_result chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *
     }
     if (result == LMB_OK) {
         chart_items_sort(items, chart_count);
-        chart_widths job = {
-            .items = items, .count = chart_count, .gutter = gutter_texels, .most = MAX_RESOLUTION, .place = places};
+        chart_widths job = {.items = items,
+                            .count = chart_count,
+                            .gutter = gutter_texels,
+                            .most = MAX_RESOLUTION,
+                            .pool = pool,
+                            .place = places};
         result = chart_widths_pack(&job);
         const int32_t side = job.width > job.height ? job.width : job.height;
         *resolution = result == LMB_OK ? (side + RESOLUTION_STEP - 1) / RESOLUTION_STEP * RESOLUTION_STEP : *resolution;

@@ -13,6 +13,9 @@ static const double SHARES[] = {1.0, 1.1, 0.95, 1.2, 0.9, 1.05, 1.3, 1.15, 0.85,
 
 enum { SHARE_COUNT = (int)(sizeof SHARES / sizeof SHARES[0]) };
 
+/* Trials beside each other: the same whatever the number of threads, as what was tried decides what else is. */
+enum { AT_ONCE = 4 };
+
 static int32_t larger(int32_t a, int32_t b)
 {
     return a > b ? a : b;
@@ -55,10 +58,20 @@ void chart_items_free(chart_item *items, size_t count)
     free(items);
 }
 
-/* What is known between trials. */
+/* One width. */
+typedef struct width_trial {
+    int32_t width;
+    chart_place *place; /* [item] */
+    lmb_result result;  /* LMB_ERROR_ARGUMENT: higher than allowed */
+    double cost;
+    int32_t used_width, used_height;
+    uint64_t steps;
+} width_trial;
+
+/* Trials that are made at once, and what is known between them. */
 typedef struct trials {
     chart_widths *job;
-    chart_place *place; /* of the trial at hand */
+    width_trial at_once[AT_ONCE];
     double best_cost;
     uint64_t steps; /* of all so far */
 } trials;
@@ -88,22 +101,43 @@ static lmb_result canvas_fill(const chart_widths *job, chart_canvas *canvas, boo
     return LMB_OK;
 }
 
-static lmb_result width_try(trials *all, int32_t width)
+static void width_try(void *context, size_t task, int worker)
+{
+    (void)worker;
+    trials *const all = context;
+    const chart_widths *job = all->job;
+    width_trial *const at = &all->at_once[task];
+    chart_canvas canvas;
+    at->result = chart_canvas_make(at->width, job->gutter, &canvas) ? LMB_OK : LMB_ERROR_MEMORY;
+    if (at->result == LMB_OK) {
+        at->result = canvas_fill(job, &canvas, true, at->place);
+    }
+    at->steps = canvas.work;
+    at->cost = at->result == LMB_OK ? canvas_cost(&canvas) : HUGE_VAL;
+    at->used_width = canvas.used_width;
+    at->used_height = canvas.used_height;
+    chart_canvas_free(&canvas);
+}
+
+/* Tries the widths at hand, and keeps the best, the first of those that are as good. */
+static lmb_result widths_try(trials *all, int count)
 {
     chart_widths *const job = all->job;
-    chart_canvas canvas;
-    lmb_result result = chart_canvas_make(width, job->gutter, &canvas) ? LMB_OK : LMB_ERROR_MEMORY;
-    if (result == LMB_OK) {
-        result = canvas_fill(job, &canvas, true, all->place);
+    for (int i = 0; i < count && !job->pool; ++i) {
+        width_try(all, (size_t)i, 0);
     }
-    all->steps += canvas.work;
-    if (result == LMB_OK && canvas_cost(&canvas) < all->best_cost) {
-        all->best_cost = canvas_cost(&canvas);
-        memcpy(job->place, all->place, job->count * sizeof *job->place);
-        job->width = canvas.used_width;
-        job->height = canvas.used_height;
+    lmb_result result = job->pool ? lmb_pool_run(job->pool, (size_t)count, width_try, all, "layout", NULL) : LMB_OK;
+    for (int i = 0; i < count && result == LMB_OK; ++i) {
+        const width_trial *const at = &all->at_once[i];
+        result = at->result == LMB_ERROR_MEMORY ? LMB_ERROR_MEMORY : LMB_OK;
+        all->steps += at->steps;
+        if (at->cost < all->best_cost) {
+            all->best_cost = at->cost;
+            memcpy(job->place, at->place, job->count * sizeof *job->place);
+            job->width = at->used_width;
+            job->height = at->used_height;
+        }
     }
-    chart_canvas_free(&canvas);
     return result;
 }
 
@@ -136,30 +170,51 @@ static bool boxes_exceed(const chart_widths *job)
     return area > side * side;
 }
 
+/* How many trials may follow `done` of them: as if each took as long as those before. */
+static int trials_left(const trials *all, int done)
+{
+    const int most = SHARE_COUNT + 1 - done < AT_ONCE ? SHARE_COUNT + 1 - done : AT_ONCE;
+    if (all->best_cost == HUGE_VAL) {
+        return most > 0 ? 1 : done == SHARE_COUNT + 1;
+    }
+    int count = 0;
+    while (count < most && all->steps * (uint64_t)(done + count + 1) <= MOST_STEPS * (uint64_t)done) {
+        ++count;
+    }
+    return count;
+}
+
+static lmb_result trials_run(trials *all)
+{
+    const chart_widths *job = all->job;
+    lmb_result result = LMB_OK;
+    int next;
+    for (int done = 0; (next = trials_left(all, done)) > 0 && result == LMB_OK; done += next) {
+        int count = 0;
+        for (int i = 0; i < next; ++i) {
+            const double width = trial_width(job, done + i) + 2.0 * job->gutter;
+            if (width <= job->most) {
+                all->at_once[count++].width = (int32_t)width;
+            }
+        }
+        result = widths_try(all, count);
+    }
+    return result;
+}
+
 lmb_result chart_widths_pack(chart_widths *job)
 {
     if (boxes_exceed(job)) {
         return LMB_ERROR_ARGUMENT;
     }
-    trials all = {.job = job, .place = malloc((job->count + 1) * sizeof *all.place), .best_cost = HUGE_VAL};
-    lmb_result result = all.place ? LMB_OK : LMB_ERROR_MEMORY;
-    for (int trial = 0; trial <= SHARE_COUNT + 1 && result != LMB_ERROR_MEMORY; ++trial) {
-        const bool last = trial == SHARE_COUNT + 1;
-        const bool found = all.best_cost < HUGE_VAL;
-        /* As if each took as long as those before. */
-        if (found && (last || all.steps * (uint64_t)(trial + 1) > MOST_STEPS * (uint64_t)trial)) {
-            break;
-        }
-        const double width = trial_width(job, trial) + 2.0 * job->gutter;
-        if (width <= job->most) {
-            result = width_try(&all, (int32_t)width);
-        }
+    trials all = {.job = job, .best_cost = HUGE_VAL};
+    chart_place *const places = malloc((AT_ONCE * job->count + 1) * sizeof *places);
+    for (int i = 0; i < AT_ONCE; ++i) {
+        all.at_once[i].place = places + (size_t)i * job->count;
     }
-    free(all.place);
-    if (result == LMB_ERROR_MEMORY) {
-        return result;
-    }
-    return all.best_cost < HUGE_VAL ? LMB_OK : LMB_ERROR_ARGUMENT;
+    const lmb_result result = places ? trials_run(&all) : LMB_ERROR_MEMORY;
+    free(places);
+    return result == LMB_OK && all.best_cost == HUGE_VAL ? LMB_ERROR_ARGUMENT : result;
 }
 
 lmb_result chart_widths_fill(chart_widths *job)

@@ -2,6 +2,8 @@
 #ifndef LMB_CHART_WIDTHS_H
 #define LMB_CHART_WIDTHS_H
 
+#include <lambent/pool.h>
+
 #include "lightmap/chart_canvas.h"
 
 enum { CHART_TURNS = 4 };
@@ -22,11 +24,13 @@ typedef struct chart_widths {
     size_t count;
     int32_t gutter;        /* texels between them, and at the borders */
     int32_t most;          /* texels along a side, gutters at the borders included */
+    lmb_pool *pool;        /* NULL: the caller's thread */
     chart_place *place;    /* [item] out */
     int32_t width, height; /* out, gutters at the borders included */
 } chart_widths;
 
-/* Packs at several widths, as many as the time allows, and keeps the smallest. The same items give the same places.
+/* Packs at several widths, as many as the time allows, and keeps the smallest. The same items give the same places,
+ * for any number of threads.
  * @return LMB_ERROR_MEMORY, or LMB_ERROR_ARGUMENT when they do not fit */
 lmb_result chart_widths_pack(chart_widths *job);
 

@@ -172,7 +172,7 @@ static lmb_result mesh_make_charts(layout_work *work, uint32_t number)
     double density = fmin(asked, room / sqrt(own_area));
     for (int attempt = 0; attempt < CHART_ATTEMPTS && density > 0.0 && isfinite(density); ++attempt) {
         lmb_charts charts;
-        const lmb_result result = lmb_charts_make(mesh, (float)density, 2 * padding, &charts);
+        const lmb_result result = lmb_charts_make(mesh, (float)density, 2 * padding, lightmap->settings.pool, &charts);
         if (result != LMB_OK) {
             return lmb_error_set(work->error, result, "cannot make lightmap charts for mesh '%s': %s", mesh->name,
                                  lmb_result_text(result));

@@ -109,6 +109,7 @@ lmb_result lmb_lightmap_pack(lmb_lightmap *lightmap)
                             .count = left,
                             .gutter = 2 * lightmap->settings.padding,
                             .most = lightmap->settings.max_image_size + 2 * lightmap->settings.padding,
+                            .pool = lightmap->settings.pool,
                             .place = places};
         result = chart_widths_pack(&job);
         if (result == LMB_ERROR_ARGUMENT) { /* more than one image: as much as goes into this one */

@@ -184,6 +184,39 @@ lmb_gather_list lmb_texel_list_elements(const lmb_texel_list *list)
                              .context = list};
 }
 
+/* What one task takes of the list. */
+enum { TEXELS_PER_TASK = 4096 };
+
+static size_t task_count(const lmb_texel_list *list)
+{
+    return (list->count + TEXELS_PER_TASK - 1) / TEXELS_PER_TASK;
+}
+
+static size_t task_end(const lmb_texel_list *list, size_t task)
+{
+    const size_t end = (task + 1) * TEXELS_PER_TASK;
+    return end < list->count ? end : list->count;
+}
+
+typedef struct points_work {
+    const lmb_texel_list *list;
+    lmb_denoise_point *points;
+} points_work;
+
+static void points_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    const points_work *work = context;
+    const lmb_texel_list *list = work->list;
+    for (size_t i = task * TEXELS_PER_TASK; i < task_end(list, task); ++i) {
+        const listed_texel *texel = &list->texel[i];
+        const lmb_hit at = {.instance = texel->instance, .triangle = texel->triangle, .u = texel->u, .v = texel->v};
+        const lmb_place place = lmb_trace_place(list->tracer, &at);
+        work->points[i] = (lmb_denoise_point){place.position, place.shading_normal,
+                                              list->lightmap->region[texel->instance].texel_size};
+    }
+}
+
 lmb_result lmb_texel_list_denoise(const lmb_texel_list *list, lmb_pool *pool, const lmb_progress *progress,
                                   lmb_gathered *gathered)
 {
@@ -191,20 +224,16 @@ lmb_result lmb_texel_list_denoise(const lmb_texel_list *list, lmb_pool *pool, co
     if (!points) {
         return LMB_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < list->count; ++i) {
-        const listed_texel *texel = &list->texel[i];
-        const lmb_hit at = {.instance = texel->instance, .triangle = texel->triangle, .u = texel->u, .v = texel->v};
-        const lmb_place place = lmb_trace_place(list->tracer, &at);
-        points[i] = (lmb_denoise_point){place.position, place.shading_normal,
-                                        list->lightmap->region[texel->instance].texel_size};
+    points_work work = {list, points};
+    lmb_result result = lmb_pool_run(pool, task_count(list), points_task, &work, "denoise", NULL);
+    if (result == LMB_OK) {
+        result = lmb_denoise(points, list->count, pool, progress, gathered);
     }
-    const lmb_result result = lmb_denoise(points, list->count, pool, progress, gathered);
     free(points);
     return result;
 }
 
-/* What tasks encode, so many texels each. */
-enum { TEXELS_PER_TASK = 4096 };
+/* What tasks encode. */
 typedef struct finish_work {
     const lmb_texel_list *list;
     const lmb_gathered *gathered;
@@ -266,8 +295,7 @@ static void encode_task(void *context, size_t task, int worker)
 {
     (void)worker;
     const finish_work *work = context;
-    const size_t first = task * TEXELS_PER_TASK, left = work->list->count - first;
-    for (size_t i = first; i < first + (left < TEXELS_PER_TASK ? left : TEXELS_PER_TASK); ++i) {
+    for (size_t i = task * TEXELS_PER_TASK; i < task_end(work->list, task); ++i) {
         texel_encode(work, &work->list->texel[i], &work->gathered[i]);
     }
 }
@@ -329,8 +357,7 @@ static lmb_result seams_close(lmb_lightmap *lightmap, const lmb_tracer *tracer, 
 static lmb_result model_finish(finish_work *work, lmb_pool *pool)
 {
     images_clear(work->lightmap);
-    const size_t tasks = (work->list->count + TEXELS_PER_TASK - 1) / TEXELS_PER_TASK;
-    lmb_result result = lmb_pool_run(pool, tasks, encode_task, work, "encode", NULL);
+    lmb_result result = lmb_pool_run(pool, task_count(work->list), encode_task, work, "encode", NULL);
     if (result == LMB_OK) {
         result = lmb_lightmap_dilate(work->lightmap);
     }

@@ -77,12 +77,24 @@ static void record_placed(lmb_bake *bake)
     record->rays[LMB_PHASE_PLACE] = record->placement.rays;
 }
 
+static float detail_of(const lmb_bake_settings *settings)
+{
+    return settings->detail > 0.0f ? settings->detail : 1.0f;
+}
+
+static float spacing_wanted(const lmb_bake *bake)
+{
+    const lmb_bake_settings *wanted = &bake->record.settings;
+    return wanted->spacing > 0.0f ? wanted->spacing
+                                  : lmb_placement_default_spacing(bake->level->scene) / detail_of(wanted);
+}
+
 lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
 {
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     const lmb_warnings *warnings = &bake->level->warnings;
-    const lmb_placement_settings settings = {.spacing = record->settings.spacing,
+    const lmb_placement_settings settings = {.spacing = spacing_wanted(bake),
                                              .max_probes = record->settings.max_probes,
                                              .seeds = record->settings.seeds,
                                              .seed_count = record->settings.seed_count,
@@ -108,12 +120,14 @@ static lmb_lightmap_settings lightmap_settings(const lmb_bake *bake)
 {
     const lmb_bake_settings *wanted = &bake->record.settings;
     lmb_lightmap_settings settings = lmb_lightmap_settings_default(bake->level->scene);
-    settings.texels_per_m = wanted->texels_per_m > 0.0f ? wanted->texels_per_m : settings.texels_per_m;
+    settings.texels_per_m =
+        wanted->texels_per_m > 0.0f ? wanted->texels_per_m : detail_of(wanted) * settings.texels_per_m;
     settings.max_image_size = wanted->max_image_size > 0 ? wanted->max_image_size : settings.max_image_size;
     settings.padding = wanted->padding > 0 ? wanted->padding : settings.padding;
     settings.warnings = bake->level->warnings;
     memcpy(settings.other, wanted->models, sizeof settings.other);
     settings.error = wanted->texel_error;
+    settings.pool = bake->level->pool;
     return settings;
 }
 
@@ -147,6 +161,10 @@ lmb_result lmb_bake_layout(lmb_bake *bake, lmb_error *error)
         return result;
     }
     record_laid_out(bake);
+    const lmb_gather_effort effort = lmb_bake_effort(&bake->record.settings, bake->level);
+    if (lmb_texel_list_create(bake->lightmap, &bake->level->transport, &effort, &bake->texels) != LMB_OK) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory for the lightmap's texels");
+    }
     return step_report(bake->progress, name, 1.0, error);
 }
 
@@ -261,29 +279,25 @@ lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error)
     }
     const lmb_bake_settings *settings = &bake->record.settings;
     const lmb_gather_effort effort = lmb_bake_effort(settings, bake->level);
-    lmb_texel_list *list;
-    lmb_result result = lmb_texel_list_create(bake->lightmap, &bake->level->transport, &effort, &list);
-    if (result != LMB_OK) {
-        return phase_result(LMB_PHASE_LIGHTMAPS, result, error);
-    }
-    const lmb_gather_list elements = lmb_texel_list_elements(list);
+    const lmb_gather_list elements = lmb_texel_list_elements(bake->texels);
     lmb_gathered *gathered = malloc((elements.count + 1) * sizeof *gathered);
-    result = gathered ? texels_gather(bake, &elements, &effort, gathered) : LMB_ERROR_MEMORY;
+    lmb_result result = gathered ? texels_gather(bake, &elements, &effort, gathered) : LMB_ERROR_MEMORY;
     if (result == LMB_OK && settings->denoise) {
-        result = texels_denoise(bake, list, elements.count, gathered);
+        result = texels_denoise(bake, bake->texels, elements.count, gathered);
     }
     if (result == LMB_OK) {
-        result = texels_finish(bake, list, gathered);
+        result = texels_finish(bake, bake->texels, gathered);
     }
     free(gathered);
-    lmb_texel_list_destroy(list);
     return phase_result(LMB_PHASE_LIGHTMAPS, result, error);
 }
 
 void lmb_bake_end(lmb_bake *bake)
 {
+    lmb_texel_list_destroy(bake->texels);
     lmb_lightmap_destroy(bake->lightmap);
     lmb_probes_destroy(bake->probes);
+    bake->texels = NULL;
     bake->lightmap = NULL;
     bake->probes = NULL;
 }

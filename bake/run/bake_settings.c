@@ -12,15 +12,18 @@ typedef struct bake_quality {
     const char *name;
     double tolerance;
     uint32_t max_samples;
+    float detail;
 } bake_quality;
 
-static const bake_quality qualities[] = {{"draft", 0.12, 256}, {"medium", 0.06, 1024}, {"high", 0.03, 4096}};
+static const bake_quality qualities[] = {
+    {"draft", 0.12, 256, 0.5f}, {"medium", 0.06, 1024, 1.0f}, {"high", 0.03, 4096, 1.0f}};
 
 static void quality_use(lmb_bake_settings *settings, const bake_quality *quality)
 {
     settings->samples = MIN_SAMPLES;
     settings->max_samples = quality->max_samples;
     settings->tolerance = quality->tolerance;
+    settings->detail = quality->detail;
 }
 
 lmb_bake_settings lmb_bake_settings_default(void)

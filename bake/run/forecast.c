@@ -17,7 +17,7 @@ enum { TRIAL_MOST = 128, TRIAL_ONE_OF = 32, TRIAL_SAMPLES = 1024 };
 #define BOUNCES_SHARE 0.1
 
 /* Measured, of one thread; writing is a small part of any bake. */
-#define DENOISE_SECONDS_PER_TEXEL 2e-5
+#define DENOISE_SECONDS_PER_TEXEL 1e-5
 #define WRITE_SECONDS_PER_PROBE 3e-6
 #define WRITE_SECONDS_PER_TEXEL 1e-6
 #define WRITE_SECONDS_PER_CHARTED_TRIANGLE 3e-6
@@ -123,18 +123,8 @@ static lmb_result probes_try(const lmb_bake *bake, const lmb_transport *transpor
 
 static lmb_result texels_try(const lmb_bake *bake, const lmb_transport *transport, trial_result *trial)
 {
-    lmb_texel_list *list;
-    const lmb_gather_effort effort = lmb_bake_effort(&bake->record.settings, bake->level);
-    lmb_result result = lmb_texel_list_create(bake->lightmap, transport, &effort, &list);
-    if (result != LMB_OK) {
-        return result;
-    }
-    const lmb_gather_list elements = lmb_texel_list_elements(list);
-    if (elements.count > 0) {
-        result = trial_run(bake, transport, &elements, trial);
-    }
-    lmb_texel_list_destroy(list);
-    return result;
+    const lmb_gather_list elements = lmb_texel_list_elements(bake->texels);
+    return elements.count > 0 ? trial_run(bake, transport, &elements, trial) : LMB_OK;
 }
 
 lmb_result lmb_forecast_make(const lmb_bake *bake, lmb_forecast *forecast)

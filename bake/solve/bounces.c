@@ -16,6 +16,8 @@
 
 #include <lambent/vector.h>
 
+#include "solve/bounce_core.h"
+
 enum { ROWS_PER_TASK = 4096 };
 
 /* Links whose light is on its way while a pass adds up. */
@@ -47,8 +49,8 @@ typedef struct cycle_sums {
 } cycle_sums;
 
 typedef struct bounce_work {
-    const lmb_bounce_rows *rows;
-    lmb_rgb *light; /* [row] */
+    lmb_bounce_core core;
+    lmb_rgb *light; /* [core row] */
     lmb_rgb *next;
     lmb_rgb *begin;         /* light at the beginning of the cycle */
     lmb_rgb *residual;      /* what the last cycle's passes changed */
@@ -69,25 +71,25 @@ static size_t task_count(uint32_t count)
 static uint32_t task_end(const bounce_work *work, size_t task)
 {
     const size_t end = (task + 1) * ROWS_PER_TASK;
-    return end < work->rows->count ? (uint32_t)end : work->rows->count;
+    return end < work->core.count ? (uint32_t)end : work->core.count;
 }
 
 static void pass_task(void *context, size_t task, int worker)
 {
     (void)worker;
     const bounce_work *work = context;
-    const lmb_bounce_rows *rows = work->rows;
-    const size_t all = rows->first[rows->count];
+    const lmb_bounce_core *core = &work->core;
+    const size_t all = core->first[core->count];
     for (uint32_t i = (uint32_t)task * ROWS_PER_TASK; i < task_end(work, task); ++i) {
         lmb_rgb sum = {{0.0f, 0.0f, 0.0f}};
-        for (size_t k = rows->first[i]; k < rows->first[i + 1]; ++k) {
-            const lmb_link *link = &rows->links[k];
-            __builtin_prefetch(&work->light[rows->links[k + AHEAD < all ? k + AHEAD : k].target]);
+        for (size_t k = core->first[i]; k < core->first[i + 1]; ++k) {
+            const lmb_core_link *link = &core->links[k];
+            __builtin_prefetch(&work->light[core->links[k + AHEAD < all ? k + AHEAD : k].target]);
             for (int c = 0; c < 3; ++c) {
-                sum.c[c] += (float)link->weight[c] * work->light[link->target].c[c];
+                sum.c[c] += link->weight[c] * work->light[link->target].c[c];
             }
         }
-        work->next[i] = lmb_rgb_add(rows->light[i], lmb_rgb_scale(sum, 1.0f / (65535.0f * rows->samples[i])));
+        work->next[i] = lmb_rgb_add(core->direct[i], lmb_rgb_scale(sum, 1.0f / (65535.0f * core->samples[i])));
     }
 }
 
@@ -120,7 +122,7 @@ static void measure_task(void *context, size_t task, int worker)
             work->gain[work->newest][i] = lmb_rgb_add(work->gain[work->newest][i], turn);
         }
         work->residual[i] = residual;
-        const double samples = (double)work->rows->samples[i];
+        const double samples = (double)work->core.samples[i];
         const double light = rgb_sum(work->light[i]);
         sums.light += samples * light;
         sums.samples += samples;
@@ -156,7 +158,7 @@ static void combine_task(void *context, size_t task, int worker)
             changed += fabs((double)work->light[i].c[c] - (double)begin);
         }
         const double scale = rgb_sum(work->light[i]) + DARK * work->mean;
-        change += scale > 0.0 ? (double)work->rows->samples[i] * changed / scale : 0.0;
+        change += scale > 0.0 ? (double)work->core.samples[i] * changed / scale : 0.0;
     }
     work->sums[task].change = change;
 }
@@ -164,7 +166,7 @@ static void combine_task(void *context, size_t task, int worker)
 static cycle_sums sums_add(const bounce_work *work)
 {
     cycle_sums all = {.light = 0.0};
-    for (size_t task = 0; task < task_count(work->rows->count); ++task) {
+    for (size_t task = 0; task < task_count(work->core.count); ++task) {
         const cycle_sums *sums = &work->sums[task];
         for (int a = 0; a < HISTORY; ++a) {
             for (int b = 0; b <= a; ++b) {
@@ -209,7 +211,7 @@ static lmb_result passes_run(bounce_work *work, int count, lmb_pool *pool, const
 {
     for (int i = 0; i < count; ++i) {
         const lmb_result result =
-            lmb_pool_run(pool, task_count(work->rows->count), pass_task, work, "bounces", progress);
+            lmb_pool_run(pool, task_count(work->core.count), pass_task, work, "bounces", progress);
         if (result != LMB_OK) {
             return result;
         }
@@ -225,7 +227,7 @@ static lmb_result passes_run(bounce_work *work, int count, lmb_pool *pool, const
 static lmb_result cycle_run(bounce_work *work, lmb_pool *pool, const lmb_progress *progress, int *passes,
                             double *change)
 {
-    const size_t tasks = task_count(work->rows->count);
+    const size_t tasks = task_count(work->core.count);
     lmb_result result = passes_run(work, CYCLE, pool, progress, passes);
     if (result == LMB_OK) {
         result = lmb_pool_run(pool, tasks, measure_task, work, "bounces", progress);
@@ -253,7 +255,7 @@ static int passes_most(size_t links)
 /* One block of memory for all vectors. */
 static lmb_rgb *vectors_lay_out(bounce_work *work)
 {
-    const size_t rows = work->rows->count;
+    const size_t rows = work->core.count;
     lmb_rgb *const memory = malloc((VECTORS * rows + 1) * sizeof *memory);
     lmb_rgb **const vector[VECTORS] = {&work->light,   &work->next,    &work->begin,   &work->residual, &work->turn[0],
                                        &work->turn[1], &work->turn[2], &work->gain[0], &work->gain[1],  &work->gain[2]};
@@ -263,41 +265,46 @@ static lmb_rgb *vectors_lay_out(bounce_work *work)
     return memory;
 }
 
-static lmb_result bounces_sum(bounce_work *work, int bounces, lmb_pool *pool, const lmb_progress *progress, int *passes)
+static lmb_result passes_choose(bounce_work *work, int bounces, lmb_pool *pool, const lmb_progress *progress,
+                                int *passes)
 {
-    const lmb_bounce_rows *rows = work->rows;
-    const size_t bytes = rows->count * sizeof *rows->light;
-    const int most = passes_most(rows->first[rows->count]);
-    memcpy(work->light, rows->light, bytes);
-    memcpy(work->begin, rows->light, bytes);
-    lmb_result result = LMB_OK;
-    *passes = 0;
-    if (bounces >= 0 && bounces <= most) {
-        result = passes_run(work, bounces, pool, progress, passes);
-    } else {
-        double change = 1.0;
-        while (result == LMB_OK && *passes < most && change > STILL) {
-            result = cycle_run(work, pool, progress, passes, &change);
-        }
+    const size_t bytes = work->core.count * sizeof *work->light;
+    memcpy(work->light, work->core.direct, bytes);
+    memcpy(work->begin, work->core.direct, bytes);
+    if (bounces >= 0) {
+        return passes_run(work, bounces, pool, progress, passes);
     }
-    memcpy(rows->light, work->light, bytes);
+    const int most = passes_most(work->core.first[work->core.count]);
+    lmb_result result = LMB_OK;
+    double change = 1.0;
+    while (result == LMB_OK && *passes < most && change > STILL) {
+        result = cycle_run(work, pool, progress, passes, &change);
+    }
     return result;
 }
 
 lmb_result lmb_bounces_sum(const lmb_bounce_rows *rows, int bounces, lmb_pool *pool, const lmb_progress *progress,
                            int *passes)
 {
-    bounce_work work = {.rows = rows};
-    lmb_rgb *const memory = vectors_lay_out(&work);
-    work.sums = calloc(task_count(rows->count) + 1, sizeof *work.sums);
-    const lmb_result result =
-        memory && work.sums ? bounces_sum(&work, bounces, pool, progress, passes) : LMB_ERROR_MEMORY;
+    bounce_work work = {.known = 0};
+    *passes = 0;
+    const int counted = bounces <= passes_most(rows->first[rows->count]) ? bounces : -1;
+    lmb_result result = lmb_bounce_core_make(rows, counted >= 0, &work.core);
+    lmb_rgb *const memory = result == LMB_OK ? vectors_lay_out(&work) : NULL;
+    work.sums = calloc(task_count(work.core.count) + 1, sizeof *work.sums);
+    if (result == LMB_OK) {
+        result = memory && work.sums ? passes_choose(&work, counted, pool, progress, passes) : LMB_ERROR_MEMORY;
+    }
+    if (result == LMB_OK) {
+        lmb_bounce_core_spread(&work.core, rows, work.light);
+    }
+    lmb_bounce_core_free(&work.core);
     free(memory);
     free(work.sums);
     return result;
 }
 
-size_t lmb_bounces_bytes(uint32_t count)
+size_t lmb_bounces_bytes(uint32_t count, size_t links)
 {
-    return VECTORS * count * sizeof(lmb_rgb);
+    return VECTORS * count * sizeof(lmb_rgb) + lmb_bounce_core_bytes(count, links);
 }

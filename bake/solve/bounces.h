@@ -47,7 +47,7 @@ typedef struct lmb_bounce_rows {
 lmb_result lmb_bounces_sum(const lmb_bounce_rows *rows, int bounces, lmb_pool *pool, const lmb_progress *progress,
                            int *passes);
 
-/* Bytes that this takes for a time, beside its arguments. */
-size_t lmb_bounces_bytes(uint32_t count);
+/* Bytes that this takes for a time at most, beside its arguments. */
+size_t lmb_bounces_bytes(uint32_t count, size_t links);
 
 #endif

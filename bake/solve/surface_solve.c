@@ -64,12 +64,13 @@ static lmb_result rows_bounce(lmb_light_rows *rows, lmb_pool *pool, const lmb_pr
     float *samples = malloc((count + 1u) * sizeof *samples);
     lmb_result result = LMB_ERROR_MEMORY;
     if (row_of && samples) {
-        lmb_light_rows_count_bytes(rows, rows->row[rows->patch_count],
-                                   rows->patch_count * sizeof *row_of + count * sizeof *samples +
-                                       lmb_bounces_bytes(count));
         const lmb_bounce_rows compact = rows_compact(rows, row_of, samples);
         free(rows->open_direct);
         rows->open_direct = NULL;
+        const size_t links = compact.first[compact.count];
+        lmb_light_rows_count_bytes(rows, links,
+                                   rows->patch_count * sizeof *row_of + count * sizeof *samples +
+                                       lmb_bounces_bytes(count, links));
         /* The last bounce is that on the surface that is looked at. */
         result = lmb_bounces_sum(&compact, bounces < 0 ? -1 : bounces - 1, pool, progress, passes);
         for (uint32_t patch = 0; patch < rows->patch_count; ++patch) {

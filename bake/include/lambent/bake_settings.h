@@ -31,13 +31,15 @@ typedef struct lmb_bake_settings {
     int32_t padding;
     const lmb_model *models[LMB_LIGHTMAP_MOST_MODELS]; /* beside the default one, up to the first NULL */
     bool texel_error;                                  /* the standard error of each texel, too */
-    bool denoise;                                      /* lambent/denoise.h; never of LMB_ESTIMATOR_REFERENCE */
+    float detail; /* share of the level's own densities along a line, where spacing or texels_per_m is 0: half in a
+                     draft; 0 counts as 1 */
+    bool denoise; /* lambent/denoise.h; never of LMB_ESTIMATOR_REFERENCE */
 } lmb_bake_settings;
 
 /* Medium quality, no lightmaps, the level's own spacing and density, denoised; no level. */
 lmb_bake_settings lmb_bake_settings_default(void);
 
-/* Samples and tolerance of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
+/* Samples, tolerance and detail of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
 bool lmb_bake_settings_quality(lmb_bake_settings *settings, const char *name);
 
 /* Lightmaps in that model too, by its name or short name; the default one is always among them. False: no lightmap has

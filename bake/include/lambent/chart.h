@@ -6,6 +6,7 @@
 #ifndef LAMBENT_CHART_H
 #define LAMBENT_CHART_H
 
+#include <lambent/pool.h>
 #include <lambent/scene.h>
 
 #ifdef __cplusplus
@@ -21,8 +22,10 @@ typedef struct lmb_charts {
 } lmb_charts;
 
 /* Makes charts for a mesh at `texels_per_m` (texels per unit of mesh space), `gutter_texels` between charts and at
- * the border. The result depends on the mesh alone. @return LMB_ERROR_MEMORY, _ARGUMENT */
-lmb_result lmb_charts_make(const lmb_mesh *mesh, float texels_per_m, int32_t gutter_texels, lmb_charts *charts);
+ * the border, by the pool's threads, or by the caller's where there is none. The result depends on the mesh alone.
+ * @return LMB_ERROR_MEMORY, _ARGUMENT */
+lmb_result lmb_charts_make(const lmb_mesh *mesh, float texels_per_m, int32_t gutter_texels, lmb_pool *pool,
+                           lmb_charts *charts);
 
 void lmb_charts_free(lmb_charts *charts);
 

@@ -30,6 +30,7 @@ typedef struct lmb_lightmap_settings {
     const lmb_model *model; /* that texels are stored in; NULL: the default one of lightmaps */
     const lmb_model *other[LMB_LIGHTMAP_MOST_MODELS]; /* that they are stored in too, up to the first NULL */
     bool error;                                       /* the standard error of each texel, too */
+    lmb_pool *pool;                                   /* that lays out; NULL: the caller's thread */
 } lmb_lightmap_settings;
 
 /* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048, padding 1. */

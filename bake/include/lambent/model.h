@@ -2,8 +2,8 @@
  *
  * One row for each model; everything that bakes, stores, filters or compares them goes through the table and knows none
  * by name. A model is stored as floats, its channels. Those of a model with a use can be filtered; what filtering
- * leaves can be evaluated. Models without a use are there to be compared with, and no file holds them. Rows of what ships
- * with the sampler wrap its functions, so that a file and a game agree bit for bit. */
+ * leaves can be evaluated. Models without a use are there to be compared with, and no file holds them. Rows of what
+ * ships with the sampler wrap its functions, so that a file and a game agree bit for bit. */
 #ifndef LAMBENT_MODEL_H
 #define LAMBENT_MODEL_H
 
