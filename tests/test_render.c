@@ -285,6 +285,41 @@ static void density_shows_texels(void)
     level_fixture_close(&level);
 }
 
+/* A volume that is 10 % brighter than the furnace that the lightmap is of. */
+static void mismatch_is_relative(void)
+{
+    lmb_error error = {""};
+    level_fixture level;
+    constant_volume light;
+    const char *path = OUTPUT("mismatch.glb");
+    const lmb_result written = lmb_level_furnace(path, 4.0f, 0.5f, (lmb_rgb){{0.5f, 0.5f, 0.5f}}, false, &error);
+    if (!level_fixture_open(&level, path, written, &error, 2)) {
+        return;
+    }
+    lmb_lightmap *lightmap = NULL;
+    lmb_gather_stats stats;
+    const lmb_lightmap_settings settings = {.texels_per_m = 2.0f, .max_image_size = 256};
+    CHECK(lmb_lightmap_create(level.scene, &settings, &lightmap, &error) == LMB_OK &&
+              lmb_lightmap_bake(lightmap, &level.transport, &(lmb_gather_effort){.samples = 256}, level.pool, NULL,
+                                &stats) == LMB_OK,
+          "%s", error.message);
+    if (lightmap && constant_volume_make(level.scene, (lmb_rgb){{1.1f, 1.1f, 1.1f}}, &light)) {
+        const lmb_shader shader = {
+            .transport = &level.transport, .volume = light.volume, .lightmap = lightmap, .default_texel = 0.1f};
+        const lmb_camera camera = camera_look_at((lmb_vec3){0, 0, 1}, (lmb_vec3){0.1f, 0, -2}, 60.0f);
+        static float rgb[3 * WIDTH * HEIGHT];
+        double mean = 0.0, sum = 0.0;
+        CHECK(draw(&level, &shader, camera, RENDER_MISMATCH, rgb, &mean), "draws");
+        for (int i = 0; i < 3 * WIDTH * HEIGHT; ++i) {
+            sum += (double)rgb[i] / (3 * WIDTH * HEIGHT);
+        }
+        CHECK_NEAR(sum, 0.1, 0.01, "mean mismatch");
+        constant_volume_close(&light);
+    }
+    lmb_lightmap_destroy(lightmap);
+    level_fixture_close(&level);
+}
+
 /* A pane of half opacity in front of a glowing box lets half of it through, over black. */
 static lmb_result write_pane(const char *path, lmb_error *error)
 {
@@ -353,6 +388,7 @@ static const test_case cases[] = {
     {"axes_appear_where_they_should", axes_appear_where_they_should},
     {"furnace_looks_the_same_everywhere", furnace_looks_the_same_everywhere},
     {"density shows texels", density_shows_texels},
+    {"mismatch is relative", mismatch_is_relative},
     {"panes_let_light_through", panes_let_light_through},
     {"default_camera_stands_inside_a_room", default_camera_stands_inside_a_room},
 };

@@ -29,6 +29,7 @@ static const char usage[] =
     "                        probes      surfaces by probes too\n"
     "                        reference   all by the path tracer: the truth\n"
     "                        difference  final - reference: red is too bright, blue too dark\n"
+    "                        mismatch    irradiance by probes - by lightmaps, as a share of the latter: likewise\n"
     "                        density     a checker of lightmap texels; red where there is no lightmap\n"
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
@@ -71,7 +72,8 @@ typedef struct render_options {
 
 static const char *const mode_names[] = {
     [RENDER_FINAL] = "final",         [RENDER_LIGHTMAP] = "lightmap",     [RENDER_PROBES] = "probes",
-    [RENDER_REFERENCE] = "reference", [RENDER_DIFFERENCE] = "difference", [RENDER_DENSITY] = "density",
+    [RENDER_REFERENCE] = "reference", [RENDER_DIFFERENCE] = "difference", [RENDER_MISMATCH] = "mismatch",
+    [RENDER_DENSITY] = "density",
 };
 
 static void mode_read(lmb_arguments *arguments, const char *option, render_options *options)
@@ -84,7 +86,8 @@ static void mode_read(lmb_arguments *arguments, const char *option, render_optio
         }
     }
     if (!arguments->failed) {
-        arguments_error(arguments, "--mode takes final, lightmap, probes, reference, difference or density, not", name);
+        arguments_error(arguments,
+                        "--mode takes final, lightmap, probes, reference, difference, mismatch or density, not", name);
     }
 }
 
@@ -327,6 +330,12 @@ static lmb_result png_write(const render_options *options, const float *rgb, siz
             printf("final - reference: red +%g or more, white 0, blue -%g or less (%g %% of the reference's mean "
                    "luminance, %g)\n",
                    (double)full, (double)full, 100.0 * (double)DIFFERENCE_FULL_SHARE, reference_mean);
+        }
+    } else if (options->mode == RENDER_MISMATCH) {
+        picture_difference_colour(rgb, pixel_count, DIFFERENCE_FULL_SHARE, srgb);
+        if (!options->quiet) {
+            printf("probes - lightmaps: red +%g %% of the lightmap's light or more, white 0, blue as much less\n",
+                   100.0 * (double)DIFFERENCE_FULL_SHARE);
         }
     } else {
         const float exposure_ev = options->has_exposure ? options->exposure_ev : exposure_of_picture(rgb, pixel_count);

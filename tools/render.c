@@ -1,5 +1,6 @@
 #include "render.h"
 
+#include <float.h>
 #include <stdlib.h>
 
 #include <lambent/sequence.h>
@@ -24,6 +25,23 @@ static lmb_rgb finite_or_black(lmb_rgb colour)
     return colour;
 }
 
+static lmb_light_source source_of(lmb_render_mode mode)
+{
+    return mode == RENDER_REFERENCE ? SOURCE_REFERENCE
+           : mode == RENDER_PROBES  ? SOURCE_PROBES
+           : mode == RENDER_DENSITY ? SOURCE_TEXELS
+                                    : SOURCE_STORED;
+}
+
+/* What probes give more than lightmaps do, as a share of that; 0 where neither gives any. */
+static lmb_rgb mismatch_of(const lmb_shader *shader, lmb_vec3 origin, lmb_vec3 direction)
+{
+    const lmb_rgb stored = finite_or_black(shade_ray(shader, SOURCE_STORED, origin, direction));
+    const lmb_rgb probes = finite_or_black(shade_ray(shader, SOURCE_PROBES, origin, direction));
+    const float light = lmb_luminance(stored);
+    return lmb_rgb_scale(lmb_rgb_add(probes, lmb_rgb_scale(stored, -1.0f)), 1.0f / lmb_larger(light, FLT_MIN));
+}
+
 /* The pixel's value, the mean over its rays; adds the reference's luminance to `*reference_sum`. */
 static lmb_rgb pixel_render(const render_work *work, int32_t x, int32_t y, double *reference_sum)
 {
@@ -43,12 +61,10 @@ static lmb_rgb pixel_render(const render_work *work, int32_t x, int32_t y, doubl
             value = shade_ray(&work->shader, SOURCE_STORED, camera->position, direction);
             value = lmb_rgb_add(value, lmb_rgb_scale(truth, -1.0f));
             *reference_sum += (double)lmb_luminance(truth) / RAYS_PER_PIXEL;
+        } else if (settings->mode == RENDER_MISMATCH) {
+            value = mismatch_of(&work->shader, camera->position, direction);
         } else {
-            const lmb_light_source source = settings->mode == RENDER_REFERENCE ? SOURCE_REFERENCE
-                                            : settings->mode == RENDER_PROBES  ? SOURCE_PROBES
-                                            : settings->mode == RENDER_DENSITY ? SOURCE_TEXELS
-                                                                               : SOURCE_STORED;
-            value = shade_ray(&work->shader, source, camera->position, direction);
+            value = shade_ray(&work->shader, source_of(settings->mode), camera->position, direction);
         }
         sum = lmb_rgb_add(sum, finite_or_black(value));
     }
@@ -77,7 +93,7 @@ lmb_result render_picture(const lmb_shader *shader, const lmb_render_settings *s
                           const lmb_progress *progress, float *rgb, double *reference_mean)
 {
     render_work work = {.shader = *shader, .settings = settings, .rgb = rgb};
-    work.shader.irradiance_only = settings->mode == RENDER_LIGHTMAP;
+    work.shader.irradiance_only = settings->mode == RENDER_LIGHTMAP || settings->mode == RENDER_MISMATCH;
     work.shader.reference_samples = (settings->samples + RAYS_PER_PIXEL - 1) / RAYS_PER_PIXEL;
     work.tiles_across = (settings->width + TILE - 1) / TILE;
     const size_t tiles = (size_t)work.tiles_across * (size_t)((settings->height + TILE - 1) / TILE);

@@ -11,6 +11,7 @@ typedef enum lmb_render_mode {
     RENDER_PROBES,     /* surfaces by probes too */
     RENDER_REFERENCE,  /* the truth, as far as surfaces reflect diffusely once more towards the camera */
     RENDER_DIFFERENCE, /* final - reference, signed */
+    RENDER_MISMATCH,   /* irradiance by probes - that of lightmaps, relative to the latter's luminance */
     RENDER_DENSITY     /* a checker of the lightmap's texels */
 } lmb_render_mode;
 
