@@ -221,7 +221,10 @@ static void broken_key_lights_are_no_probes(void)
     const lmb_key_light whole = probes->key_light[0];
     for (size_t i = 0; i < sizeof broken / sizeof broken[0]; ++i) {
         probes->key_light[0] = broken[i];
+        unsigned char *data = NULL;
+        size_t size = 0;
         CHECK(lmb_probes_validate(probes, &error) == LMB_ERROR_FORMAT, "light %zu", i);
+        CHECK(lmb_pack(probes, &data, &size, NULL) == LMB_ERROR_ARGUMENT && !data, "packs light %zu", i);
     }
     probes->key_light[0] = whole;
     static const float visibilities[] = {-0.1f, 1.1f, NAN};

@@ -9,6 +9,7 @@
 
 #include <lambent/hhd.h>
 #include <lambent/hlsh.h>
+#include <lambent/key_light.h>
 #include <lambent/occlusion.h>
 
 /* What an item reads and writes, in tests/shaders/cases.glsl. */
@@ -36,7 +37,8 @@ enum {
     OUT_HLSH_LIGHT = 18,
     OUT_HLSH = 21,
     OUT_SELF_BOUNCE = 24,
-    OUTPUTS = 27
+    OUT_KEY = 27,
+    OUTPUTS = 30
 };
 
 enum { GROUP = 64, GROUPS = 512, ITEMS = GROUP * GROUPS };
@@ -153,6 +155,8 @@ static void item_expect(const float *item, float *expected)
     }
     colour_put(expected + OUT_HLSH, lmb_hlsh_rgb_evaluate(&hlsh, n_v, n));
     colour_put(expected + OUT_SELF_BOUNCE, lmb_self_bounce(colour_get(item + IN_ALBEDO), texel.irradiance_z, n_v, n));
+    const lmb_key_light key = {texel.direction, texel.irradiance_z};
+    colour_put(expected + OUT_KEY, lmb_key_light_irradiance(&key, item[IN_VISIBILITY], n_v, n));
 }
 
 static float largest_of(const float *item)

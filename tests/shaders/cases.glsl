@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 45
-#define OUTPUTS 27
+#define OUTPUTS 30
 
 vec3 lmbRead3(uint at)
 {
@@ -48,4 +48,8 @@ void lmbItem(uint item)
     lmbWrite3(to + 18u, hlsh.irradianceZ);
     lmbWrite3(to + 21u, lmbHlshEvaluate(hlsh, nv, n));
     lmbWrite3(to + 24u, lmbSelfBounce(albedo, texel.irradianceZ, nv, n));
+    LmbKeyLight key;
+    key.direction = texel.direction;
+    key.irradiance = texel.irradianceZ;
+    lmbWrite3(to + 27u, lmbKeyLightIrradiance(key, visibility, nv, n));
 }
