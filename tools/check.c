@@ -49,6 +49,10 @@ static const struct {
                                             "the same with a probe at the very place"},
     [CHECK_COINCIDENT_PROBE_VS_REFERENCE] = {"coincident_probe_vs_reference", false,
                                              "a probe at the very place, beside the truth"},
+    [CHECK_COINCIDENT_PROBE_VS_TEXEL] = {"coincident_probe_vs_texel", false,
+                                         "a probe at the very place, beside a texel of no extent there"},
+    [CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP] = {"coincident_texel_vs_lightmap", true, "such a texel, beside the lightmap"},
+    [CHECK_COINCIDENT_TEXEL_VS_REFERENCE] = {"coincident_texel_vs_reference", false, "such a texel, beside the truth"},
     [CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP] = {"unoccluded_probe_vs_lightmap", true,
                                             "objects that the surface does not occlude, beside the lightmap"},
     [CHECK_OBJECT_VS_REFERENCE] = {"probe_hlsh_vs_reference", false, "moving objects at surfaces, beside the truth"},
@@ -216,6 +220,7 @@ static void record(check_work *work, const surface_sample *sample, check_pair pa
     switch (pair) {
     case CHECK_PROBE_VS_LIGHTMAP:
     case CHECK_COINCIDENT_PROBE_VS_LIGHTMAP:
+    case CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP:
     case CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP:
     case CHECK_PROBE_CONE_VS_LIGHTMAP:
         if (!sample->has_lightmap) {
@@ -256,19 +261,36 @@ static surface_sample sample_make(const check_work *work, size_t index)
     return sample;
 }
 
+/* What is gathered at the very point: as a probe there, or, of its hemisphere alone, as a texel of no extent. */
+static probe_light coincident_light(const check_work *work, const lmb_gather_point *point, coincident_noise *noise)
+{
+    lmb_gathered gathered;
+    lmb_gather_sh3(&work->baked, point, COINCIDENT_SAMPLES_FACTOR * work->settings.samples, &gathered);
+    *noise = (coincident_noise){gathered.squared_error, gathered.squared_light};
+    probe_light light = {.radiance = gathered.moments};
+    for (int c = 0; c < 3 && point->hemisphere; ++c) {
+        light.radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered.moments.channel[c], point->normal);
+    }
+    light.keys.count = lmb_scene_key_lights(lmb_tracer_scene(work->transport.tracer), light.keys.light);
+    memcpy(light.keys.visibility, gathered.key_visibility, sizeof gathered.key_visibility);
+    return light;
+}
+
 static void record_coincident(check_work *work, const surface_sample *sample)
 {
     const lmb_gather_point whole = {.position = sample->point.position, .hemisphere = false};
-    lmb_gathered gathered;
-    lmb_gather_sh3(&work->baked, &whole, COINCIDENT_SAMPLES_FACTOR * work->settings.samples, &gathered);
-    work->coincident[sample->index] = (coincident_noise){gathered.squared_error, gathered.squared_light};
-    probe_light light = {.radiance = gathered.moments};
-    light.keys.count = lmb_scene_key_lights(lmb_tracer_scene(work->transport.tracer), light.keys.light);
-    memcpy(light.keys.visibility, gathered.key_visibility, sizeof gathered.key_visibility);
-    irradiance_set x;
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, &light, sample->point.normal, 0.0f, sample->normals, &x);
-    record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &x);
-    record(work, sample, CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, &x);
+    coincident_noise unused;
+    const probe_light at_probe = coincident_light(work, &whole, &work->coincident[sample->index]);
+    const probe_light at_texel = coincident_light(work, &sample->point, &unused);
+    irradiance_set probe, texel;
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, &at_probe, sample->point.normal, 0.0f, sample->normals, &probe);
+    evaluate_probe(LMB_MODEL_FOR_LIGHTMAP, &at_texel, sample->point.normal, 0.0f, sample->normals, &texel);
+    record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &probe);
+    record(work, sample, CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, &probe);
+    record(work, sample, CHECK_COINCIDENT_TEXEL_VS_REFERENCE, &texel);
+    record(work, sample, CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP, &texel);
+    work->errors[CHECK_COINCIDENT_PROBE_VS_TEXEL][sample->index] =
+        point_error_of(probe.at, texel.at, texel.at, NORMALS);
 }
 
 static void record_cone(check_work *work, const surface_sample *sample, const probe_light *light)

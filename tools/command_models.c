@@ -12,7 +12,7 @@
 #include "output_file.h"
 #include "query.h"
 
-enum { MOST_TURNS = 65536 };
+enum { MOST_TURNS = 4096 };
 
 static const char usage[] =
     "usage: lambent models ENV... [options]\n"

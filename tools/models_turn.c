@@ -116,8 +116,7 @@ void models_turn_reference(const models_turn *turn, lmb_vec3 axis, float cone_co
     }
 }
 
-void models_turn_fill(models_turn *turn, const models_map *map, const lmb_vec3 normal[MODELS_NORMAL_COUNT],
-                      uint32_t index, uint64_t seed)
+void models_turn_fill(models_turn *turn, const models_map *map, const lmb_vec3 *normal, uint32_t index, uint64_t seed)
 {
     lmb_vec3 row[3];
     rotation_make(index, seed, row);
@@ -149,7 +148,9 @@ void models_turn_fill(models_turn *turn, const models_map *map, const lmb_vec3 n
     turn->sh3[MODELS_PROBE_WALL] = turn->sh3[MODELS_PROBE_WALL31] = clipped;
     wall_add(&turn->sh3[MODELS_PROBE_WALL], wall, 0.0);
     wall_add(&turn->sh3[MODELS_PROBE_WALL31], wall, 0.5);
-    models_turn_reference(turn, up, 0.0f, normal, turn->reference);
+    if (normal) {
+        models_turn_reference(turn, up, 0.0f, normal, turn->reference);
+    }
 }
 
 static lmb_rgb grey_of(lmb_rgb colour)

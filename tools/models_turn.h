@@ -31,9 +31,8 @@ typedef struct models_turn {
 } models_turn;
 
 /* Fills `turn` with `map` turned by the `index`-th rotation: Shoemake's map of the generalised golden ratio's sequence
- * in three dimensions, moved by `seed` where it is not 0. */
-void models_turn_fill(models_turn *turn, const models_map *map, const lmb_vec3 normal[MODELS_NORMAL_COUNT],
-                      uint32_t index, uint64_t seed);
+ * in three dimensions, moved by `seed` where it is not 0. `normal`: models_normals; NULL: no reference is wanted. */
+void models_turn_fill(models_turn *turn, const models_map *map, const lmb_vec3 *normal, uint32_t index, uint64_t seed);
 
 /* The same light without its colour. */
 void models_turn_make_grey(models_turn *turn);

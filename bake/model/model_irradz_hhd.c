@@ -33,9 +33,8 @@ static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec
                      lmb_rgb *irradiance)
 {
     const lmb_irradz irradz = irradz_of(channel);
-    const lmb_hhd_rgb hhd = lmb_irradz_decode(&irradz, vertex_normal);
     for (int i = 0; i < count; ++i) {
-        irradiance[i] = lmb_hhd_rgb_evaluate(&hhd, vertex_normal, normal[i]);
+        irradiance[i] = lmb_irradz_evaluate(&irradz, vertex_normal, normal[i]);
     }
 }
 

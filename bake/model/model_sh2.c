@@ -41,7 +41,6 @@ static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec
 
 const lmb_model lmb_model_sh2 = {
     .name = "sh2",
-    .full_name = "sh2.gram",
     .title = "SH2, quadratic to linear multiply",
     .channel_count = CHANNELS,
     .bytes = 2 * CHANNELS,

@@ -319,6 +319,19 @@ vec3 lmbHhdEvaluate(LmbHhd hhd, vec3 nv, vec3 n)
     return lmbLight(hhd.ambient * (0.5 + 0.5 * dot(nv, n)) + hhd.directional * max(dot(n, hhd.direction), 0.0));
 }
 
+// Both at once, for one normal a texel, without a root (lmb_irradz_evaluate).
+vec3 lmbIrradzEvaluate(LmbIrradz irradz, vec3 nv, vec3 n)
+{
+    float height = dot(irradz.direction, nv);
+    if (!(height >= LMB_IRRADZ_MIN_COS && height < 2.0)) {
+        return lmbHhdEvaluate(lmbIrradzDecode(irradz, nv), nv, n);
+    }
+    float directional = 1.0 - lmbSaturate(irradz.ambientWeight);
+    float hemisphere = 0.5 + 0.5 * dot(nv, n);
+    float highlight = max(dot(n, irradz.direction), 0.0) / height;
+    return lmbLight((hemisphere + directional * (highlight - hemisphere)) * irradz.irradianceZ);
+}
+
 // --------------------------------------------------------------------------------------------------------------- HLSH
 
 // lmb_hlsh_rgb_from_sh3
