@@ -43,10 +43,9 @@ static void rows_are_whole(void)
             channels += part->count;
         }
         CHECK(channels == model->channel_count, "%s: %d", model->name, channels);
-        CHECK(model->light_count > 0 && model->light_count <= channels && model->encode && model->average, "%s",
-              model->name);
+        CHECK(model->light_count > 0 && model->light_count <= channels && model->encode, "%s", model->name);
         CHECK((model->default_uses & ~model->uses) == 0, "%s", model->name);
-        CHECK(lmb_model_find(model->short_name) == model, "%s", model->name);
+        CHECK(!model->short_name || lmb_model_find(model->short_name) == model, "%s", model->name);
         for (int a = 0; a < channels; ++a) {
             for (int b = 0; b < a; ++b) {
                 CHECK(strcmp(model->channel_name[a], model->channel_name[b]) != 0, "%s: %s", model->name,
@@ -86,7 +85,7 @@ static void rows_are_the_sampler(void)
         for (int c = 0; c < model->channel_count; ++c) {
             channel[c] *= 2.0f;
         }
-        model->average(channel, 2.0f);
+        lmb_model_average(model, channel, 2.0f);
         model->evaluate(channel, n_v, &n, 1, &found);
         CHECK_NEAR(found.c[1], expected[i].irradiance.c[1], 1e-5f * expected[i].irradiance.c[1], "%s",
                    expected[i].name);
@@ -127,8 +126,10 @@ static void lightmaps_in_every_model(void)
                   settings.model->name);
             read->model->evaluate(channel, up, &up, 1, &irradiance);
         }
-        /* A sun at the zenith gives 3 / pi; SH3 as it is, not clipped, its band limit. */
-        CHECK_NEAR(irradiance.c[1], 3.0 / 3.14159265, 0.1, "%s", settings.model->name);
+        /* A sun at the zenith gives 3 / pi; SH3 as it is, not clipped, its band limit; what is to be
+         * compared with, less exactly. */
+        CHECK_NEAR(irradiance.c[1], 3.0 / 3.14159265, settings.model->at_run_time ? 0.1 : 0.25, "%s",
+                   settings.model->name);
         lmb_lightmap_destroy(read);
         lmb_lightmap_destroy(bake.lightmap);
         bake.lightmap = NULL;

@@ -9,6 +9,7 @@
 #include <lambent/file.h>
 
 #include "command_fixture.h"
+#include "models_blend.h"
 #include "models_cones.h"
 #include "models_spread.h"
 #include "sh_oracle.h"
@@ -206,6 +207,43 @@ static void white_sky(void)
     free(map);
 }
 
+/* A model that is linear in the light does not mind what is blended. One that solves does; but two of the same light
+ * are that light. */
+static void blends_of_linear_models_are_equal(void)
+{
+    static models_map map[2];
+    /* White skies, each with a lamp of its own. */
+    const lmb_vec3 lamp[2] = {{0.6f, 0.0f, 0.8f}, {-0.48f, 0.6f, 0.64f}};
+    for (int m = 0; m < 2; ++m) {
+        for (int i = 0; i < MODELS_MAP_PIXELS; ++i) {
+            const double z = 1.0 - (2.0 * i + 1.0) / MODELS_MAP_PIXELS, r = sqrt(1.0 - z * z), turn = 2.399963 * i;
+            const lmb_vec3 d = {(float)(r * cos(turn)), (float)(r * sin(turn)), (float)z};
+            const float light = lmb_vec3_dot(d, lamp[m]) > 0.9f ? 0.02f : 0.0005f;
+            map[m].light[i] = (lmb_directed_light){d, {{light, light, light}}};
+        }
+    }
+    lmb_pool *pool = NULL;
+    models_settings settings = models_settings_default();
+    settings.turns = 8;
+    models_blend_report report;
+    if (lmb_pool_create(2, &pool) != LMB_OK || models_blend_measure(&settings, map, 2, pool, NULL, &report) != LMB_OK) {
+        CHECK(false, "measures");
+        lmb_pool_destroy(pool);
+        return;
+    }
+    for (size_t i = 0; i < report.row_count; ++i) {
+        const models_blend_row *row = &report.row[i];
+        const bool linear = row->model == lmb_model_find("hlsh") || row->model == lmb_model_find("sh3.gram");
+        CHECK(!linear || fabs(row->channels - row->harmonics) < 1e-4 * row->harmonics, "%s: %g and %g",
+              row->model->name, row->harmonics, row->channels);
+        CHECK(row->model != lmb_model_find("hhd.closed.gram") || row->channels > 1.2 * row->harmonics, "HHD: %g and %g",
+              row->harmonics, row->channels);
+    }
+    CHECK(report.row_count > 5, "%zu rows", report.row_count);
+    models_blend_free(&report);
+    lmb_pool_destroy(pool);
+}
+
 /* A white sky behind cones: what a cone's own way makes of it is near the truth, ambient occlusion is not; where the
  * cone is the hemisphere they are one. */
 static void white_sky_behind_cones(void)
@@ -276,6 +314,7 @@ static void json_has_its_keys(void)
     CHECK(cJSON_GetNumberValue(cJSON_GetObjectItem(json, "turns")) == 1.0, "turns");
     CHECK(cJSON_IsString(cJSON_GetObjectItem(json, "machine")), "machine");
     CHECK(cJSON_GetArraySize(cJSON_GetObjectItem(json, "cones")) > 0, "cones");
+    CHECK(cJSON_GetArraySize(cJSON_GetObjectItem(json, "blends")) > 0, "blends");
     int defaults[MODELS_INPUT_COUNT] = {0};
     const cJSON *row;
     cJSON_ArrayForEach(row, models)
@@ -400,6 +439,7 @@ static const test_case cases[] = {
     {"pictures_are_averaged", pictures_are_averaged},
     {"turns_are_the_published", turns_are_the_published},
     {"white_sky", white_sky},
+    {"blends_of_linear_models_are_equal", blends_of_linear_models_are_equal},
     {"white_sky_behind_cones", white_sky_behind_cones},
     {"spreads", spreads},
     {"json_has_its_keys", json_has_its_keys},

@@ -7,6 +7,7 @@
 #include "command.h"
 #include "machine.h"
 #include "models.h"
+#include "models_blend.h"
 #include "models_cones.h"
 #include "models_html.h"
 #include "output_file.h"
@@ -49,7 +50,11 @@ static const char usage[] =
     "SH3, and the error the median of each normal's own relative one:\n"
     "  cone          the model's own way with a cone, about its axis\n"
     "  ao            the model of the hemisphere times the visibility, cosine-weighted\n"
-    "  bent          the same with the normal bent towards the cone's axis, of models that clip nothing\n";
+    "  bent          the same with the normal bent towards the cone's axis, of models that clip nothing\n"
+    "\n"
+    "Two lights half and half, an environment and the next: their harmonics blended and a model made of that, beside "
+    "the\n"
+    "channels of two models blended.\n";
 
 typedef struct models_options {
     models_settings settings;
@@ -86,6 +91,14 @@ static void options_read(lmb_arguments *arguments, models_options *options)
         arguments_error(arguments, "missing argument", "ENV");
     }
 }
+
+/* What was measured. */
+typedef struct measured {
+    models_map *map;
+    models_report report;
+    models_cone_report cones;
+    models_blend_report blends;
+} measured;
 
 static cJSON *row_json(const models_row *row)
 {
@@ -125,9 +138,23 @@ static cJSON *cones_json(const models_cone_report *cones)
     return list;
 }
 
-static int report_print_json(const models_options *options, const models_report *report,
-                             const models_cone_report *cones, const char *machine)
+static cJSON *blends_json(const models_blend_report *blends)
 {
+    cJSON *list = cJSON_CreateArray();
+    for (size_t i = 0; i < blends->row_count; ++i) {
+        const models_blend_row *row = &blends->row[i];
+        cJSON *json = cJSON_CreateObject();
+        cJSON_AddStringToObject(json, "name", lmb_model_full_name(row->model));
+        cJSON_AddNumberToObject(json, "rel_rmse_harmonics", row->harmonics);
+        cJSON_AddNumberToObject(json, "rel_rmse_channels", row->channels);
+        cJSON_AddItemToArray(list, json);
+    }
+    return list;
+}
+
+static int report_print_json(const models_options *options, const measured *all, const char *machine)
+{
+    const models_report *report = &all->report;
     cJSON *json = cJSON_CreateObject();
     cJSON_AddStringToObject(json, "machine", machine);
     cJSON *environments = cJSON_AddArrayToObject(json, "environments");
@@ -141,7 +168,8 @@ static int report_print_json(const models_options *options, const models_report 
         cJSON_AddItemToArray(models, row_json(&report->row[i]));
     }
     cJSON_AddItemToObject(json, "cone_cos", cJSON_CreateFloatArray(models_cone_cosine, MODELS_CONE_COSINES));
-    cJSON_AddItemToObject(json, "cones", cones_json(cones));
+    cJSON_AddItemToObject(json, "cones", cones_json(&all->cones));
+    cJSON_AddItemToObject(json, "blends", blends_json(&all->blends));
     return json_print_line(json);
 }
 
@@ -192,6 +220,15 @@ static void cones_print(const models_cone_report *cones)
     putchar('\n');
 }
 
+static void blends_print(const models_blend_report *blends)
+{
+    printf("\nrmse of two lights, half and half\n%-27s %12s %12s\n", "blended", "harmonics", "channels");
+    for (size_t i = 0; i < blends->row_count; ++i) {
+        const models_blend_row *row = &blends->row[i];
+        printf("%-27s %12.4f %12.4f\n", lmb_model_full_name(row->model), row->harmonics, row->channels);
+    }
+}
+
 static lmb_result maps_read(const models_options *options, models_map **maps, lmb_error *error)
 {
     *maps = malloc(options->path_count * sizeof **maps);
@@ -204,13 +241,6 @@ static lmb_result maps_read(const models_options *options, models_map **maps, lm
     }
     return result;
 }
-
-/* What was measured. */
-typedef struct measured {
-    models_map *map;
-    models_report report;
-    models_cone_report cones;
-} measured;
 
 static lmb_result all_measure(const models_options *options, const lmb_progress *progress, measured *all,
                               lmb_error *error)
@@ -225,6 +255,9 @@ static lmb_result all_measure(const models_options *options, const lmb_progress 
     }
     if (result == LMB_OK) {
         result = models_cones_measure(&options->settings, all->map, options->path_count, pool, progress, &all->cones);
+    }
+    if (result == LMB_OK) {
+        result = models_blend_measure(&options->settings, all->map, options->path_count, pool, progress, &all->blends);
     }
     if (result == LMB_OK) {
         result = models_measure_speed(&options->settings, all->map, options->path_count, progress, &all->report);
@@ -255,11 +288,13 @@ static int models_run(const models_options *options)
     if (result != LMB_OK) {
         status = command_fail(result, &error);
     } else if (options->json) {
-        status = report_print_json(options, &all.report, &all.cones, machine);
+        status = report_print_json(options, &all, machine);
     } else {
         report_print(options, &all.report, machine);
         cones_print(&all.cones);
+        blends_print(&all.blends);
     }
+    models_blend_free(&all.blends);
     models_cones_free(&all.cones);
     models_report_free(&all.report);
     free(all.map);

@@ -49,10 +49,10 @@ static void around_mean(const dilate_area *area, uint32_t pixel)
             }
         }
     }
-    model->average(sum, total);
     for (int c = model->channel_count; c < area->planes; ++c) {
         sum[c] /= total;
     }
+    lmb_model_average(model, sum, total);
     for (int c = 0; c < area->planes; ++c) {
         lmb_lightmap_plane(image, c)[pixel] = sum[c];
     }

@@ -23,6 +23,11 @@ lmb_lightmap_channels lmb_lightmap_key_channels(const lmb_lightmap *lightmap)
     return (lmb_lightmap_channels){lightmap->model->channel_count, count, stored, 0, plain};
 }
 
+const char *lmb_lightmap_kind(const lmb_model *model)
+{
+    return model->short_name ? model->short_name : model->name;
+}
+
 lmb_lightmap_channels lmb_lightmap_picture_channels(void)
 {
     return (lmb_lightmap_channels){0, LMB_PICTURE_CHANNELS, LMB_PICTURE_CHANNELS, LMB_PICTURE_CHANNELS, plain};

@@ -31,6 +31,9 @@ typedef struct lmb_lightmap_channels {
     const char *const *name;
 } lmb_lightmap_channels;
 
+/* What a model's own file is called after. */
+const char *lmb_lightmap_kind(const lmb_model *model);
+
 /* R, G and B, of a model that has irradiance first. */
 lmb_lightmap_channels lmb_lightmap_picture_channels(void);
 

@@ -191,7 +191,7 @@ static lmb_result images_read(const lmb_lightmap *lightmap, const char *director
             result = file_read(lightmap, i, NULL, directory, plane[i], error);
         }
         if (result == LMB_OK && lmb_lightmap_model_channels(model).count > 0) {
-            result = file_read(lightmap, i, model->short_name, directory, plane[i], error);
+            result = file_read(lightmap, i, lmb_lightmap_kind(model), directory, plane[i], error);
         }
         if (result == LMB_OK && lightmap->key_light_count > 0) {
             result = file_read(lightmap, i, LMB_LIGHTMAP_KEYS_KIND, directory, plane[i], error);

@@ -195,7 +195,8 @@ static bool json_add_file(cJSON *files, const lmb_lightmap *lightmap, int32_t nu
 {
     const image_file file = model_of(lightmap, number, other);
     char name[LMB_LIGHTMAP_FILE_NAME];
-    lmb_lightmap_file_name(number, file.model->short_name, name);
+    const bool has_own = file.channels.count > 0;
+    lmb_lightmap_file_name(number, has_own ? lmb_lightmap_kind(file.model) : NULL, name);
     cJSON *object = cJSON_AddObjectToObject(files, file.model->name);
     return object && cJSON_AddStringToObject(object, "file", name) &&
            (file.channels.light_count <= 0 || cJSON_AddNumberToObject(object, "scale", (double)file_scale(&file)));
@@ -398,8 +399,8 @@ static lmb_result image_files_write(file_writer *writer, int32_t number)
     lmb_result result = lightmap->model->irradiance_first ? planes_write(writer, &picture, name) : LMB_OK;
     for (int k = 0; result == LMB_OK && k < model_count(lightmap); ++k) {
         const image_file file = model_of(lightmap, number, k - 1);
-        lmb_lightmap_file_name(number, file.model->short_name, name);
-        result = planes_write(writer, &file, name);
+        lmb_lightmap_file_name(number, lmb_lightmap_kind(file.model), name);
+        result = file.channels.count > 0 ? planes_write(writer, &file, name) : LMB_OK;
     }
     if (result == LMB_OK && lightmap->key_light_count > 0) {
         lmb_lightmap_file_name(number, LMB_LIGHTMAP_KEYS_KIND, name);

@@ -3,9 +3,20 @@
 #define LMB_MODEL_HHD_STORE_H
 
 #include <lambent/hhd.h>
+#include <lambent/model.h>
 
 /* C_a and C_d of each colour, then d. */
 enum { LMB_HHD_AMBIENT, LMB_HHD_DIRECTIONAL = 3, LMB_HHD_DIRECTION = 6, LMB_HHD_CHANNELS = 9 };
+
+/* What lightmaps need of a row of it. */
+extern const char *const lmb_hhd_channel_names[LMB_HHD_CHANNELS];
+extern const lmb_model_part lmb_hhd_parts[];
+void lmb_hhd_average(float *channel, float total);
+#define LMB_HHD_ROW                                                                                                    \
+    .uses = LMB_MODEL_FOR_LIGHTMAP, .channel_name = lmb_hhd_channel_names, .part = lmb_hhd_parts,                      \
+    .light_count = LMB_HHD_DIRECTION,                                                                                  \
+    .convention = "a: C_a, d: C_d of each colour / lambent:scale; d.XYZ: direction in world space, +Y up",             \
+    .average = lmb_hhd_average
 
 static inline void lmb_hhd_store(const lmb_hhd_rgb *hhd, float *channel)
 {

@@ -1,5 +1,6 @@
 #include <lambent/model.h>
 
+#include <stdio.h>
 #include <string.h>
 
 #include "model/models.h"
@@ -40,6 +41,22 @@ static const lmb_model *const table[] = {
     &lmb_model_scalar,
 };
 
+const char *const lmb_numbered_channels[LMB_MODEL_MOST_CHANNELS] = {
+    "c00", "c01", "c02", "c03", "c04", "c05", "c06", "c07", "c08", "c09", "c10",
+    "c11", "c12", "c13", "c14", "c15", "c16", "c17", "c18", "c19", "c20", "c21",
+    "c22", "c23", "c24", "c25", "c26", "c27", "c28", "c29", "c30", "c31", "c32"};
+
+void lmb_model_average(const lmb_model *model, float *channel, float total)
+{
+    if (model->average) {
+        model->average(channel, total);
+    } else {
+        for (int i = 0; i < model->channel_count; ++i) {
+            channel[i] /= total;
+        }
+    }
+}
+
 size_t lmb_model_count(void)
 {
     return sizeof table / sizeof table[0];
@@ -69,6 +86,17 @@ const lmb_model *lmb_model_find(const char *name)
         }
     }
     return NULL;
+}
+
+const lmb_model *lmb_model_for_lightmap(const char *name)
+{
+    const lmb_model *model = lmb_model_find(name);
+    if (!model || !(model->uses & LMB_MODEL_FOR_LIGHTMAP)) {
+        char clipped[64];
+        snprintf(clipped, sizeof clipped, "%s.gram", name);
+        model = lmb_model_find(clipped);
+    }
+    return model && (model->uses & LMB_MODEL_FOR_LIGHTMAP) ? model : NULL;
 }
 
 const lmb_model *lmb_model_default(lmb_model_use use)

@@ -53,6 +53,7 @@ const lmb_model lmb_model_cube_gram = {
     .title = "ambient cube of the quadratic multiply",
     .channel_count = CHANNELS,
     .bytes = 2 * CHANNELS,
+    LMB_LINEAR_ROW(CHANNELS),
     .cone = true,
     .encode = gram_encode,
     .evaluate = evaluate,

@@ -38,13 +38,6 @@ static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec
     }
 }
 
-static void average(float *channel, float total)
-{
-    for (int i = 0; i < CHANNELS; ++i) {
-        channel[i] /= total;
-    }
-}
-
 const lmb_model lmb_model_hlsh = {
     .name = "hlsh",
     .full_name = "hlsh.t1",
@@ -65,5 +58,4 @@ const lmb_model lmb_model_hlsh = {
         "space, +Y up; all / lambent:scale, linear Rec. 709",
     .encode = encode,
     .evaluate = evaluate,
-    .average = average,
 };

@@ -95,6 +95,7 @@ const lmb_model lmb_model_hlsh_t2 = {
     .title = "HLSH of the clipped SH3's exact irradiance",
     .channel_count = CHANNELS,
     .bytes = 2 * CHANNELS,
+    LMB_LINEAR_ROW(CHANNELS),
     .cone = true,
     .encode = t2_encode,
     .evaluate = evaluate,

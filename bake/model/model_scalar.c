@@ -33,6 +33,8 @@ const lmb_model lmb_model_scalar = {
     .title = "scalar irradiance I_z",
     .channel_count = CHANNELS,
     .bytes = 2 * CHANNELS,
+    LMB_LINEAR_ROW(CHANNELS),
+    .irradiance_first = true,
     .cone = true,
     .encode = encode,
     .evaluate = evaluate,

@@ -66,6 +66,7 @@ const lmb_model lmb_model_sg5_gram = {
     .title = "five spherical Gaussians",
     .channel_count = CHANNELS,
     .bytes = 2 * CHANNELS,
+    LMB_LINEAR_ROW(CHANNELS),
     .cone = true,
     .encode = encode,
     .evaluate = evaluate,

@@ -32,19 +32,12 @@ static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec
     }
 }
 
-static void average(float *channel, float total)
-{
-    for (int i = 0; i < CHANNELS; ++i) {
-        channel[i] /= total;
-    }
-}
-
 const lmb_model lmb_model_sh3 = {
     .name = "sh3",
     .full_name = "sh3.unoccluded",
     .short_name = "sh3",
     .title = "SH3",
-    .uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
+    .uses = LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
     .at_run_time = true,
     .channel_count = CHANNELS,
     .channel_name = names,
@@ -57,5 +50,4 @@ const lmb_model lmb_model_sh3 = {
         "linear Rec. 709",
     .encode = encode,
     .evaluate = evaluate,
-    .average = average,
 };

@@ -45,6 +45,7 @@ const lmb_model lmb_model_sh3_gram = {
     .title = "SH3, quadratic multiply",
     .channel_count = SH3_CHANNELS,
     .bytes = 2 * SH3_CHANNELS,
+    LMB_LINEAR_ROW(SH3_CHANNELS),
     .cone = true,
     .encode = gram_encode,
     .evaluate = gram_evaluate,

@@ -196,8 +196,8 @@ static bool seeds_read(const cJSON *json, lmb_bake_settings *settings)
 
 bool lmb_bake_settings_add_model(lmb_bake_settings *settings, const char *name)
 {
-    const lmb_model *model = lmb_model_find(name);
-    if (!model || !(model->uses & LMB_MODEL_FOR_LIGHTMAP)) {
+    const lmb_model *model = lmb_model_for_lightmap(name);
+    if (!model) {
         return false;
     }
     int count = 0;

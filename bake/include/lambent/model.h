@@ -2,8 +2,8 @@
  *
  * One row for each model; everything that bakes, stores, filters or compares them goes through the table and knows none
  * by name. A model is stored as floats, its channels. Those of a model with a use can be filtered; what filtering
- * leaves can be evaluated. Models without a use are there to be compared with, and no file holds them. Rows of what
- * ships with the sampler wrap its functions, so that a file and a game agree bit for bit. */
+ * leaves can be evaluated. Models without a use are there to be compared with, and no file holds them. Rows of what ships
+ * with the sampler wrap its functions, so that a file and a game agree bit for bit. */
 #ifndef LAMBENT_MODEL_H
 #define LAMBENT_MODEL_H
 
@@ -80,7 +80,7 @@ typedef struct lmb_model {
     bool irradiance_first;      /* the first three are the normalised irradiance at the vertex normal */
     const char *convention;     /* what the channels mean, for a file's header */
 
-    /* Makes of a sum over several, whose weights come to `total`, what one of them would be. */
+    /* lmb_model_average, where it is not the mean of each channel by itself; else NULL. */
     void (*average)(float *channel, float total);
 
     const lmb_model_direction *direction; /* NULL: filtering makes no light */
@@ -93,8 +93,15 @@ const lmb_model *lmb_model_at(size_t index);
 /* The row of that name, full name or short name; NULL: none. */
 const lmb_model *lmb_model_find(const char *name);
 
+/* The row of that name if lightmaps can have it; else the one that clips the same by the hemisphere, NAME.gram: what a
+ * texel's SH3 says below its horizon means nothing. NULL: none. */
+const lmb_model *lmb_model_for_lightmap(const char *name);
+
 /* What a row is called among all. */
 const char *lmb_model_full_name(const lmb_model *model);
+
+/* Makes of a sum over several, whose weights come to `total`, what one of them would be. Of models with a use. */
+void lmb_model_average(const lmb_model *model, float *channel, float total);
 
 /* What is taken unless told otherwise. */
 const lmb_model *lmb_model_default(lmb_model_use use);
