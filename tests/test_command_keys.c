@@ -198,10 +198,26 @@ static void check_and_render(void)
     CHECK_NEAR(bright[1], bright[0], 1e-3 * bright[0], "one reference");
 }
 
+/* Visibility too is the same for any number of threads. */
+static void threads_give_equal_bytes(void)
+{
+    bool baked = yard_make();
+    for (int threads = 1; baked && threads <= 3; threads += 2) {
+        baked = CHECK_RUN(0, NULL,
+                          LMB_COMMAND " bake " LEVEL " -o " OUTPUT "/t%d --threads %d --key-lights 2 --spacing 1 "
+                                      "--samples 16 --lightmaps --texels-per-m 3 --quiet",
+                          threads, threads);
+    }
+    if (baked) {
+        CHECK_RUN(0, NULL, "diff -r --exclude=bake.json " OUTPUT "/t1 " OUTPUT "/t3");
+    }
+}
+
 static const test_case cases[] = {
     {"sample and probe", sample_and_probe},
     {"info and record", info_and_record},
     {"check and render", check_and_render},
+    {"threads give equal bytes", threads_give_equal_bytes},
 };
 
 TEST_MAIN(cases)

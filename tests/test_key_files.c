@@ -18,9 +18,9 @@
 static const lmb_lattice lattice = {.spacing = 0.5f, .min = {-2, 3, 1}, .size = {9, 6, 4}};
 
 /* Random probes, dilated, that see `keys` lights by chance. */
-static lmb_probes *keyed_probes(uint32_t keys)
+static lmb_probes *keyed_probes_of(const lmb_lattice *box, uint32_t keys)
 {
-    lmb_probes *const probes = fixture_random_probes(&lattice, 0.8, 0.8, 3.0, 11);
+    lmb_probes *const probes = fixture_random_probes(box, 0.8, 0.8, 3.0, 11);
     uint64_t state = 5;
     probes->key_light_count = keys;
     for (uint32_t key = 0; key < keys; ++key) {
@@ -35,6 +35,11 @@ static lmb_probes *keyed_probes(uint32_t keys)
     lmb_error error = {{0}};
     CHECK(lmb_probes_validate(probes, &error) == LMB_OK, "%s", error.message);
     return probes;
+}
+
+static lmb_probes *keyed_probes(uint32_t keys)
+{
+    return keyed_probes_of(&lattice, keys);
 }
 
 static bool same_light(const lmb_key_light *a, const lmb_key_light *b)
@@ -209,6 +214,26 @@ static void vdb_round_trip(void)
     }
 }
 
+/* The same probes always pack to the bytes of tests/golden/small_keys.lmb; what is packed now lies in the tests' output
+ * folder if not. */
+static void golden_file(void)
+{
+    static const lmb_lattice box = {.spacing = 0.5f, .min = {-1, 2, 0}, .size = {3, 3, 3}};
+    lmb_probes *const probes = keyed_probes_of(&box, 2);
+    unsigned char *data = NULL, *golden = NULL;
+    size_t size = 0, golden_size = 0;
+    CHECK(lmb_pack(probes, &data, &size, NULL) == LMB_OK, "pack");
+    CHECK(lmb_file_read(LMB_GOLDEN_DIR "/small_keys.lmb", &golden, &golden_size, NULL) == LMB_OK, "small_keys.lmb");
+    const bool same = size == golden_size && memcmp(data, golden, size) == 0;
+    CHECK(same, "packed %zu bytes, small_keys.lmb has %zu", size, golden_size);
+    if (!same) {
+        lmb_file_write(LMB_TEST_OUTPUT_DIR "/small_keys.lmb", data, size, NULL);
+    }
+    free(data);
+    free(golden);
+    lmb_probes_destroy(probes);
+}
+
 static void broken_key_lights_are_no_probes(void)
 {
     static const lmb_key_light broken[] = {{{0, 0, 0}, {{1, 1, 1}}},
@@ -221,7 +246,10 @@ static void broken_key_lights_are_no_probes(void)
     const lmb_key_light whole = probes->key_light[0];
     for (size_t i = 0; i < sizeof broken / sizeof broken[0]; ++i) {
         probes->key_light[0] = broken[i];
+        unsigned char *data = NULL;
+        size_t size = 0;
         CHECK(lmb_probes_validate(probes, &error) == LMB_ERROR_FORMAT, "light %zu", i);
+        CHECK(lmb_pack(probes, &data, &size, NULL) == LMB_ERROR_ARGUMENT && !data, "packs light %zu", i);
     }
     probes->key_light[0] = whole;
     static const float visibilities[] = {-0.1f, 1.1f, NAN};
@@ -309,6 +337,7 @@ static const test_case cases[] = {
     {"a volume gives back what it was given", volume_round_trip},
     {"forged volumes are refused", forged_volumes_are_refused},
     {"a .vdb gives back what it was given", vdb_round_trip},
+    {"the golden file", golden_file},
     {"broken key lights are no probes", broken_key_lights_are_no_probes},
     {"visibility is dilated", visibility_is_dilated},
     {"a lightmap gives back what it was given", lightmap_round_trip},

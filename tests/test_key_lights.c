@@ -466,8 +466,20 @@ static void what_is_no_sun(void)
               cases[i].name);
         scene_free(&scene);
     }
-    lmb_scene scene = {.lights = calloc(1, sizeof(lmb_light)), .light_count = 1};
+    static float tiny[8 * 4];
+    for (int i = 0; i < 8 * 4; ++i) {
+        tiny[i] = i == 11 ? 1000.0f : 1.0f;
+    }
+    const lmb_exr_channel grey = {"Y", tiny};
+    lmb_scene small = {0};
     lmb_error error = {{0}};
+    CHECK(lmb_exr_write(OUTPUT("tiny.exr"), &(lmb_exr_picture){8, 4, &grey, 1, NULL, 0}, NULL, &error) == LMB_OK &&
+              lmb_scene_set_environment(&small, OUTPUT("tiny.exr"), &error) == LMB_OK &&
+              lmb_scene_choose_key_lights(&small, 4) == LMB_OK,
+          "%s", error.message);
+    CHECK(small.key_light_count == 0 && small.light_count == 0, "one pixel of 45 degrees");
+    scene_free(&small);
+    lmb_scene scene = {.lights = calloc(1, sizeof(lmb_light)), .light_count = 1};
     scene.lights[0] =
         (lmb_light){.type = LMB_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {{1e4f, 1e4f, 1e4f}}};
     picture_write(OUTPUT("no_sun.exr"), 100, 40, 5000.0f, 1);

@@ -9,6 +9,7 @@
 
 #include <lambent/hhd.h>
 #include <lambent/hlsh.h>
+#include <lambent/key_light.h>
 #include <lambent/occlusion.h>
 
 /* What an item reads and writes, in tests/shaders/cases.glsl. */
@@ -37,7 +38,8 @@ enum {
     OUT_HLSH = 21,
     OUT_SELF_BOUNCE = 24,
     OUT_TEXEL_AT_ONCE = 27,
-    OUTPUTS = 30
+    OUT_KEY = 30,
+    OUTPUTS = 33
 };
 
 enum { GROUP = 64, GROUPS = 512, ITEMS = GROUP * GROUPS };
@@ -155,6 +157,8 @@ static void item_expect(const float *item, float *expected)
     colour_put(expected + OUT_HLSH, lmb_hlsh_rgb_evaluate(&hlsh, n_v, n));
     colour_put(expected + OUT_TEXEL_AT_ONCE, lmb_irradz_evaluate(&texel, n_v, n));
     colour_put(expected + OUT_SELF_BOUNCE, lmb_self_bounce(colour_get(item + IN_ALBEDO), texel.irradiance_z, n_v, n));
+    const lmb_key_light key = {texel.direction, texel.irradiance_z};
+    colour_put(expected + OUT_KEY, lmb_key_light_irradiance(&key, item[IN_VISIBILITY], n_v, n));
 }
 
 static float largest_of(const float *item)
@@ -175,9 +179,9 @@ static void item_compare(const float *item, const float *got, int index, const c
     const float light = largest_of(item);
     for (int i = 0; i < OUTPUTS; ++i) {
         double tolerance = 2e-6 * (double)light;
-        if (i == OUT_CONE || i == OUT_BENT_CONE || (i >= OUT_SELF_BOUNCE && i < OUT_TEXEL_AT_ONCE)) {
+        if (i == OUT_CONE || i == OUT_BENT_CONE || (i >= OUT_SELF_BOUNCE && i < OUT_TEXEL_AT_ONCE) || i >= OUT_KEY) {
             tolerance = 2e-6;
-        } else if ((i >= OUT_TEXEL && i < OUT_HLSH_LIGHT) || i >= OUT_TEXEL_AT_ONCE) {
+        } else if ((i >= OUT_TEXEL && i < OUT_HLSH_LIGHT) || (i >= OUT_TEXEL_AT_ONCE && i < OUT_KEY)) {
             tolerance = 2e-4; /* of a light of 4 from LMB_IRRADZ_MIN_COS above the horizon: of 80 */
         } else if (i >= OUT_PROBE && i < OUT_TEXEL) {
             tolerance = 1e-4 * (double)light;

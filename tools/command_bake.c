@@ -108,6 +108,12 @@ static void summary_print(const lmb_bake_record *record, const char *directory)
     }
     printf("probes    %d at %g m, %.1f s\n", record->probes, (double)settings->spacing,
            record->seconds[LMB_PHASE_PROBES]);
+    for (uint32_t i = 0; i < record->key_light_count; ++i) {
+        const lmb_key_light *light = &record->key_light[i];
+        printf("sun       from (%.3f, %.3f, %.3f), irradiance %.4g %.4g %.4g, apart from the harmonics\n",
+               (double)light->direction.x, (double)light->direction.y, (double)light->direction.z,
+               (double)light->irradiance.c[0], (double)light->irradiance.c[1], (double)light->irradiance.c[2]);
+    }
     if (settings->lightmaps) {
         printf("lightmap  %llu texels in %d images, %.1f %% of them, %llu charts made, %.1f s\n",
                (unsigned long long)record->lightmap.elements, record->images, 100.0 * record->texels_used,

@@ -274,7 +274,7 @@ lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size
     assert(probes && data && size);
     layout at;
     if (probes->count == 0 || probes->level_count != 1 || probes->set_count != 1 ||
-        lmb_lattice_is_turned(&probes->level[0].lattice) || probes->key_light_count > LMB_KEY_LIGHTS_MOST ||
+        lmb_lattice_is_turned(&probes->level[0].lattice) || !lmb_probes_key_lights_are_sane(probes) ||
         !radiance_is_finite(probes) || !plan_directory(probes, &at)) {
         return LMB_ERROR_ARGUMENT;
     }

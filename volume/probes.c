@@ -392,22 +392,17 @@ static lmb_result validate_probe(const lmb_probes *probes, int32_t probe, lmb_er
     return LMB_OK;
 }
 
-static lmb_result validate_key_lights(const lmb_probes *probes, lmb_error *error)
+bool lmb_probes_key_lights_are_sane(const lmb_probes *probes)
 {
-    if (probes->key_light_count > LMB_KEY_LIGHTS_MOST) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: %u key lights", probes->key_light_count);
-    }
-    for (uint32_t key = 0; key < probes->key_light_count; ++key) {
+    bool sane = probes->key_light_count <= LMB_KEY_LIGHTS_MOST;
+    for (uint32_t key = 0; sane && key < probes->key_light_count; ++key) {
         const lmb_key_light *light = &probes->key_light[key];
-        bool good = fabsf(lmb_vec3_length(light->direction) - 1.0f) <= 1e-5f;
+        sane = fabsf(lmb_vec3_length(light->direction) - 1.0f) <= 1e-5f;
         for (int c = 0; c < 3; ++c) {
-            good = good && light->irradiance.c[c] >= 0.0f && isfinite(light->irradiance.c[c]);
-        }
-        if (!good) {
-            return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: key light %u: direction or irradiance is none", key);
+            sane = sane && light->irradiance.c[c] >= 0.0f && isfinite(light->irradiance.c[c]);
         }
     }
-    return LMB_OK;
+    return sane;
 }
 
 static bool arrays_are_whole(const lmb_probes *probes)
@@ -444,8 +439,10 @@ lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error)
     if (next != probes->count) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: %d, but %lld of levels", probes->count, (long long)next);
     }
-    if (validate_key_lights(probes, error) != LMB_OK) {
-        return LMB_ERROR_FORMAT;
+    if (!lmb_probes_key_lights_are_sane(probes)) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT,
+                             "probes: a key light has no direction or no irradiance, or there "
+                             "are more than four");
     }
     for (int32_t probe = 0; probe < probes->count; ++probe) {
         if (validate_probe(probes, probe, error) != LMB_OK) {

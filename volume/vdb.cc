@@ -573,6 +573,9 @@ lmb_result lmb_vdb_write(const char *path, const lmb_probes *probes, const lmb_v
     if (probes->level_count != 1 || probes->set_count != 1) {
         return lmb_error_set(error, LMB_ERROR_ARGUMENT, "%s: the format holds one level and one set of lights", path);
     }
+    if (!lmb_probes_key_lights_are_sane(probes)) {
+        return lmb_error_set(error, LMB_ERROR_ARGUMENT, "%s: a key light has no direction or no irradiance", path);
+    }
     if (lmb_lattice_is_turned(&probes->level[0].lattice)) {
         return lmb_error_set(error, LMB_ERROR_ARGUMENT, "%s: the format holds no lattice that is turned", path);
     }

@@ -2,6 +2,8 @@
 #ifndef LAMBENT_VOLUME_INTERNAL_H
 #define LAMBENT_VOLUME_INTERNAL_H
 
+#include <stdbool.h>
+
 #include <lambent/half_scale.h>
 #include <lambent/probes.h>
 
@@ -12,6 +14,9 @@ extern "C" {
 /* The power of two that radiance is divided by before it is stored as halfs, the same in .vdb and .lmb:
  * lmb_half_scale of the largest coefficient, at most 2^96. */
 float lmb_probes_scale(const lmb_probes *probes);
+
+/* Whether they are few enough, each with a unit direction and an irradiance that is finite and not negative. */
+bool lmb_probes_key_lights_are_sane(const lmb_probes *probes);
 
 /* Which pass of the dilation fills a probe: `pass[probe]` is 0 for a valid probe, -1 for one that is never reached.
  * `order` lists the reached ones by rising pass, `*reached` says how many. Both arrays hold `count` elements. */

@@ -241,7 +241,8 @@ static void spread_add(void *context, vec3_sum direction, double solid_angle)
 }
 
 /* Direction, irradiance and extent: the vector irradiance of the excess, and its second moment, which of a disc of sine
- * s is s^2/2. Returns the luminance of the irradiance, for strength 1. */
+ * s is s^2/2. Returns the luminance of the irradiance, for strength 1; 0 where it is too wide, as a pixel of a small
+ * picture is. */
 static double sun_measure(const picture_axes *axes, lmb_environment_sun *sun)
 {
     const lmb_environment *environment = axes->environment;
@@ -281,9 +282,9 @@ static double sun_measure(const picture_axes *axes, lmb_environment_sun *sun)
         sun->irradiance.c[c] = (float)fmax(irradiance, 0.0);
     }
     sun->direction = lmb_vec3_of((float)spread.axis.x, (float)spread.axis.y, (float)spread.axis.z);
-    const double s = fmin(sqrt(2.0 * squared_sine / whole), MOST_SINE);
+    const double s = sqrt(2.0 * squared_sine / whole);
     sun->angle_rad = (float)(2.0 * s * (1.0 + s * s * (1.0 / 6.0 + s * s * (3.0 / 40.0)))); /* twice the arc sine */
-    return length;
+    return s <= MOST_SINE ? length : 0.0;
 }
 
 /* Luminance of the irradiance that the whole picture gives a surface facing that way, for strength 1. `level` has room

@@ -35,6 +35,13 @@ struct LmbIrradz {
     vec3 direction;
 };
 
+// A sun that the harmonics and the lightmap leave out: a unit vector towards it, and what it gives a surface that faces
+// it and sees all of it, as lmb_volume_key_lights and lightmap.json have them.
+struct LmbKeyLight {
+    vec3 direction;
+    vec3 irradiance;
+};
+
 // I_z t + C_a (1 - t) + c.n_perp, t = n.nv; tangentialX holds the x of c for red, green and blue, and so on.
 struct LmbHlsh {
     vec3 irradianceZ;
@@ -356,6 +363,14 @@ vec3 lmbHlshEvaluate(LmbHlsh hlsh, vec3 nv, vec3 n)
     float t = dot(n, nv);
     return lmbLight(hlsh.irradianceZ * t + hlsh.ambient * (1.0 - t) + hlsh.tangentialX * n.x + hlsh.tangentialY * n.y +
                     hlsh.tangentialZ * n.z);
+}
+
+// Irradiance on n that a key light adds to any of the above; visibility is the share of it that is seen
+// (lmb_key_light_irradiance).
+vec3 lmbKeyLightIrradiance(LmbKeyLight light, float visibility, vec3 nv, vec3 n)
+{
+    float faced = dot(nv, light.direction) > 0.0 ? visibility : 0.0;
+    return lmbLight(light.irradiance * (max(dot(n, light.direction), 0.0) * faced));
 }
 
 // Light that the surface reflects onto its own bumps (lmb_self_bounce).

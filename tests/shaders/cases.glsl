@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 45
-#define OUTPUTS 30
+#define OUTPUTS 33
 
 vec3 lmbRead3(uint at)
 {
@@ -49,4 +49,8 @@ void lmbItem(uint item)
     lmbWrite3(to + 21u, lmbHlshEvaluate(hlsh, nv, n));
     lmbWrite3(to + 24u, lmbSelfBounce(albedo, texel.irradianceZ, nv, n));
     lmbWrite3(to + 27u, lmbIrradzEvaluate(texel, nv, n));
+    LmbKeyLight key;
+    key.direction = texel.direction;
+    key.irradiance = texel.irradianceZ;
+    lmbWrite3(to + 30u, lmbKeyLightIrradiance(key, visibility, nv, n));
 }

@@ -26,9 +26,9 @@ typedef struct lmb_environment_sun {
 } lmb_environment_sun;
 
 /* Looks for it: the brightest pixel with those joined to it that have a tenth of its luminance, if they lie within 5
- * degrees of it and give a tenth or more of the irradiance of a surface that faces them, by what they have more than
- * the pixels around. To surfaces that it is wholly above of, the disc gives the irradiance of that excess. @return
- * LMB_ERROR_MEMORY */
+ * degrees of it, spread no more than a disc of 10 degrees and give a tenth or more of the irradiance of a surface that
+ * faces them, by what they have more than the pixels around. To surfaces that it is wholly above of, the disc gives the
+ * irradiance of that excess. @return LMB_ERROR_MEMORY */
 lmb_result lmb_environment_find_sun(const lmb_environment *environment, lmb_environment_sun *sun);
 
 /* Takes the excess out of the picture, and notes what was there. @return LMB_ERROR_MEMORY */

@@ -18,7 +18,8 @@ typedef struct lmb_pack_stats {
 /* The .lmb image of probes, of one level whose lattice is not turned and one set of lights, in malloc'ed memory,
  * 16-byte aligned; the caller frees `*data`. `stats` may be NULL.
  * @return LMB_ERROR_MEMORY, _ARGUMENT (no probes, several levels or sets, a lattice that is turned, a box of too many
- * bricks for the format's directory, or non-finite radiance); then no output is touched */
+ * bricks for the format's directory, non-finite radiance, or key lights without direction or irradiance); then no
+ * output is touched */
 lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size, lmb_pack_stats *stats);
 
 #ifdef __cplusplus

@@ -20,8 +20,8 @@ typedef struct lmb_vdb_metadata {
 
 /* Writes probes of one level, whose lattice is not turned, and of one set of lights; beside, then renames. The file's
  * UUID is a hash of its content: equal probes give equal bytes.
- * @return LMB_ERROR_WRITE, _MEMORY, _ARGUMENT (several levels or sets, a lattice that is turned, radiance that no scale
- * brings into fp16, or that is not finite); then a file that was there still is */
+ * @return LMB_ERROR_WRITE, _MEMORY, _ARGUMENT (several levels or sets, a lattice that is turned, broken key lights,
+ * radiance that no scale brings into fp16, or that is not finite); then a file that was there still is */
 lmb_result lmb_vdb_write(const char *path, const lmb_probes *probes, const lmb_vdb_metadata *metadata,
                          lmb_error *error);
 
