@@ -23,10 +23,7 @@ const leaks_method leaks_trilinear = {
 };
 
 static const leaks_method *const methods[] = {
-    &leaks_trilinear,
-    &leaks_masked,
-    &leaks_masked_exact,
-    &leaks_chebyshev,
+    &leaks_trilinear, &leaks_masked, &leaks_masked_exact, &leaks_chebyshev, &leaks_regions,
 };
 
 const leaks_method *const *leaks_methods(size_t *count)
