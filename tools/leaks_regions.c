@@ -94,43 +94,47 @@ static census census_of(const region_cell *cell, const lmb_vec3 *point, int plan
     return all;
 }
 
-/* Nodes that would be taken for those of another region. */
-static int census_errors(const census *all)
+/* How mixed the sides of the planes are: Gini's impurity, of each side by its nodes. Other than the number of nodes
+ * that would be taken for another region's, it falls with the first of several planes that only together part anything.
+ */
+static double census_impurity(const census *all)
 {
-    int errors = 0;
+    double impurity = 0.0;
     for (int signs = 0; signs < REGION_SIGNS; ++signs) {
-        int sum = 0, most = 0;
+        double sum = 0.0, squares = 0.0;
         for (int region = 0; region < REGION_MOST; ++region) {
-            const int nodes = all->nodes[signs][region];
+            const double nodes = all->nodes[signs][region];
             sum += nodes;
-            most = nodes > most ? nodes : most;
+            squares += nodes * nodes;
         }
-        errors += sum - most;
+        impurity += sum > 0.0 ? sum - squares / sum : 0.0;
     }
-    return errors;
+    return impurity;
 }
 
 /* Takes the planes one by one that part the most, as long as they part anything. */
 static void planes_choose(region_cell *cell, const lmb_vec3 *point, const candidates *all)
 {
+    const double least = 1e-6; /* of rounding */
     census now = census_of(cell, point, 0);
-    int errors = census_errors(&now);
-    while (errors > 0 && cell->plane_count < REGION_PLANES) {
-        int best = -1, best_errors = errors;
+    double impurity = census_impurity(&now);
+    while (impurity > least && cell->plane_count < REGION_PLANES) {
+        int best = -1;
+        double best_left = impurity - least;
         for (int i = 0; i < all->count; ++i) {
             cell->plane[cell->plane_count] = all->plane[i];
             now = census_of(cell, point, cell->plane_count + 1);
-            const int left = census_errors(&now);
-            if (left < best_errors || (best >= 0 && left == best_errors && all->votes[i] > all->votes[best])) {
+            const double left = census_impurity(&now);
+            if (left < best_left || (best >= 0 && left <= best_left && all->votes[i] > all->votes[best])) {
                 best = i;
-                best_errors = left;
+                best_left = left;
             }
         }
         if (best < 0) {
             break;
         }
         cell->plane[cell->plane_count++] = all->plane[best];
-        errors = best_errors;
+        impurity = best_left;
     }
 }
 
@@ -143,8 +147,10 @@ static void sides_name(region_cell *cell, const lmb_vec3 *point)
         int best = 0;
         cell->region[signs] = REGION_NONE;
         for (int other = 0; other < REGION_SIGNS; ++other) {
-            const int differ = signs ^ other;
-            const int nearness = REGION_PLANES - ((differ & 1) + (differ >> 1 & 1) + (differ >> 2 & 1));
+            int nearness = REGION_PLANES;
+            for (int differ = signs ^ other; differ; differ &= differ - 1) {
+                --nearness;
+            }
             for (int region = 0; region < cell->count; ++region) {
                 const int nodes = all.nodes[other][region], rank = nodes > 0 ? (nearness << 16) + nodes : 0;
                 if (rank > best) {

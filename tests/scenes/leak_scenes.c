@@ -93,7 +93,8 @@ enum { MOST_BLOCKS = 32 };
 /* A scene in its own axes. */
 typedef struct layout {
     lmb_leak_room room[LMB_LEAK_MOST_ROOMS];
-    lmb_vec3 lamp[LMB_LEAK_MOST_ROOMS]; /* the middle of each room's */
+    lmb_vec3 lamp[LMB_LEAK_MOST_ROOMS];   /* the middle of each room's */
+    float lamp_half[LMB_LEAK_MOST_ROOMS]; /* of its width */
     int room_count;
     lmb_level_block block[MOST_BLOCKS];
     size_t block_count;
@@ -108,7 +109,8 @@ static void add_block(layout *all, bool solid, lmb_vec3 min, lmb_vec3 max)
 static void add_room(layout *all, int home, lmb_vec3 min, lmb_vec3 max)
 {
     all->room[all->room_count] = (lmb_leak_room){.min = min, .max = max, .home = home};
-    all->lamp[all->room_count++] = lmb_vec3_of(0.5f * (min.x + max.x), max.y - 0.1f, 0.5f * (min.z + max.z));
+    all->lamp_half[all->room_count] = 0.3f * lmb_smaller(max.x - min.x, max.z - min.z);
+    all->lamp[all->room_count++] = lmb_vec3_of(0.5f * (min.x + max.x), max.y, 0.5f * (min.z + max.z));
 }
 
 /* The rooms carved from a hull around them. */
@@ -166,7 +168,8 @@ static void lay_out_within(const lmb_leak_scene *scene, layout *all)
     carve_rooms(all);
     if (round) {
         all->radius = all->room[0].radius = half;
-        all->lamp[1].x = 2.6f;
+        all->lamp[1].x = 2.5f; /* between the round wall and the outer one */
+        all->lamp_half[1] = 0.8f;
     } else {
         add_block(all, true, lmb_vec3_of(-half - wall, 0, -half - wall),
                   lmb_vec3_of(half + wall, height + wall, half + wall));
@@ -197,7 +200,7 @@ static void lay_out_table(const lmb_leak_scene *scene, layout *all)
     add_block(all, true, lmb_vec3_of(-1, top - scene->wall_m, -0.6f), lmb_vec3_of(1, top, 0.6f));
     all->room[0].min.y = top;
     add_room(all, 1, lmb_vec3_of(-1, 0, -0.6f), lmb_vec3_of(1, top - scene->wall_m, 0.6f));
-    all->lamp[1].y = 0.05f;
+    all->lamp[1].y = 0.0f;
 }
 
 static layout layout_of(const lmb_leak_scene *scene)
@@ -290,14 +293,16 @@ static void add_round_wall(lmb_level_builder *builder, int mesh, int material, c
     }
 }
 
-/* A flat box under the ceiling, or on the floor, that shines and reflects nothing. */
-static void add_lamp(lmb_level_builder *builder, int mesh, lmb_vec3 middle, const float radiance[2], int home)
+/* A panel half in the ceiling, or the floor, that shines and reflects nothing. No gap behind it is a room of its own.
+ */
+static void add_lamp(lmb_level_builder *builder, int mesh, const layout *all, int i, const float radiance[2])
 {
+    const int home = all->room[i].home;
     lmb_level_material shining = lmb_level_material_default();
     shining.name = home == 0 ? "red lamp" : "green lamp";
     shining.base_color = lmb_rgb_of(0, 0, 0);
     shining.emission.c[home] = radiance[home];
-    const lmb_vec3 half = {0.4f, 0.02f, 0.4f};
+    const lmb_vec3 half = {all->lamp_half[i], 0.015f, all->lamp_half[i]}, middle = all->lamp[i];
     const lmb_level_box box = lmb_level_box_of(lmb_vec3_sub(middle, half), lmb_vec3_add(middle, half),
                                                lmb_level_builder_add_material(builder, &shining));
     lmb_level_builder_add_box(builder, mesh, &box);
@@ -317,7 +322,7 @@ lmb_result lmb_leak_scene_write(const lmb_leak_scene *scene, const char *path, l
     }
     const float radiance[2] = {scene->red, scene->green};
     for (int i = 0; i < all.room_count; ++i) {
-        add_lamp(builder, mesh, all.lamp[i], radiance, all.room[i].home);
+        add_lamp(builder, mesh, &all, i, radiance);
     }
     lmb_level_node node = lmb_level_node_default(scene->name);
     node.mesh = mesh;
