@@ -1,0 +1,317 @@
+/* The suite that judges interpolation: its scenes, its figures by hand-made fields, and rooms whose answer is known. */
+#include "leaks_fit.h"
+#include "leaks_measure.h"
+#include "leaks_regions.h"
+
+#include <stdlib.h>
+
+#include <lambent/vector.h>
+
+#include "level_fixture.h"
+
+/* --- scenes ------------------------------------------------------------------------------------------------------ */
+
+static const char *output_path(const char *name)
+{
+    static char path[512];
+    snprintf(path, sizeof path, "%s/leaks_%s.glb", LMB_TEST_OUTPUT_DIR, name);
+    return path;
+}
+
+/* A point of a room, on a grid of its own. */
+static lmb_vec3 grid_point(const lmb_leak_scene *scene, const lmb_leak_room *room, int i, int side)
+{
+    const float x = ((float)(i % side) + 0.37f) / (float)side, y = ((float)(i / side % side) + 0.41f) / (float)side,
+                z = ((float)(i / side / side) + 0.33f) / (float)side;
+    return lmb_leak_scene_to_world(scene, lmb_vec3_of(room->min.x + x * (room->max.x - room->min.x),
+                                                      room->min.y + y * (room->max.y - room->min.y),
+                                                      room->min.z + z * (room->max.z - room->min.z)));
+}
+
+/* Pairs of points in rooms of different homes that see each other. */
+static int pairs_that_see(const lmb_leak_scene *scene, const lmb_tracer *tracer, const lmb_leak_room *room, int a,
+                          int b)
+{
+    enum { SIDE = 4, POINTS = SIDE * SIDE * SIDE };
+    int seen = 0;
+    for (int i = 0; i < POINTS * POINTS; ++i) {
+        const lmb_vec3 from = grid_point(scene, &room[a], i % POINTS, SIDE),
+                       to = grid_point(scene, &room[b], i / POINTS, SIDE);
+        seen += lmb_leak_scene_room_at(scene, from) == a && lmb_leak_scene_room_at(scene, to) == b &&
+                leaks_sees(tracer, from, to);
+    }
+    return seen;
+}
+
+static void rooms_are_sealed_or_open(void)
+{
+    size_t count;
+    const lmb_leak_scene *scenes = lmb_leak_scenes(&count);
+    for (size_t i = 0; i < count; ++i) {
+        const lmb_leak_scene *scene = &scenes[i];
+        lmb_error error = {{0}};
+        level_fixture level;
+        CHECK(lmb_leak_scene_find(scene->name) == scene, "%s", scene->name);
+        if (!level_fixture_open(&level, output_path(scene->name),
+                                lmb_leak_scene_write(scene, output_path(scene->name), &error), &error, 2)) {
+            continue;
+        }
+        CHECK(lmb_scene_validate(level.scene, &error) == LMB_OK, "%s: %s", scene->name, error.message);
+        lmb_leak_room room[LMB_LEAK_MOST_ROOMS];
+        const int rooms = lmb_leak_scene_rooms(scene, room);
+        CHECK(rooms >= 2, "%s: %d rooms", scene->name, rooms);
+        int seen = 0;
+        for (int a = 0; a < rooms; ++a) {
+            for (int b = 0; b < a; ++b) {
+                seen += room[a].home != room[b].home ? pairs_that_see(scene, level.tracer, room, a, b) : 0;
+            }
+        }
+        CHECK(scene->open ? seen > 0 : seen == 0, "%s: %d pairs see each other", scene->name, seen);
+        level_fixture_close(&level);
+    }
+    CHECK(!lmb_leak_scene_find("nowhere"), "an unknown name");
+}
+
+/* --- figures by hand --------------------------------------------------------------------------------------------- */
+
+typedef struct hand_field {
+    double at, step; /* red rises by `step` there on the x axis, */
+    double width;    /* within so many metres, */
+    double slope;    /* and everywhere by that a metre */
+    double red, green;
+} hand_field;
+
+static void hand_sample(const void *state, lmb_vec3 position, const lmb_vec3 *normal, lmb_sh3_rgb *radiance)
+{
+    (void)normal;
+    const hand_field *field = state;
+    const double beyond = (double)position.x - field->at;
+    const double risen = field->width > 0.0 ? fmin(fmax(beyond / field->width, 0.0), 1.0) : beyond > 0.0;
+    *radiance = (lmb_sh3_rgb){.channel = {{.c = {0.0f}}}};
+    radiance->channel[0].c[0] = (float)(field->red + field->step * risen + field->slope * (double)position.x);
+    radiance->channel[1].c[0] = (float)field->green;
+}
+
+static const leaks_method by_hand = {.name = "by hand", .sample = hand_sample};
+
+static void a_step_of_known_height_is_found(void)
+{
+    static const struct {
+        const char *what;
+        hand_field field;
+        double expected, tolerance;
+    } table[] = {
+        {"a step", {.at = 0.3, .step = 2.0, .slope = 0.5}, 2.0, 1e-4},
+        {"a step down", {.at = -1.37, .step = -0.25}, 0.25, 1e-5},
+        {"a step on a steep slope", {.at = 1.9, .step = 0.5, .slope = 60.0}, 0.5, 1e-3},
+        {"a slope", {.slope = 3.0}, 0.0, 1e-4},
+        {"a rise within a millimetre", {.at = 0.3, .step = 2.0, .width = 1e-3}, 0.0, 0.02},
+        {"a step beyond the line", {.at = 2.5, .step = 2.0}, 0.0, 1e-5},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
+        const leaks_sampler sampler = {&by_hand, &table[i].field};
+        CHECK_NEAR(leaks_step(&sampler, lmb_vec3_of(-2, 0, 0), lmb_vec3_of(2, 0.3f, 0.1f)), table[i].expected,
+                   table[i].tolerance, "%s", table[i].what);
+    }
+}
+
+/* A red room where the light is (4, `foreign`) and a green one where it is (0, 8). */
+static size_t hand_points(leaks_point point[6], double foreign)
+{
+    for (int i = 0; i < 6; ++i) {
+        const int home = i % 2;
+        point[i] = (leaks_point){.kind = (leaks_kind)(i / 2), .home = home};
+        point[i].truth.channel[home].c[0] = home == 0 ? 4.0f : 8.0f;
+        point[i].truth.channel[1 - home].c[0] = home == 0 ? (float)foreign : 0.0f;
+    }
+    return 6;
+}
+
+static void figures_by_hand(void)
+{
+    for (int open = 0; open < 2; ++open) {
+        leaks_point point[6];
+        leaks_line line = {.from = {-2, 0, 0}, .to = {2, 0, 0}, .home = 1};
+        leaks_places places = {.point = point, .point_count = hand_points(point, open ? 0.5 : 0.0)};
+        places.line = &line;
+        places.line_count = 1;
+        places.open = open;
+        leaks_home_means(&places);
+        CHECK_NEAR(places.home_mean[0], 4.0, 1e-6, "red");
+        CHECK_NEAR(places.home_mean[1], 8.0, 1e-6, "green");
+        /* Everywhere (5, 2), and 1 more red beyond all points. */
+        const hand_field field = {.at = 1.0, .step = 1.0, .red = 5.0, .green = 2.0};
+        const leaks_sampler sampler = {&by_hand, &field};
+        const leaks_figures figures = leaks_measure(&sampler, &places);
+        for (int kind = 0; kind < LEAKS_KINDS; ++kind) {
+            const leaks_errors *at = &figures.at[kind];
+            CHECK_NEAR(at->leak, 5.0 / 4.0, 1e-6, "red in the green room, %d", open);
+            CHECK_NEAR(at->of_own, 5.0 / 8.0, 1e-6, "over its own, %d", open);
+            CHECK_NEAR(at->own_mean, -6.0 / 8.0, 1e-6, "green is 2, not 8");
+            CHECK_NEAR(at->own_rmse, 6.0 / 8.0, 1e-6, "on all normals");
+        }
+        CHECK_NEAR(figures.step, 1.0 / 8.0, 1e-5, "over the line's own light");
+    }
+    leaks_point point[6];
+    leaks_places places = {.point = point, .point_count = hand_points(point, 1.5), .open = true};
+    leaks_home_means(&places);
+    const hand_field field = {.red = 0.0, .green = 2.3};
+    const leaks_sampler sampler = {&by_hand, &field};
+    CHECK_NEAR(leaks_measure(&sampler, &places).at[LEAKS_10_CM].leak, (2.3 - 1.5) / 8.0, 1e-6, "the excess counts");
+}
+
+static void fits_by_hand(void)
+{
+    /* x = 1, 2 and 6; x + y = 7: x = 3, the mean, and y = 4. z is in no equation. */
+    leaks_equation equation[4] = {{.count = 0}};
+    static const float right[4] = {1, 2, 6, 7};
+    for (int i = 0; i < 4; ++i) {
+        equation[i].count = i < 3 ? 1 : 2;
+        equation[i].unknown[1] = 1;
+        equation[i].weight[0] = equation[i].weight[1] = 1.0f;
+        for (int k = 0; k < 27; ++k) {
+            equation[i].right.channel[k / 9].c[k % 9] = right[i] * (float)(k - 5);
+        }
+    }
+    lmb_sh3_rgb x[3];
+    CHECK(leaks_fit(equation, 4, x, 3) == LMB_OK, "fit");
+    for (int k = 0; k < 27; ++k) {
+        CHECK_NEAR(x[0].channel[k / 9].c[k % 9], 3.0 * (k - 5), 1e-4, "x of %d", k);
+        CHECK_NEAR(x[1].channel[k / 9].c[k % 9], 4.0 * (k - 5), 1e-4, "y of %d", k);
+        CHECK_NEAR(x[2].channel[k / 9].c[k % 9], 0.0, 1e-6, "z of %d", k);
+    }
+}
+
+/* --- rooms ------------------------------------------------------------------------------------------------------- */
+
+/* A scene baked with few samples. */
+typedef struct room_fixture {
+    leaks_level level;
+    leaks_places places;
+    leaks_field field;
+} room_fixture;
+
+static bool room_fixture_open(room_fixture *rooms, const char *name, float spacing)
+{
+    lmb_error error = {{0}};
+    const lmb_result opened = leaks_level_open(lmb_leak_scene_find(name), output_path(name), 2, &rooms->level, &error);
+    CHECK(opened == LMB_OK, "%s: %s", name, error.message);
+    if (opened != LMB_OK) {
+        return false;
+    }
+    const lmb_result placed = leaks_places_make(&rooms->level, 128, &rooms->places);
+    const lmb_result baked =
+        placed == LMB_OK ? leaks_field_bake(&rooms->level, spacing, 64, &rooms->field, &error) : placed;
+    CHECK(baked == LMB_OK, "%s: %s", name, error.message);
+    if (baked != LMB_OK) {
+        leaks_places_free(&rooms->places);
+        leaks_level_close(&rooms->level);
+    }
+    return baked == LMB_OK;
+}
+
+static void room_fixture_close(room_fixture *rooms)
+{
+    leaks_field_free(&rooms->field);
+    leaks_places_free(&rooms->places);
+    leaks_level_close(&rooms->level);
+}
+
+static leaks_figures figures_of(const room_fixture *rooms, const char *method)
+{
+    const leaks_sampler sampler = {leaks_method_find(method), NULL};
+    void *state = NULL;
+    size_t bytes = 0;
+    leaks_figures figures = {.step = -1.0};
+    CHECK(sampler.method && sampler.method->prepare(&rooms->field, &state, &bytes) == LMB_OK, "%s", method);
+    if (state) {
+        figures = leaks_measure(&(leaks_sampler){sampler.method, state}, &rooms->places);
+        CHECK(bytes >= rooms->field.packed_bytes, "%s: %zu bytes", method, bytes);
+        if (sampler.method->release) {
+            sampler.method->release(state);
+        }
+    }
+    return figures;
+}
+
+static double worst_leak(const leaks_figures *figures)
+{
+    return fmax(fabs(figures->at[LEAKS_1_CM].leak),
+                fmax(fabs(figures->at[LEAKS_10_CM].leak), fabs(figures->at[LEAKS_ANYWHERE].leak)));
+}
+
+/* A sealed room: what leaks through its wall is the interpolation's fault. */
+static void sealed_rooms_tell_methods_apart(void)
+{
+    room_fixture rooms;
+    if (!room_fixture_open(&rooms, "turned.200mm", 1.0f)) {
+        return;
+    }
+    size_t at[LEAKS_KINDS] = {0};
+    for (size_t i = 0; i < rooms.places.point_count; ++i) {
+        const leaks_point *point = &rooms.places.point[i];
+        ++at[point->kind];
+        CHECK(point->truth.channel[1 - point->home].c[0] == 0.0f, "point %zu: foreign light in the truth", i);
+        CHECK(point->truth.channel[point->home].c[0] > 0.0f, "point %zu: no light", i);
+    }
+    CHECK(at[0] == 64 && at[1] == 64 && at[2] == 128 && rooms.places.line_count == 24, "%zu, %zu, %zu, %zu", at[0],
+          at[1], at[2], rooms.places.line_count);
+    const leaks_figures trilinear = figures_of(&rooms, "trilinear"), exact = figures_of(&rooms, "masked.exact"),
+                        masked = figures_of(&rooms, "masked"), chebyshev = figures_of(&rooms, "chebyshev"),
+                        regions = figures_of(&rooms, "regions");
+    CHECK(trilinear.at[LEAKS_1_CM].leak > 0.1, "trilinear leaks %g", trilinear.at[LEAKS_1_CM].leak);
+    CHECK(worst_leak(&exact) == 0.0, "by rays %g", worst_leak(&exact));
+    CHECK(worst_leak(&regions) == 0.0, "regions leak %g", worst_leak(&regions));
+    CHECK(worst_leak(&chebyshev) > 0.0 && worst_leak(&chebyshev) < 0.01, "depths %g", worst_leak(&chebyshev));
+    CHECK(masked.at[LEAKS_ANYWHERE].leak < trilinear.at[LEAKS_ANYWHERE].leak, "masks %g",
+          masked.at[LEAKS_ANYWHERE].leak);
+    CHECK(trilinear.step < 1e-3 && regions.step < 1e-3, "steps %g, %g", trilinear.step, regions.step);
+    CHECK(masked.step > 0.05, "masks have steps: %g", masked.step);
+    CHECK(fabs(regions.at[LEAKS_ANYWHERE].own_mean) < 0.05, "mean of regions %g", regions.at[LEAKS_ANYWHERE].own_mean);
+    room_fixture_close(&rooms);
+}
+
+/* --- regions ----------------------------------------------------------------------------------------------------- */
+
+/* Regions of the cell that holds a point of the scene's own axes. */
+static region_cell cell_around(const room_fixture *rooms, lmb_vec3 own)
+{
+    const leaks_cell at = leaks_cell_of(&rooms->field, lmb_leak_scene_to_world(rooms->level.scene, own));
+    region_cell cell;
+    region_cell_find(&rooms->field, at.at, &cell);
+    return cell;
+}
+
+static void a_wall_makes_two_regions(void)
+{
+    static const char *const names[] = {"wall.1mm", "turned.1mm", "tilted.50mm"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        room_fixture rooms;
+        if (!room_fixture_open(&rooms, names[i], 1.0f)) {
+            continue;
+        }
+        const lmb_leak_scene *scene = rooms.level.scene;
+        const region_cell wall = cell_around(&rooms, lmb_vec3_of(0, 1.5f, 0.1f));
+        CHECK(wall.count == 2, "%s: %d regions", names[i], wall.count);
+        CHECK((wall.real[0] & wall.real[1]) == 0, "%s: a corner in both", names[i]);
+        const float near = scene->wall_m / 2 + 0.001f;
+        const uint8_t red = region_at(&wall, lmb_leak_scene_to_world(scene, lmb_vec3_of(-near, 1.5f, 0.1f))),
+                      green = region_at(&wall, lmb_leak_scene_to_world(scene, lmb_vec3_of(near, 1.5f, 0.1f)));
+        CHECK(red != green && red < 2 && green < 2, "%s: %d and %d", names[i], red, green);
+        const region_cell open = cell_around(&rooms, lmb_vec3_of(-2, 1.5f, 0.1f));
+        CHECK(open.count == 1 && open.real[0] == 0xff && open.plane_count == 0, "%s: in the open %d, %x, %d", names[i],
+              open.count, (unsigned)open.real[0], open.plane_count);
+        room_fixture_close(&rooms);
+    }
+}
+
+static const test_case cases[] = {
+    {"rooms are sealed or open", rooms_are_sealed_or_open},
+    {"a step of known height is found", a_step_of_known_height_is_found},
+    {"figures by hand", figures_by_hand},
+    {"fits by hand", fits_by_hand},
+    {"sealed rooms tell methods apart", sealed_rooms_tell_methods_apart},
+    {"a wall makes two regions", a_wall_makes_two_regions},
+};
+
+TEST_MAIN(cases)
