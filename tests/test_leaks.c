@@ -254,7 +254,7 @@ static void sealed_rooms_tell_methods_apart(void)
         CHECK(point->truth.channel[1 - point->home].c[0] == 0.0f, "point %zu: foreign light in the truth", i);
         CHECK(point->truth.channel[point->home].c[0] > 0.0f, "point %zu: no light", i);
     }
-    CHECK(at[0] == 64 && at[1] == 64 && at[2] == 128 && rooms.places.line_count == 24, "%zu, %zu, %zu, %zu", at[0],
+    CHECK(at[0] == 128 && at[1] == 128 && at[2] == 512 && rooms.places.line_count == 64, "%zu, %zu, %zu, %zu", at[0],
           at[1], at[2], rooms.places.line_count);
     const leaks_figures trilinear = figures_of(&rooms, "trilinear"), exact = figures_of(&rooms, "masked.exact"),
                         masked = figures_of(&rooms, "masked"), chebyshev = figures_of(&rooms, "chebyshev"),

@@ -24,15 +24,19 @@
 #include "leaks_measure.h"
 #include "leaks_picture.h"
 
-static const char usage[] = "usage: lambent_leaks [options]\n"
-                            "\n"
-                            "  --spacing M,...       metres between probes (default 0.5,1,2)\n"
-                            "  --scene NAME,...      (default: all; an unknown one lists them)\n"
-                            "  --method NAME,...     ways of interpolating (default: all; likewise)\n"
-                            "  --json                one JSON object in place of the tables\n"
-                            "  --pictures DIR        plans as PNG, for each scene, spacing and method\n";
+static const char usage[] =
+    "usage: lambent_leaks [options]\n"
+    "\n"
+    "  --spacing M,...       metres between probes (default 0.5,1,2, and 0.25 in small scenes)\n"
+    "  --scene NAME,...      (default: all; an unknown one lists them)\n"
+    "  --method NAME,...     ways of interpolating (default: all; likewise)\n"
+    "  --json                one JSON object in place of the tables\n"
+    "  --pictures DIR        plans as PNG, for each scene, spacing and method\n";
 
 enum { PROBE_SAMPLES = 256, TRUTH_SAMPLES = 1024, MOST_SPACINGS = 8 };
+
+/* By default scenes that are not small have no probes nearer to each other: it would take minutes more. */
+#define LEAST_OF_LARGE_M 0.5
 
 /* One method in one scene at one spacing. */
 typedef struct leaks_row {
@@ -47,6 +51,7 @@ typedef struct leaks_row {
 typedef struct leaks_run {
     double spacing[MOST_SPACINGS];
     int spacing_count;
+    bool spacing_given;
     const char *scenes, *methods; /* names and commas; NULL: all */
     bool json;
     const char *pictures; /* folder, or NULL */
@@ -176,7 +181,9 @@ static lmb_result scene_measure(leaks_run *run, const lmb_leak_scene *scene, lmb
         lmb_error_set(error, result, "out of memory for points");
     } else {
         for (int i = 0; i < run->spacing_count && result == LMB_OK; ++i) {
-            result = spacing_measure(run, &level, &places, run->spacing[i], error);
+            if (run->spacing_given || scene->small || run->spacing[i] >= LEAST_OF_LARGE_M) {
+                result = spacing_measure(run, &level, &places, run->spacing[i], error);
+            }
         }
         leaks_places_free(&places);
     }
@@ -262,6 +269,7 @@ static void take_spacings(leaks_run *run, lmb_arguments *arguments, const char *
 {
     const char *text = arguments_text(arguments, option);
     run->spacing_count = 0;
+    run->spacing_given = true;
     while (!arguments->failed && text) {
         char *end;
         const double spacing = strtod(text, &end);
@@ -328,7 +336,8 @@ static void take_argument(leaks_run *run, lmb_arguments *arguments, const char *
 
 int main(int count, char **values)
 {
-    leaks_run run = {.spacing = {0.5, 1.0, 2.0}, .spacing_count = 3, .level_path = "/tmp/lambent_leaks_XXXXXX.glb"};
+    leaks_run run = {
+        .spacing = {0.25, 0.5, 1.0, 2.0}, .spacing_count = 4, .level_path = "/tmp/lambent_leaks_XXXXXX.glb"};
     lmb_arguments arguments = arguments_begin(count - 1, values + 1, "leaks", usage);
     for (const char *argument; (argument = arguments_next(&arguments));) {
         take_argument(&run, &arguments, argument);

@@ -9,7 +9,7 @@
 
 #include "leaks_measure.h"
 
-enum { POINTS = 64, POINTS_ANYWHERE = 128, LINES = 24, TRIES = 1 << 14 };
+enum { POINTS = 128, POINTS_ANYWHERE = 512, LINES = 64, TRIES = 1 << 15 };
 
 /* Behind a surface that divides, a foreign room is nearer than this. */
 #define DIVIDES_M 0.6f
@@ -30,13 +30,13 @@ static bool is_free(const leaks_level *level, lmb_vec3 at)
     return lmb_placement_is_free(level->level.tracer, at, &rays);
 }
 
-/* Whether a foreign room lies behind a surface. */
+/* Whether a foreign room lies behind a surface. What divides may stand within a room (a house, a column). */
 static bool divides(const leaks_level *level, lmb_vec3 surface, lmb_vec3 normal, int home)
 {
     for (float depth = 0.0015f; depth < DIVIDES_M; depth += depth < 0.02f ? 0.001f : 0.02f) {
         const int behind = home_at(level->scene, lmb_vec3_mad(surface, normal, -depth));
-        if (behind >= 0) {
-            return behind != home;
+        if (behind >= 0 && behind != home) {
+            return true;
         }
     }
     return false;

@@ -31,6 +31,7 @@ typedef struct lmb_leak_scene {
     float red, green; /* radiance of the lamps */
     bool open;        /* light gets from room to room, by ways that the truth knows too */
     bool on_lattice;  /* the middle of what divides lies on x = 0 or y = 0, so on a plane of probes of any spacing */
+    bool small;       /* worth probes every quarter of a metre */
 } lmb_leak_scene;
 
 /* All scenes; `*count` of them. */
