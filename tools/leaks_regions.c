@@ -14,13 +14,20 @@
 #define SAME_PLANE_SPACINGS 0.002f
 #define SAME_PLANE_COSINE 0.9995f
 
-enum { MOST_CANDIDATES = 48 };
+/* Where a ray from a node ends, so much of its way before a surface, is the node's region: what planes have to get
+ * right is beside walls. */
+#define BEFORE_SURFACE 0.02f
+
+enum { MOST_CANDIDATES = 48, MOST_ENDS = 6 * REGION_NODES };
 
 typedef struct candidates {
     region_plane plane[MOST_CANDIDATES];
     int votes[MOST_CANDIDATES]; /* pairs of nodes that it parts */
     int count;
     float same; /* metres */
+    lmb_vec3 end[MOST_ENDS];
+    int node[MOST_ENDS]; /* whose ray ended there */
+    int end_count;
 } candidates;
 
 float region_node(int i)
@@ -53,13 +60,15 @@ static void candidate_add(candidates *all, region_plane plane)
 }
 
 /* Whether one node sees the other; the planes of what is met from either side are candidates. */
-static bool node_sees(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, candidates *all)
+static bool node_sees(const lmb_tracer *tracer, const lmb_vec3 *point, const int pair[2], candidates *all)
 {
     bool seen = true;
     for (int way = 0; way < 2; ++way) {
         lmb_hit hit;
-        const lmb_vec3 start = way ? to : from, end = way ? from : to;
-        if (lmb_trace_nearest(tracer, start, lmb_vec3_sub(end, start), 0.0f, 1.0f, &hit)) {
+        const lmb_vec3 start = point[pair[way]], ray = lmb_vec3_sub(point[pair[1 - way]], start);
+        if (lmb_trace_nearest(tracer, start, ray, 0.0f, 1.0f, &hit)) {
+            all->node[all->end_count] = pair[way];
+            all->end[all->end_count++] = lmb_vec3_mad(start, ray, (1.0f - BEFORE_SURFACE) * hit.distance);
             const lmb_place place = lmb_trace_place(tracer, &hit);
             candidate_add(all,
                           (region_plane){place.geometric_normal, lmb_vec3_dot(place.geometric_normal, place.position)});
@@ -78,17 +87,23 @@ static int signs_at(const region_plane *plane, int count, lmb_vec3 position)
     return signs;
 }
 
-/* How many nodes of each region are on each side of the planes. */
+/* How many nodes, and ends of their rays, of each region are on each side of the planes. */
 typedef struct census {
     int nodes[REGION_SIGNS][REGION_MOST];
 } census;
 
-static census census_of(const region_cell *cell, const lmb_vec3 *point, int planes)
+static census census_of(const region_cell *cell, const lmb_vec3 *point, const candidates *candidate, int planes)
 {
     census all = {{{0}}};
     for (int node = 0; node < REGION_NODES; ++node) {
         if (cell->label[node] != REGION_NONE) {
             ++all.nodes[signs_at(cell->plane, planes, point[node])][cell->label[node]];
+        }
+    }
+    for (int i = 0; i < candidate->end_count; ++i) {
+        const uint8_t label = cell->label[candidate->node[i]];
+        if (label != REGION_NONE) {
+            ++all.nodes[signs_at(cell->plane, planes, candidate->end[i])][label];
         }
     }
     return all;
@@ -116,14 +131,14 @@ static double census_impurity(const census *all)
 static void planes_choose(region_cell *cell, const lmb_vec3 *point, const candidates *all)
 {
     const double least = 1e-6; /* of rounding */
-    census now = census_of(cell, point, 0);
+    census now = census_of(cell, point, all, 0);
     double impurity = census_impurity(&now);
     while (impurity > least && cell->plane_count < REGION_PLANES) {
         int best = -1;
         double best_left = impurity - least;
         for (int i = 0; i < all->count; ++i) {
             cell->plane[cell->plane_count] = all->plane[i];
-            now = census_of(cell, point, cell->plane_count + 1);
+            now = census_of(cell, point, all, cell->plane_count + 1);
             const double left = census_impurity(&now);
             if (left < best_left || (best >= 0 && left <= best_left && all->votes[i] > all->votes[best])) {
                 best = i;
@@ -140,9 +155,9 @@ static void planes_choose(region_cell *cell, const lmb_vec3 *point, const candid
 
 /* What each side of the planes is: the region that has most nodes there; where there are none, that of the side which
  * differs in the fewest planes. */
-static void sides_name(region_cell *cell, const lmb_vec3 *point)
+static void sides_name(region_cell *cell, const lmb_vec3 *point, const candidates *candidate)
 {
-    const census all = census_of(cell, point, cell->plane_count);
+    const census all = census_of(cell, point, candidate, cell->plane_count);
     for (int signs = 0; signs < REGION_SIGNS; ++signs) {
         int best = 0;
         cell->region[signs] = REGION_NONE;
@@ -177,7 +192,7 @@ static void nodes_link(const lmb_tracer *tracer, const lmb_vec3 *point, uint8_t 
         link[node] = 0;
         for (int axis = 0; axis < 3; ++axis) {
             if (node / stride[axis] % REGION_NODE_SIDE < REGION_NODE_SIDE - 1 &&
-                node_sees(tracer, point[node], point[node + stride[axis]], all)) {
+                node_sees(tracer, point, (const int[2]){node, node + stride[axis]}, all)) {
                 link[node] |= (uint8_t)(1u << axis);
             }
         }
@@ -276,7 +291,7 @@ void region_cell_find(const leaks_field *field, const int32_t at[3], region_cell
         }
     }
     planes_choose(cell, point, &planes);
-    sides_name(cell, point);
+    sides_name(cell, point, &planes);
 }
 
 void region_cells_touch(const leaks_field *field, const int32_t at[3], int axis, const region_cell *low,

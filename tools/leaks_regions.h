@@ -10,7 +10,7 @@ enum {
     REGION_NODE_SIDE = 6,
     REGION_NODES = REGION_NODE_SIDE * REGION_NODE_SIDE * REGION_NODE_SIDE,
     REGION_MOST = 8, /* in a cell; smaller ones are left out */
-    REGION_PLANES = 5,
+    REGION_PLANES = 6,
     REGION_SIGNS = 1 << REGION_PLANES,
     REGION_NONE = 255
 };
