@@ -305,6 +305,24 @@ static void a_wall_makes_two_regions(void)
     }
 }
 
+/* A cell of 2 m holds a corner of the house, or many facets of the round wall: planes have to be chosen together, and
+ * by what lies right beside walls. */
+static void many_planes_part_two_regions(void)
+{
+    static const char *const names[] = {"nested", "curved"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        room_fixture rooms;
+        if (!room_fixture_open(&rooms, names[i], 2.0f)) {
+            continue;
+        }
+        const leaks_figures trilinear = figures_of(&rooms, "trilinear"), regions = figures_of(&rooms, "regions");
+        CHECK(worst_leak(&trilinear) > 0.3, "%s: trilinear leaks %g", names[i], worst_leak(&trilinear));
+        CHECK(worst_leak(&regions) == 0.0, "%s: regions leak %g", names[i], worst_leak(&regions));
+        CHECK(regions.step < 1e-3, "%s: a step of %g", names[i], regions.step);
+        room_fixture_close(&rooms);
+    }
+}
+
 static const test_case cases[] = {
     {"rooms are sealed or open", rooms_are_sealed_or_open},
     {"a step of known height is found", a_step_of_known_height_is_found},
@@ -312,6 +330,7 @@ static const test_case cases[] = {
     {"fits by hand", fits_by_hand},
     {"sealed rooms tell methods apart", sealed_rooms_tell_methods_apart},
     {"a wall makes two regions", a_wall_makes_two_regions},
+    {"many planes part two regions", many_planes_part_two_regions},
 };
 
 TEST_MAIN(cases)
