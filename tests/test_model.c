@@ -66,13 +66,17 @@ static void rows_are_the_sampler(void)
     const lmb_sh3_rgb light = some_light();
     const lmb_vec3 n_v = {0.0f, 1.0f, 0.0f}, n = {0.6f, 0.8f, 0.0f};
     const lmb_irradz irradz = lmb_irradz_encode(&light, n_v, 0.3f);
-    const lmb_hhd_rgb hhd = lmb_irradz_decode(&irradz, n_v);
+    const lmb_irradz probe_irradz = lmb_irradz_from_probe(&light, n_v, 0.3f);
+    const lmb_hhd_rgb hhd = lmb_irradz_decode(&irradz, n_v), probe_hhd = lmb_irradz_decode(&probe_irradz, n_v);
     const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(&light, n_v, 0.3f);
+    const lmb_hlsh_rgb probe_hlsh = lmb_hlsh_rgb_from_probe(&light, n_v, 0.3f);
     const struct {
         const char *name;
         lmb_rgb irradiance;
     } expected[] = {{"irradz-hhd", lmb_hhd_rgb_evaluate(&hhd, n_v, n)},
-                    {"hlsh", lmb_hlsh_rgb_evaluate(&hlsh, n_v, n)},
+                    {"hhd.closed.fitted", lmb_hhd_rgb_evaluate(&probe_hhd, n_v, n)},
+                    {"hlsh.t1", lmb_hlsh_rgb_evaluate(&hlsh, n_v, n)},
+                    {"hlsh.fitted", lmb_hlsh_rgb_evaluate(&probe_hlsh, n_v, n)},
                     {"sh3", lmb_sh3_rgb_irradiance(&light, n)}};
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; ++i) {
         const lmb_model *model = lmb_model_find(expected[i].name);

@@ -27,6 +27,7 @@ static const struct {
     [CHECK_PROBE_VS_LIGHTMAP] = {"probe_vs_lightmap", true},
     [CHECK_COINCIDENT_PROBE_VS_LIGHTMAP] = {"coincident_probe_vs_lightmap", true},
     [CHECK_COINCIDENT_PROBE_VS_REFERENCE] = {"coincident_probe_vs_reference", false},
+    [CHECK_COINCIDENT_GRAM_VS_LIGHTMAP] = {"coincident_gram_vs_lightmap", true},
     [CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP] = {"unoccluded_probe_vs_lightmap", true},
     [CHECK_OBJECT_VS_REFERENCE] = {"probe_hlsh_vs_reference", false},
     [CHECK_PROBE_CONE_VS_LIGHTMAP] = {"probe_cone_vs_lightmap", true},
@@ -129,6 +130,7 @@ static void record(check_work *work, const surface_sample *sample, check_pair pa
     switch (pair) {
     case CHECK_PROBE_VS_LIGHTMAP:
     case CHECK_COINCIDENT_PROBE_VS_LIGHTMAP:
+    case CHECK_COINCIDENT_GRAM_VS_LIGHTMAP:
     case CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP:
     case CHECK_PROBE_CONE_VS_LIGHTMAP:
         if (!sample->has_lightmap) {
@@ -174,6 +176,8 @@ static void record_coincident(check_work *work, const surface_sample *sample)
     evaluate_probe(LMB_MODEL_FOR_SURFACE, &gathered.moments, sample->point.normal, 0.0f, sample->normals, &x);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &x);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, &x);
+    evaluate_probe(LMB_MODEL_FOR_LIGHTMAP, &gathered.moments, sample->point.normal, 0.0f, sample->normals, &x);
+    record(work, sample, CHECK_COINCIDENT_GRAM_VS_LIGHTMAP, &x);
 }
 
 static void record_cone(check_work *work, const surface_sample *sample, const lmb_sh3_rgb *radiance)

@@ -21,6 +21,7 @@ typedef enum check_pair {
     CHECK_PROBE_VS_LIGHTMAP,
     CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, /* as probe, but its SH3 traced at the very point */
     CHECK_COINCIDENT_PROBE_VS_REFERENCE,
+    CHECK_COINCIDENT_GRAM_VS_LIGHTMAP,  /* the same SH3 taken at their word: the default model of lightmaps */
     CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP, /* volume, SH3 irradiance, no occlusion */
     CHECK_OBJECT_VS_REFERENCE,          /* volume -> the default model of objects */
     CHECK_PROBE_CONE_VS_LIGHTMAP,       /* as probe, with the cone of AO rays within one spacing */

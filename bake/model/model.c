@@ -6,7 +6,9 @@
 
 static const lmb_model *const table[] = {
     &lmb_model_irradz_hhd,
+    &lmb_model_hhd_closed_fitted,
     &lmb_model_hlsh,
+    &lmb_model_hlsh_fitted,
     &lmb_model_sh3,
     &lmb_model_hhd_closed_gram,
     &lmb_model_hhd_channels_gram,

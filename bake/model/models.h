@@ -5,7 +5,9 @@
 #include <lambent/model.h>
 
 extern const lmb_model lmb_model_irradz_hhd;
+extern const lmb_model lmb_model_hhd_closed_fitted;
 extern const lmb_model lmb_model_hlsh;
+extern const lmb_model lmb_model_hlsh_fitted;
 extern const lmb_model lmb_model_sh3;
 extern const lmb_model lmb_model_hhd_closed_gram;
 extern const lmb_model lmb_model_hhd_channels_gram;
