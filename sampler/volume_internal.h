@@ -7,7 +7,9 @@
 
 struct lmb_volume {
     const uint32_t *directory;
-    const lmb_volume_brick *bricks;
+    const unsigned char *bricks; /* each with what follows it */
+    size_t brick_stride;
+    const lmb_volume_keys *keys; /* NULL: none */
     double inverse_spacing;
     double min[3];        /* lattice coordinates */
     double last[3];       /* of the box's last point, relative to min */
@@ -20,7 +22,19 @@ struct lmb_volume {
     bool is_allocated; /* false when the caller gave the handle's memory */
 };
 
-/* Verifies the file in memory wholly and sets header, directory, bricks, last_cell and bricks_along. Needs no memory.
+static inline const lmb_volume_brick *lmb_volume_brick_at(const lmb_volume *volume, uint32_t index)
+{
+    return (const lmb_volume_brick *)(volume->bricks + index * volume->brick_stride);
+}
+
+/* Of each key light, from the brick itself on. */
+static inline const lmb_brick_visibility *lmb_volume_brick_visibility(const lmb_volume_brick *brick)
+{
+    return (const lmb_brick_visibility *)(brick + 1);
+}
+
+/* Verifies the file in memory wholly and sets header, keys, directory, bricks, last_cell and bricks_along. Needs no
+ * memory.
  * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM */
 lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume *volume);
 

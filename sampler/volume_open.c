@@ -108,12 +108,24 @@ lmb_volume_info lmb_volume_get_info(const lmb_volume *volume)
         .bounds_max = lmb_lattice_position(&lattice, last),
         .scale = header->scale,
         .file_bytes = header->file_bytes,
+        .key_light_count = volume->keys ? volume->keys->count : 0,
     };
+}
+
+uint32_t lmb_volume_key_lights(const lmb_volume *volume, lmb_key_light light[LMB_KEY_LIGHTS_MOST])
+{
+    assert(volume && light);
+    if (!volume->keys) {
+        memset(light, 0, LMB_KEY_LIGHTS_MOST * sizeof *light);
+        return 0;
+    }
+    memcpy(light, volume->keys->light, sizeof volume->keys->light);
+    return volume->keys->count;
 }
 
 float lmb_volume_spacing_at(const lmb_volume *volume, lmb_vec3d position)
 {
     assert(volume);
-    (void)position; /* version 1 of the format has one spacing */
+    (void)position; /* the format has one spacing */
     return volume->header.spacing;
 }

@@ -80,8 +80,22 @@ static void blend_corners(const lmb_volume_brick *brick, uint32_t first, const f
     memcpy(radiance, sum, sizeof *radiance);
 }
 
-/* The one body of both kinds of position. */
-static bool sample_at(const lmb_volume *volume, double px, double py, double pz, lmb_sh3_rgb *radiance)
+static void blend_visibility(const lmb_volume *volume, const lmb_volume_brick *brick, uint32_t first,
+                             const float weight[8], float *visibility)
+{
+    const lmb_brick_visibility *const stored = lmb_volume_brick_visibility(brick);
+    for (uint32_t key = 0; volume->keys && key < volume->keys->count; ++key) {
+        float sum = 0.0f;
+        for (uint32_t i = 0; i < 8; ++i) {
+            sum += weight[i] * (float)stored[key].seen[first + lmb_brick_corner(i)];
+        }
+        visibility[key] = sum < 255.0f ? sum / 255.0f : 1.0f;
+    }
+}
+
+/* The one body of all samples. `visibility` may be NULL. */
+static inline bool sample_at(const lmb_volume *volume, double px, double py, double pz, lmb_sh3_rgb *radiance,
+                             float *visibility)
 {
     int32_t cell[3];
     float t[3];
@@ -96,7 +110,7 @@ static bool sample_at(const lmb_volume *volume, double px, double py, double pz,
         *radiance = (lmb_sh3_rgb){{{{0.0f}}}};
         return false;
     }
-    const lmb_volume_brick *const brick = &volume->bricks[brick_index];
+    const lmb_volume_brick *const brick = lmb_volume_brick_at(volume, brick_index);
     const uint32_t x = (uint32_t)cell[0] & 3u, y = (uint32_t)cell[1] & 3u, z = (uint32_t)cell[2] & 3u;
     const uint32_t first = lmb_brick_point(x, y, z);
 
@@ -109,17 +123,28 @@ static bool sample_at(const lmb_volume *volume, double px, double py, double pz,
         inside &= reweigh_corners(brick, first, t, volume->slack, weight);
     }
     blend_corners(brick, first, weight, volume->scale, radiance);
+    if (visibility) {
+        blend_visibility(volume, brick, first, weight, visibility);
+    }
     return inside;
 }
 
 bool lmb_volume_sample(const lmb_volume *volume, lmb_vec3 position, lmb_sh3_rgb *radiance)
 {
     assert(volume && radiance);
-    return sample_at(volume, (double)position.x, (double)position.y, (double)position.z, radiance);
+    return sample_at(volume, (double)position.x, (double)position.y, (double)position.z, radiance, NULL);
 }
 
 bool lmb_volume_sample_at(const lmb_volume *volume, lmb_vec3d position, lmb_sh3_rgb *radiance)
 {
     assert(volume && radiance);
-    return sample_at(volume, position.x, position.y, position.z, radiance);
+    return sample_at(volume, position.x, position.y, position.z, radiance, NULL);
+}
+
+bool lmb_volume_sample_with_keys(const lmb_volume *volume, lmb_vec3d position, lmb_sh3_rgb *radiance,
+                                 float visibility[LMB_KEY_LIGHTS_MOST])
+{
+    assert(volume && radiance && visibility);
+    memset(visibility, 0, LMB_KEY_LIGHTS_MOST * sizeof *visibility);
+    return sample_at(volume, position.x, position.y, position.z, radiance, visibility);
 }

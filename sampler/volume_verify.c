@@ -1,5 +1,6 @@
 #include "volume_internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -7,7 +8,16 @@
 #error "the .lmb file is used in place and is little-endian"
 #endif
 _Static_assert(sizeof(lmb_volume_header) == LMB_VOLUME_HEADER_BYTES, "the header has no padding");
+_Static_assert(sizeof(lmb_volume_keys) == LMB_VOLUME_KEYS_BYTES, "nor have key lights");
 _Static_assert(sizeof(lmb_volume_brick) == LMB_BRICK_BYTES, "a brick has no padding");
+_Static_assert(sizeof(lmb_brick_visibility) == LMB_BRICK_KEY_BYTES, "nor has what follows it");
+
+/* Of the header with key lights. */
+static uint32_t header_bytes(uint32_t version)
+{
+    return version == LMB_VOLUME_VERSION_WITH_KEYS ? LMB_VOLUME_HEADER_BYTES + LMB_VOLUME_KEYS_BYTES
+                                                   : LMB_VOLUME_HEADER_BYTES;
+}
 
 /* Magic, version, size and checksum: are these the bytes that were written, and can this library read them? */
 static lmb_result check_envelope(const unsigned char *data, size_t size, lmb_volume_header *header)
@@ -21,14 +31,14 @@ static lmb_result check_envelope(const unsigned char *data, size_t size, lmb_vol
         return LMB_ERROR_TRUNCATED;
     }
     memcpy(&version, data + LMB_VOLUME_MAGIC_SIZE, sizeof version);
-    if (version != LMB_VOLUME_VERSION) {
-        return version > LMB_VOLUME_VERSION ? LMB_ERROR_VERSION : LMB_ERROR_FORMAT;
+    if (version != LMB_VOLUME_VERSION && version != LMB_VOLUME_VERSION_WITH_KEYS) {
+        return version > LMB_VOLUME_VERSION_WITH_KEYS ? LMB_ERROR_VERSION : LMB_ERROR_FORMAT;
     }
-    if (size < sizeof *header) {
+    if (size < header_bytes(version)) {
         return LMB_ERROR_TRUNCATED;
     }
     memcpy(header, data, sizeof *header);
-    if (header->header_bytes != LMB_VOLUME_HEADER_BYTES || header->file_bytes < LMB_VOLUME_HEADER_BYTES ||
+    if (header->header_bytes != header_bytes(version) || header->file_bytes < header_bytes(version) ||
         header->file_bytes < size) {
         return LMB_ERROR_FORMAT;
     }
@@ -40,8 +50,32 @@ static lmb_result check_envelope(const unsigned char *data, size_t size, lmb_vol
     return checksum == header->checksum ? LMB_OK : LMB_ERROR_CHECKSUM;
 }
 
-/* Every number of the header by itself. */
-static bool header_is_sane(const lmb_volume_header *header)
+static bool key_light_is_sane(const lmb_key_light *light)
+{
+    const double x = (double)light->direction.x, y = (double)light->direction.y, z = (double)light->direction.z;
+    bool sane = fabs(x * x + y * y + z * z - 1.0) <= 1e-4; /* not of NaN or infinity */
+    for (int c = 0; c < 3; ++c) {
+        sane = sane && light->irradiance.c[c] >= 0.0f && light->irradiance.c[c] <= FLT_MAX;
+    }
+    return sane;
+}
+
+static bool keys_are_sane(const lmb_volume_keys *keys)
+{
+    static const lmb_key_light none = {{0.0f, 0.0f, 0.0f}, {{0.0f, 0.0f, 0.0f}}};
+    bool sane = keys->count >= 1 && keys->count <= LMB_KEY_LIGHTS_MOST;
+    for (size_t i = 0; i < sizeof keys->reserved / sizeof keys->reserved[0]; ++i) {
+        sane = sane && keys->reserved[i] == 0;
+    }
+    for (uint32_t i = 0; i < LMB_KEY_LIGHTS_MOST; ++i) {
+        sane = sane && (i < keys->count ? key_light_is_sane(&keys->light[i])
+                                        : memcmp(&keys->light[i], &none, sizeof none) == 0);
+    }
+    return sane;
+}
+
+/* Every number of the header by itself; `stride` of bricks with what follows them. */
+static bool header_is_sane(const lmb_volume_header *header, size_t stride)
 {
     int exponent;
     if (!isfinite(header->spacing) || header->spacing <= 0.0f || !isfinite(header->scale) ||
@@ -62,8 +96,8 @@ static bool header_is_sane(const lmb_volume_header *header)
             return false;
         }
     }
-    return header->probe_count > 0 && header->brick_count > 0 && header->brick_bytes == LMB_BRICK_BYTES &&
-           header->directory_offset == LMB_VOLUME_HEADER_BYTES;
+    return header->probe_count > 0 && header->brick_count > 0 && header->brick_bytes == stride &&
+           header->directory_offset == header->header_bytes;
 }
 
 /* Directory and bricks fill the file exactly. Sets bricks_along and *entries. */
@@ -78,11 +112,11 @@ static bool plan_layout(const lmb_volume_header *header, lmb_volume *volume, siz
             return false;
         }
     }
-    const uint64_t end = LMB_VOLUME_HEADER_BYTES + count * sizeof(uint32_t);
+    const uint64_t end = header->header_bytes + count * sizeof(uint32_t);
     const uint64_t bricks_offset = (end + LMB_VOLUME_ALIGNMENT - 1) / LMB_VOLUME_ALIGNMENT * LMB_VOLUME_ALIGNMENT;
     *entries = (size_t)count;
     return header->bricks_offset == bricks_offset && header->file_bytes >= bricks_offset &&
-           header->file_bytes - bricks_offset == header->brick_count * (uint64_t)LMB_BRICK_BYTES;
+           header->file_bytes - bricks_offset == header->brick_count * (uint64_t)volume->brick_stride;
 }
 
 /* All halfs finite: exponent 31 is infinity or NaN. Those of points without a probe, and the five at the end, are 0. */
@@ -100,6 +134,20 @@ static bool brick_halfs_are_sane(const lmb_volume_brick *brick)
         broken |= brick->sh[i];
     }
     return broken == 0;
+}
+
+/* What is seen of key lights is 0 at points without a probe, and in the three bytes at the end. */
+static bool brick_visibility_is_sane(const lmb_volume *volume, const lmb_volume_brick *brick)
+{
+    const lmb_brick_visibility *const stored = lmb_volume_brick_visibility(brick);
+    bool sane = true;
+    for (uint32_t key = 0; volume->keys && key < volume->keys->count; ++key) {
+        for (uint32_t point = 0; point < LMB_BRICK_KEY_BYTES; ++point) {
+            const bool held = point < LMB_BRICK_PROBES && lmb_brick_holds(brick, point);
+            sane = sane && (held || stored[key].seen[point] == 0);
+        }
+    }
+    return sane;
 }
 
 static bool complete_cells_are_sane(const lmb_volume_brick *brick)
@@ -152,16 +200,16 @@ static bool contents_are_sane(const lmb_volume *volume, size_t entries)
         if (volume->directory[entry] != next || next == volume->header.brick_count) {
             return false;
         }
-        const lmb_volume_brick *const brick = &volume->bricks[next++];
+        const lmb_volume_brick *const brick = lmb_volume_brick_at(volume, next++);
         const size_t along_x = volume->bricks_along[0], along_y = volume->bricks_along[1];
         const size_t at[3] = {entry % along_x, entry / along_x % along_y, entry / along_x / along_y};
-        if (!brick_halfs_are_sane(brick) || !complete_cells_are_sane(brick) ||
-            !count_probes(volume, brick, at, &probe_count)) {
+        if (!brick_halfs_are_sane(brick) || !brick_visibility_is_sane(volume, brick) ||
+            !complete_cells_are_sane(brick) || !count_probes(volume, brick, at, &probe_count)) {
             return false;
         }
     }
     const unsigned char *padding = (const unsigned char *)(volume->directory + entries);
-    for (; padding < (const unsigned char *)volume->bricks; ++padding) {
+    for (; padding < volume->bricks; ++padding) {
         if (*padding != 0) {
             return false;
         }
@@ -175,11 +223,18 @@ lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume 
     if (result != LMB_OK) {
         return result;
     }
-    size_t entries;
-    if (!header_is_sane(&volume->header) || !plan_layout(&volume->header, volume, &entries)) {
+    const lmb_volume_header *const header = &volume->header;
+    const bool with_keys = header->version == LMB_VOLUME_VERSION_WITH_KEYS;
+    volume->keys = with_keys ? (const lmb_volume_keys *)(data + LMB_VOLUME_HEADER_BYTES) : NULL;
+    if (volume->keys && !keys_are_sane(volume->keys)) {
         return LMB_ERROR_FORMAT;
     }
-    volume->directory = (const uint32_t *)(data + LMB_VOLUME_HEADER_BYTES);
-    volume->bricks = (const lmb_volume_brick *)(data + volume->header.bricks_offset);
+    volume->brick_stride = LMB_BRICK_BYTES + (volume->keys ? volume->keys->count * (size_t)LMB_BRICK_KEY_BYTES : 0);
+    size_t entries;
+    if (!header_is_sane(header, volume->brick_stride) || !plan_layout(header, volume, &entries)) {
+        return LMB_ERROR_FORMAT;
+    }
+    volume->directory = (const uint32_t *)(data + header->directory_offset);
+    volume->bricks = data + header->bricks_offset;
     return contents_are_sane(volume, entries) ? LMB_OK : LMB_ERROR_FORMAT;
 }

@@ -9,7 +9,7 @@
 
 static inline lmb_irradz irradz_of(const float *channel)
 {
-    return (lmb_irradz){{{channel[0], channel[1], channel[2]}}, channel[3], {channel[4], channel[5], channel[6]}};
+    return (lmb_irradz){{{channel[0], channel[1], channel[2]}}, channel[6], {channel[3], channel[4], channel[5]}};
 }
 
 static inline lmb_irradz image_irradz(const lmb_lightmap_image *image, size_t pixel)
@@ -24,8 +24,8 @@ static inline lmb_irradz image_irradz(const lmb_lightmap_image *image, size_t pi
 static inline void image_set_irradz(const lmb_lightmap_image *image, size_t pixel, const lmb_irradz *texel)
 {
     const float channel[7] = {texel->irradiance_z.c[0], texel->irradiance_z.c[1], texel->irradiance_z.c[2],
-                              texel->ambient_weight,    texel->direction.x,       texel->direction.y,
-                              texel->direction.z};
+                              texel->direction.x,       texel->direction.y,       texel->direction.z,
+                              texel->ambient_weight};
     for (int c = 0; c < 7; ++c) {
         lmb_lightmap_plane(image, c)[pixel] = channel[c];
     }

@@ -5,6 +5,7 @@
 #include <lambent/emitters.h>
 #include <lambent/environment.h>
 #include <lambent/gltf.h>
+#include <lambent/key_lights.h>
 #include <lambent/pool.h>
 #include <lambent/gather_sh3.h>
 #include <lambent/trace.h>
@@ -29,14 +30,19 @@ static inline void level_fixture_close(level_fixture *level)
     memset(level, 0, sizeof *level);
 }
 
-/* Loads the level at `path`. `environment` NULL: none. A failure is a failed check, and false. */
-static inline bool level_fixture_load(level_fixture *level, const char *path, const char *environment, int threads)
+/* Loads the level at `path`, with up to so many key lights. `environment` NULL: none. A failure is a failed check, and
+ * false. */
+static inline bool level_fixture_load_with_keys(level_fixture *level, const char *path, const char *environment,
+                                                int threads, uint32_t key_lights)
 {
     lmb_error error = {{0}};
     memset(level, 0, sizeof *level);
     lmb_result result = lmb_gltf_load(path, NULL, &level->scene, &error);
     if (result == LMB_OK && environment) {
         result = lmb_scene_set_environment(level->scene, environment, &error);
+    }
+    if (result == LMB_OK) {
+        result = lmb_scene_choose_key_lights(level->scene, key_lights);
     }
     if (result == LMB_OK) {
         result = lmb_tracer_create(level->scene, NULL, threads, &level->tracer, &error);
@@ -54,6 +60,12 @@ static inline bool level_fixture_load(level_fixture *level, const char *path, co
     }
     level->transport = (lmb_transport){.tracer = level->tracer, .emitters = level->emitters, .bounces = -1};
     return true;
+}
+
+/* The same without key lights. */
+static inline bool level_fixture_load(level_fixture *level, const char *path, const char *environment, int threads)
+{
+    return level_fixture_load_with_keys(level, path, environment, threads, 0);
 }
 
 /* The same for a level that was just written to `path`; `written` and `error` say how that went. */

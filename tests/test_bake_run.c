@@ -201,7 +201,8 @@ static void settings_are_values(void)
     if (!room_bake(OUTPUT "/copy", &copy, &copied)) {
         return;
     }
-    static const char *const files[] = {"probes.lmb", "probes.vdb", "lightmap/lightmap_0.exr"};
+    static const char *const files[] = {"probes.lmb", "probes.vdb", "lightmap/lightmap_0.exr",
+                                        "lightmap/lightmap_0_hhd.exr"};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i) {
         char first[512], second[512];
         snprintf(first, sizeof first, OUTPUT "/settings/%s", files[i]);
@@ -293,7 +294,7 @@ static void the_record_is_what_lies_there(void)
     }
     char *text = lmb_bake_record_text(&record);
     cJSON *told = cJSON_Parse(text), *there = cJSON_ParseWithLength((const char *)data, size);
-    CHECK(cJSON_GetArraySize(cJSON_GetObjectItem(there, "files")) == 4, "%s", (const char *)data);
+    CHECK(cJSON_GetArraySize(cJSON_GetObjectItem(there, "files")) == 5, "%s", (const char *)data);
     cJSON_DeleteItemFromObject(there, "files");
     CHECK(cJSON_Compare(told, there, true), "told\n%s\nand there\n%s", text, (const char *)data);
     const double used = cJSON_GetNumberValue(cJSON_GetObjectItem(there, "texels_used"));

@@ -26,10 +26,10 @@ static void one_point_by_hand(void)
     const lmb_rgb r1[2] = {{{1, 1, 1}}, {{0, 2, 4}}};
     const lmb_rgb r2[2] = {{{3, 1, 2}}, {{0, 1, 4}}};
     const point_error error = point_error_of(x, r1, r2, 2);
-    /* (x-r1)(x-r2): 0*-2, 1*1, 2*1, 0, -2*-1, 2*2; r1 r2: 3, 1, 2, 0, 2, 16; x - mean: -1, 1, 1.5, 0, -1.5, 2 */
+    /* (x-r1)(x-r2): 0*-2, 1*1, 2*1, 0, -2*-1, 2*2; r1 r2: 3, 1, 2, 0, 2, 16 */
     CHECK_NEAR(error.product, (0 + 1 + 2 + 0 + 2 + 4) / 6.0, 1e-12, "product");
     CHECK_NEAR(error.reference, 24 / 6.0, 1e-12, "reference");
-    CHECK_NEAR(error.deviation, (1 + 1 + 2.25 + 0 + 2.25 + 4) / 6.0, 1e-12, "deviation");
+    CHECK_NEAR(error.own, (4 + 1 + 2.25 + 0 + 2.25 + 16) / 6.0, 1e-12, "own light");
     const point_light light = point_light_of(x, r1, r2, 2);
     CHECK_NEAR(light.reference, (2 + 1 + 1.5 + 0 + 1.5 + 4) / 6.0, 1e-12, "mean");
     CHECK_NEAR(light.reference_noise, (1 + 0 + 0.25 + 0 + 0.25 + 0) / 6.0, 1e-12, "noise");
@@ -39,30 +39,67 @@ static void one_point_by_hand(void)
 
 static void summary_by_hand(void)
 {
-    /* Deviations 1 .. 100 over a reference of 4: p95 is the 95th of them over 2. */
+    /* Own errors of 1 to 100 hundredths of a reference of 2: their squares' mean is 101 201 / 6e4. */
     point_error errors[100];
     for (int i = 0; i < 100; ++i) {
-        const double off = (37 * i) % 100 + 1;
-        errors[i] = (point_error){.product = i % 2 == 0 ? 1.0 : 3.0, .reference = 4.0, .deviation = off * off};
+        const double off = 0.02 * ((37 * i) % 100 + 1);
+        errors[i] = (point_error){.product = off * off, .reference = 4.0, .own = 4.0};
     }
     error_summary summary;
-    CHECK(error_summarize(errors, 100, &summary) == LMB_OK, "memory");
+    CHECK(error_summarize(errors, NULL, 100, &summary) == LMB_OK, "memory");
+    CHECK_NEAR(summary.rel_rmse, sqrt(101.0 * 201.0 / 6e4), 1e-9, "the mean of 1 to 100 squared");
+    CHECK_NEAR(summary.median, 0.50, 1e-9, "median");
+    CHECK_NEAR(summary.p95, 0.95, 1e-9, "p95");
+    CHECK_NEAR(summary.share_over_10pct, 0.90, 1e-9, "11 to 100 hundredths");
+    CHECK_NEAR(summary.max, 1.0, 1e-9, "max");
+    /* Products 1 and 3 in turn over a reference of 4: the ratio's residuals are +-1, its error sqrt(100/(100 99))/4,
+     * the root's half of that over sqrt(0.5). */
+    for (int i = 0; i < 100; ++i) {
+        errors[i].product = i % 2 == 0 ? 1.0 : 3.0;
+    }
+    CHECK(error_summarize(errors, NULL, 100, &summary) == LMB_OK, "memory");
     CHECK_NEAR(summary.rel_rmse, sqrt(2.0 / 4.0), 1e-12, "mean product 2, mean reference 4");
-    CHECK_NEAR(summary.p95, 95 / 2.0, 1e-9, "p95");
-    CHECK_NEAR(summary.max, 100 / 2.0, 1e-9, "max");
-    /* The ratio's residuals are +-1: its error sqrt(100/(100 99))/4, the root's half of that over sqrt(0.5). */
     CHECK_NEAR(summary.std_error, 0.5 * sqrt(1.0 / 99.0) / 4.0 / sqrt(0.5), 1e-12, "standard error");
+}
+
+/* Each point's own error is relative to its own light, but to no less than a hundredth of the mean. */
+static void own_errors_are_relative_to_own_light(void)
+{
+    const point_error errors[] = {
+        {.reference = 4.0, .own = 4.0, .product = 0.16},        /* 0.4 of 2 */
+        {.reference = 0.25, .own = 0.25, .product = 0.04},      /* 0.2 of 0.5 */
+        {.reference = 1e-6, .own = 1e-6, .product = 1e-6},      /* 0.001, of a hundredth of the mean of 0.8336... */
+        {.reference = 100.0, .own = 100.0, .product = 10000.0}, /* does not count */
+    };
+    const bool has[] = {true, true, true, false};
+    error_summary summary;
+    CHECK(error_summarize(errors, has, 4, &summary) == LMB_OK, "memory");
+    CHECK_NEAR(summary.median, 0.2, 1e-9, "the second of three");
+    CHECK_NEAR(summary.max, 0.4, 1e-9, "the largest of those that count");
+    CHECK_NEAR(summary.share_over_10pct, 1.0, 1e-9, "all three");
+    const bool last[] = {true, true, false, false};
+    CHECK(error_summarize(errors, last, 4, &summary) == LMB_OK && summary.median < 0.21, "the smaller of two");
+    const point_error dark[] = {errors[0], {.reference = 0.0, .own = 0.0, .product = 1e-4}};
+    CHECK(error_summarize(dark, NULL, 2, &summary) == LMB_OK, "memory");
+    CHECK_NEAR(summary.max, 1.0, 1e-9, "0.01 where it is dark, over a hundredth of the mean of 2 and 0");
+    const point_light lights[] = {{.reference = 2.0}, {.reference = 0.001, .excess = 0.5}, {.reference = 0.001}};
+    CHECK_NEAR(leak_summarize(lights, has, 3).leak, 0.25 / (2.002 / 3.0), 1e-9, "two dark points");
+    const bool without[] = {true, true, false};
+    CHECK_NEAR(leak_summarize(lights, without, 3).leak, 0.5 / (2.001 / 2.0), 1e-9, "one dark point");
 }
 
 static void nothing_to_measure_is_nan(void)
 {
-    const point_error dark = {.product = 1.0, .reference = 0.0, .deviation = 1.0};
+    const point_error dark = {.product = 1.0, .reference = 0.0};
     error_summary summary = {0};
-    CHECK(error_summarize(NULL, 0, &summary) == LMB_OK && isnan(summary.rel_rmse) && isnan(summary.max), "no points");
-    CHECK(error_summarize(&dark, 1, &summary) == LMB_OK && isnan(summary.rel_rmse) && isnan(summary.p95), "no light");
-    const point_error below = {.product = -0.5, .reference = 1.0, .deviation = 0.25};
-    CHECK(error_summarize(&below, 1, &summary) == LMB_OK && summary.rel_rmse == 0.0, "noise below zero clamps to 0");
-    const leak_summary leak = leak_summarize(NULL, 0);
+    CHECK(error_summarize(NULL, NULL, 0, &summary) == LMB_OK && isnan(summary.rel_rmse) && isnan(summary.max),
+          "no points");
+    CHECK(error_summarize(&dark, NULL, 1, &summary) == LMB_OK && isnan(summary.rel_rmse) && isnan(summary.p95),
+          "no light");
+    const point_error below = {.product = -0.5, .reference = 1.0, .own = 1.0};
+    CHECK(error_summarize(&below, NULL, 1, &summary) == LMB_OK && summary.rel_rmse == 0.0,
+          "noise below zero clamps to 0");
+    const leak_summary leak = leak_summarize(NULL, NULL, 0);
     CHECK(leak.leak == 0.0 && leak.dark_points == 0 && isnan(leak.reference_mean), "no points");
 }
 
@@ -92,7 +129,7 @@ static void noise_of_the_reference_cancels(void)
             errors[i] = point_error_of(x, r1, r2, NORMALS);
         }
         error_summary summary;
-        CHECK(error_summarize(errors, POINTS, &summary) == LMB_OK, "memory");
+        CHECK(error_summarize(errors, NULL, POINTS, &summary) == LMB_OK, "memory");
         sum += summary.rel_rmse;
         square_sum += summary.rel_rmse * summary.rel_rmse;
         claimed += summary.std_error / RUNS;
@@ -121,7 +158,7 @@ static void std_error_is_honest_where_it_is_small(void)
             errors[i] = point_error_of(&x, &r1, &r2, 1);
         }
         error_summary summary;
-        CHECK(error_summarize(errors, POINTS, &summary) == LMB_OK, "memory");
+        CHECK(error_summarize(errors, NULL, POINTS, &summary) == LMB_OK, "memory");
         sum += summary.rel_rmse;
         square_sum += summary.rel_rmse * summary.rel_rmse;
         claimed += summary.std_error / RUNS;
@@ -132,6 +169,20 @@ static void std_error_is_honest_where_it_is_small(void)
     CHECK_NEAR(claimed / spread, 1.0, 0.3, "claimed %g, spread %g", claimed, spread);
 }
 
+/* Points that are right though the reference is noisy: half of the products are below 0. */
+static void noise_does_not_make_half_of_the_points_wrong(void)
+{
+    enum { POINTS = 1001 };
+    point_error errors[POINTS];
+    for (uint32_t i = 0; i < POINTS; ++i) {
+        const lmb_rgb x = grey(1.0), r1 = grey(1.0 + noise(i, 6, 0.2)), r2 = grey(1.0 + noise(i, 7, 0.2));
+        errors[i] = point_error_of(&x, &r1, &r2, 1);
+    }
+    error_summary summary;
+    CHECK(error_summarize(errors, NULL, POINTS, &summary) == LMB_OK, "memory");
+    CHECK(summary.median < 0.05, "median %g of noise of 0.2", summary.median);
+}
+
 static void leak_counts_only_dark_points(void)
 {
     /* Mean reference 1: below 0.01 is dark. */
@@ -139,7 +190,7 @@ static void leak_counts_only_dark_points(void)
                                    {.reference = 1.985, .reference_product = 4.0, .reference_noise = 0.02},
                                    {.reference = 0.010, .excess = 7.0},
                                    {.reference = 0.005, .excess = 0.25}};
-    const leak_summary leak = leak_summarize(lights, 4);
+    const leak_summary leak = leak_summarize(lights, NULL, 4);
     CHECK_NEAR(leak.reference_mean, 1.0, 1e-12, "mean");
     CHECK(leak.dark_points == 1, "%zu dark points", leak.dark_points);
     CHECK_NEAR(leak.leak, 0.25, 1e-12, "leak");
@@ -384,6 +435,36 @@ static void lightmaps_take_part(void)
     level_fixture_close(&level);
 }
 
+/* Points are added until the standard error of every line is below a tenth of its figure, or there are enough. */
+static void points_are_added_until_enough_is_known(void)
+{
+    lmb_error error = {""};
+    const char *path = OUTPUT("round_rooms.glb");
+    const lmb_two_rooms rooms = lmb_two_rooms_default();
+    level_fixture level;
+    constant_volume light;
+    if (!level_fixture_open(&level, path, lmb_level_two_rooms(path, &rooms, &error), &error, 2)) {
+        return;
+    }
+    if (constant_volume_make(level.scene, (lmb_rgb){{0.25f, 0.25f, 0.25f}}, &light)) {
+        const check_subject subject = {&level.transport, light.volume, NULL, level.pool};
+        check_settings settings = {.points = 20, .max_points = 50, .samples = 64, .seed = 1};
+        check_report report;
+        CHECK(check_run(&subject, &settings, NULL, &report) == LMB_OK, "runs");
+        CHECK(report.points == 50, "%zu points: 20, 20 and 10", report.points);
+        settings.max_points = 100000;
+        CHECK(check_run(&subject, &settings, NULL, &report) == LMB_OK, "runs");
+        CHECK(report.points > 100 && report.points < 20000, "%zu points", report.points);
+        for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
+            const error_summary *one = &report.error[pair];
+            CHECK(isnan(one->rel_rmse) || one->std_error < 0.1 * one->rel_rmse, "%s: %g +- %g",
+                  check_pair_name((check_pair)pair), one->rel_rmse, one->std_error);
+        }
+        constant_volume_close(&light);
+    }
+    level_fixture_close(&level);
+}
+
 /* One room lit, one dark, and a volume that is equally bright all over: what the dark room's walls get is the leak. */
 static void leak_into_a_dark_room(void)
 {
@@ -414,9 +495,11 @@ static void leak_into_a_dark_room(void)
 static const test_case cases[] = {
     {"one_point_by_hand", one_point_by_hand},
     {"summary_by_hand", summary_by_hand},
+    {"own_errors_are_relative_to_own_light", own_errors_are_relative_to_own_light},
     {"nothing_to_measure_is_nan", nothing_to_measure_is_nan},
     {"noise_of_the_reference_cancels", noise_of_the_reference_cancels},
     {"std_error_is_honest_where_it_is_small", std_error_is_honest_where_it_is_small},
+    {"noise_does_not_make_half_of_the_points_wrong", noise_does_not_make_half_of_the_points_wrong},
     {"leak_counts_only_dark_points", leak_counts_only_dark_points},
     {"shading_normals_lean_60_degrees_at_most", shading_normals_lean_60_degrees_at_most},
     {"sphere_directions_are_uniform", sphere_directions_are_uniform},
@@ -424,6 +507,7 @@ static const test_case cases[] = {
     {"ambient_visibility_of_a_wall", ambient_visibility_of_a_wall},
     {"furnace_gives_the_error_that_was_put_in", furnace_gives_the_error_that_was_put_in},
     {"lightmaps_take_part", lightmaps_take_part},
+    {"points_are_added_until_enough_is_known", points_are_added_until_enough_is_known},
     {"leak_into_a_dark_room", leak_into_a_dark_room},
 };
 

@@ -452,6 +452,37 @@ static void test_decode_mends_what_filtering_breaks(void)
     check_light(lmb_hhd_rgb_evaluate(&mended, n_v, n_v).c[2], "infinite I_z", 0);
 }
 
+static void compare_at_once(const lmb_irradz *irradz, lmb_vec3 n_v, lmb_vec3 n, int k)
+{
+    const lmb_hhd_rgb hhd = lmb_irradz_decode(irradz, n_v);
+    const lmb_rgb apart = lmb_hhd_rgb_evaluate(&hhd, n_v, n), once = lmb_irradz_evaluate(irradz, n_v, n);
+    for (int c = 0; c < 3; ++c) {
+        check_light(once.c[c], "at once", k);
+        CHECK_NEAR(once.c[c], apart.c[c], 4e-6 * (double)(hhd.ambient.c[c] + hhd.directional.c[c]) + 1e-37,
+                   "case %d, channel %d", k, c);
+    }
+}
+
+/* Decoding and evaluating at once gives what one after the other does, whatever is stored. */
+static void test_at_once_is_one_after_the_other(void)
+{
+    static const float weights[] = {-0.5f, 0.0f, 0.3f, 1.0f, 7.0f, NAN};
+    uint64_t random = 7;
+    for (int k = 0; k < 60000; ++k) {
+        lmb_vec3 n_v;
+        const ovec n = oracle_random_normal(&random, &n_v);
+        const double angle = k % 3 == 0 ? 1.5 + 0.08 * oracle_random(&random) : ORACLE_PI * oracle_random(&random);
+        const double length = k % 5 == 0 ? pow(10.0, -30.0 * oracle_random(&random)) : oracle_random(&random);
+        const ovec d = direction_at(n, angle, 2 * ORACLE_PI * oracle_random(&random));
+        const ovec shading =
+            direction_at(n, ORACLE_PI * oracle_random(&random), 2 * ORACLE_PI * oracle_random(&random));
+        const float w = k % 7 == 0 ? weights[k / 7 % 6] : (float)oracle_random(&random);
+        const ovec none = {0, 0, 0};
+        const lmb_irradz irradz = {{{1.0f, 1e-3f, 6e4f}}, w, ovec_float(ovec_mix(none, 0.0, d, length))};
+        compare_at_once(&irradz, n_v, ovec_float(shading), k);
+    }
+}
+
 /* What filtering gives: a d that agrees decodes as it stands; one that was mixed from surfaces facing apart says less
  * the lower n_v.d is before d is made unit, and nothing at the horizon. */
 static void test_decode_trusts_directions_that_agree(void)
@@ -653,6 +684,7 @@ static const test_case cases[] = {
     {"random non-negative radiance", test_random_non_negative_radiance},
     {"each rule of the solve", test_each_rule_of_the_solve},
     {"solve scales", test_solve_scales},
+    {"at once is one after the other", test_at_once_is_one_after_the_other},
     {"delta light at every angle", test_delta_light_at_every_angle},
     {"a light on each axis", test_a_light_on_each_axis},
     {"named skies", test_named_skies},

@@ -147,10 +147,10 @@ static void files_broken_are_refused(void)
         "{",
         "[]",
         "{\"format\": \"lambent lightmap\"}",
-        "{\"format\": \"lambent lightmap\", \"version\": 2, \"encoding\": \"irradz-hhd\"}",
-        "{\"format\": \"lambent lightmap\", \"version\": 1, \"encoding\": \"irradz-hhd\", "
+        "{\"format\": \"lambent lightmap\", \"version\": 1, \"encoding\": \"irradz-hhd\"}",
+        "{\"format\": \"lambent lightmap\", \"version\": 2, \"encoding\": \"irradz-hhd\", "
         "\"images\": [3, null], \"nodes\": {}}",
-        "{\"format\": \"lambent lightmap\", \"version\": 1, \"encoding\": \"irradz-hhd\", "
+        "{\"format\": \"lambent lightmap\", \"version\": 2, \"encoding\": \"irradz-hhd\", "
         "\"images\": [], \"nodes\": [{\"offset\": [1]}]}"};
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_broken.glb");
@@ -233,39 +233,125 @@ static void threads_make_no_difference(void)
     check_files_equal(OUTPUT("lightmap_t1/lightmap.json"), OUTPUT("lightmap_t7/lightmap.json"));
 }
 
-/* OpenEXR's own tool reads the header. */
+/* A level baked with 16 samples in the default model, HLSH and SH3, with errors. */
+static bool models_bake(baked *bake, const char *path, lmb_result written, lmb_error *error)
+{
+    memset(bake, 0, sizeof *bake);
+    if (!level_fixture_open(&bake->level, path, written, error, 2)) {
+        return false;
+    }
+    const lmb_lightmap_settings settings = {
+        .texels_per_m = 4.0f,
+        .max_image_size = 256,
+        .other = {lmb_model_find("hlsh", LMB_MODEL_FOR_LIGHTMAP), lmb_model_find("sh3", LMB_MODEL_FOR_LIGHTMAP)},
+        .error = true};
+    const bool made = lmb_lightmap_create(bake->level.scene, &settings, &bake->lightmap, error) == LMB_OK &&
+                      lmb_lightmap_bake(bake->lightmap, &bake->level.transport, &(lmb_gather_effort){.samples = 16},
+                                        bake->level.pool, NULL, &bake->stats) == LMB_OK;
+    CHECK(made, "%s", error->message);
+    if (!made) {
+        baked_close(bake);
+    }
+    return made;
+}
+
+/* What OpenEXR's own tool says of a file's header. */
+static void header_shown(const char *path, char *shown, size_t size)
+{
+    char command[512];
+    snprintf(command, sizeof command, "exrheader '%s'", path);
+    FILE *pipe = popen(command, "r");
+    size_t length = 0;
+    if (pipe) {
+        length = fread(shown, 1, size - 1, pipe);
+        CHECK(pclose(pipe) == 0, "exrheader %s failed", path);
+    }
+    shown[length] = '\0';
+}
+
+/* The picture has R, G and B alone, which every program opens; so has what fits four channels. */
 static void exrheader_shows_channels(void)
 {
-    static const char *const WANTED[] = {"R, 16-bit",     "w, 16-bit",        "d.X, 16-bit", "d.Z, 16-bit",
-                                         "lambent:scale", "lambent:encoding", "irradz-hhd"};
+    static const struct {
+        const char *file;
+        const char *has[6];
+        const char * not [6];
+    } FILES[] = {
+        {OUTPUT("lightmap_header/lightmap_0.exr"),
+         {"R, 16-bit", "G, 16-bit", "B, 16-bit", "lambent:scale", "irradz-hhd"},
+         {"A, 16-bit", "w, 16-bit", "d.X"}},
+        {OUTPUT("lightmap_header/lightmap_0_hhd.exr"), {"R, 16-bit", "G, 16-bit", "B, 16-bit", "A, 16-bit"}, {"d.X"}},
+        {OUTPUT("lightmap_header/lightmap_0_sh3.exr"), {"y8.B, 16-bit", "sh3", "lambent:scale"}, {NULL}},
+        {OUTPUT("lightmap_header/lightmap_0_error.exr"), {"Y, 16-bit"}, {"R, 16-bit"}},
+    };
     if (system("exrheader >/dev/null 2>&1 </dev/null") == 127 << 8) {
         test_skip("exrheader is not installed");
         return;
     }
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_header.glb");
-    const char *directory = OUTPUT("lightmap_header");
-    mkdir(directory, 0777);
+    mkdir(OUTPUT("lightmap_header"), 0777);
     baked bake;
-    if (!baked_open(&bake, path, write_tiles(path, 1.0f, &error), &error,
-                    (baked_settings){.texels_per_m = 1.0f, .samples = 8, .threads = 1})) {
+    if (!models_bake(&bake, path, write_tiles(path, 1.0f, &error), &error)) {
         return;
     }
     uint64_t bytes = 0;
-    CHECK(lmb_lightmap_write(bake.lightmap, directory, NULL, &bytes, &error) == LMB_OK, "%s", error.message);
-    char shown[8192] = "";
-    FILE *pipe = popen("exrheader '" OUTPUT("lightmap_header/lightmap_0.exr") "'", "r");
-    if (pipe) {
-        shown[fread(shown, 1, sizeof shown - 1, pipe)] = '\0';
-        CHECK(pclose(pipe) == 0, "exrheader failed");
-    }
-    for (size_t i = 0; i < sizeof WANTED / sizeof WANTED[0]; ++i) {
-        CHECK(strstr(shown, WANTED[i]), "no '%s' in:\n%s", WANTED[i], shown);
+    CHECK(lmb_lightmap_write(bake.lightmap, OUTPUT("lightmap_header"), NULL, &bytes, &error) == LMB_OK, "%s",
+          error.message);
+    for (size_t i = 0; i < sizeof FILES / sizeof FILES[0]; ++i) {
+        char shown[8192];
+        header_shown(FILES[i].file, shown, sizeof shown);
+        for (int k = 0; k < 6; ++k) {
+            CHECK(!FILES[i].has[k] || strstr(shown, FILES[i].has[k]), "no '%s' in:\n%s", FILES[i].has[k], shown);
+            CHECK(!FILES[i].not [k] || !strstr(shown, FILES[i].not [k]), "'%s' in:\n%s", FILES[i].not [k], shown);
+        }
     }
     baked_close(&bake);
 }
 
+/* Models that are baked together are what each is by itself. */
+static void models_together_are_models_apart(void)
+{
+    lmb_error error = {""};
+    const char *path = OUTPUT("lightmap_models.glb");
+    baked together;
+    if (!models_bake(&together, path, lmb_level_cornell(path, &error), &error)) {
+        return;
+    }
+    for (int k = -1; k < 2; ++k) {
+        const lmb_model *model = k < 0 ? together.lightmap->model : together.lightmap->settings.other[k];
+        lmb_lightmap_settings settings = together.lightmap->settings;
+        settings.model = model;
+        memset(settings.other, 0, sizeof settings.other);
+        settings.error = false;
+        lmb_lightmap *apart = NULL;
+        CHECK(lmb_lightmap_create(together.level.scene, &settings, &apart, &error) == LMB_OK, "%s", error.message);
+        lmb_gather_stats stats;
+        CHECK(apart && lmb_lightmap_bake(apart, &together.level.transport, &(lmb_gather_effort){.samples = 16},
+                                         together.level.pool, NULL, &stats) == LMB_OK,
+              "bakes");
+        const lmb_lightmap_image *one = &together.lightmap->image[0], *two = apart ? &apart->image[0] : NULL;
+        const size_t count = (size_t)one->width * (size_t)one->height;
+        CHECK(two && memcmp(k < 0 ? one->plane : one->other[k], two->plane,
+                            count * (size_t)model->channel_count * sizeof(float)) == 0,
+              "%s", model->name);
+        lmb_lightmap_destroy(apart);
+    }
+    /* Errors where texels were gathered, and only there. */
+    const lmb_lightmap_image *image = &together.lightmap->image[0];
+    double sum = 0.0, gathered = 0.0;
+    for (size_t i = 0; i < (size_t)image->width * (size_t)image->height; ++i) {
+        CHECK(image->error[i] >= 0.0f && (image->state[i] == LMB_TEXEL_GATHERED || image->error[i] == 0.0f),
+              "texel %zu: %g", i, (double)image->error[i]);
+        sum += (double)image->error[i];
+        gathered += image->state[i] == LMB_TEXEL_GATHERED;
+    }
+    CHECK(sum / gathered > 0.01 && sum / gathered < 0.5, "mean error of 16 samples: %g", sum / gathered);
+    baked_close(&together);
+}
+
 static const test_case CASES[] = {
+    {"models together are models apart", models_together_are_models_apart},
     {"an empty level", empty_level},
     {"charts go into a level", charts_go_into_a_level},
     {"files read back", files_read_back},

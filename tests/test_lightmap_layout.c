@@ -43,7 +43,10 @@ static lmb_lightmap *layout_make(const lmb_scene *scene, float texels_per_m, int
 {
     lmb_lightmap *lightmap = NULL;
     lmb_error error = {""};
-    const lmb_lightmap_settings settings = {texels_per_m, size, padding, {heard ? line_keep : NULL, heard}, NULL};
+    const lmb_lightmap_settings settings = {.texels_per_m = texels_per_m,
+                                            .max_image_size = size,
+                                            .padding = padding,
+                                            .warnings = {heard ? line_keep : NULL, heard}};
     const lmb_result result = lmb_lightmap_create(scene, &settings, &lightmap, &error);
     CHECK(result == LMB_OK, "%s", error.message);
     return lightmap;
@@ -364,7 +367,7 @@ static void padding_is_kept(void)
     lmb_lightmap_destroy(other);
     static const int32_t BAD[] = {-1, 65, 16}; /* the last for images of 64 */
     for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; ++i) {
-        const lmb_lightmap_settings settings = {1.0f, 64, BAD[i], {NULL, NULL}, NULL};
+        const lmb_lightmap_settings settings = {.texels_per_m = 1.0f, .max_image_size = 64, .padding = BAD[i]};
         lmb_lightmap *refused = NULL;
         CHECK(lmb_lightmap_create(bake.level.scene, &settings, &refused, &error) == LMB_ERROR_ARGUMENT && !refused,
               "padding %d", (int)BAD[i]);

@@ -153,7 +153,7 @@ static void turns_are_the_published(void)
 static const models_row *row_find(const models_report *report, const char *name, models_input input)
 {
     for (size_t i = 0; i < report->row_count; ++i) {
-        if (report->row[i].model == lmb_model_find(name) && report->row[i].input == input) {
+        if (report->row[i].model == lmb_model_find(name, 0) && report->row[i].input == input) {
             return &report->row[i];
         }
     }
@@ -200,7 +200,7 @@ static void white_sky(void)
             CHECK_NEAR(row->share_over_10pct, 9.0 / 11.0, 5e-3, "%s", flat[i]); /* t < 9/11 */
         }
     }
-    CHECK(!models_row_exists(lmb_model_find("rnm"), MODELS_PROBE), "rnm of a probe");
+    CHECK(!models_row_exists(lmb_model_find("rnm", 0), MODELS_PROBE), "rnm of a probe");
     models_report_free(&report[0]);
     models_report_free(&report[1]);
     free(map);
@@ -211,7 +211,7 @@ static void white_sky(void)
 static void white_sky_behind_cones(void)
 {
     models_map *map = sky_write(OUT("white.exr"), 128, 64, 2.0f, 0, 0, 2.0f) ? map_read(OUT("white.exr")) : NULL;
-    const lmb_model *rows[2] = {lmb_model_find("irradz-hhd"), lmb_model_find("sh3")};
+    const lmb_model *rows[2] = {lmb_model_find("irradz-hhd", 0), lmb_model_find("sh3", 0)};
     const models_settings settings = {.turns = 2, .model = rows, .model_count = 2};
     models_cone_report report = {NULL, 0};
     lmb_pool *pool = NULL;
@@ -376,7 +376,7 @@ static void real_environments(void)
     const lmb_model *rows[16];
     size_t count = 0;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
-        const lmb_model *model = lmb_model_find(table[i].name);
+        const lmb_model *model = lmb_model_find(table[i].name, 0);
         if (count == 0 || rows[count - 1] != model) {
             rows[count++] = model;
         }

@@ -539,7 +539,8 @@ static void test_forged_fields(void)
         lmb_result expected;
     } cases[] = {
         {"version 0", offsetof(lmb_volume_header, version), 0, LMB_ERROR_FORMAT},
-        {"version 2", offsetof(lmb_volume_header, version), 2, LMB_ERROR_VERSION},
+        {"version 2", offsetof(lmb_volume_header, version), 2, LMB_ERROR_FORMAT},
+        {"version 3", offsetof(lmb_volume_header, version), 3, LMB_ERROR_VERSION},
         {"the last version", offsetof(lmb_volume_header, version), UINT32_MAX, LMB_ERROR_VERSION},
         {"header size", offsetof(lmb_volume_header, header_bytes), 64, LMB_ERROR_FORMAT},
         {"spacing 0", offsetof(lmb_volume_header, spacing), 0, LMB_ERROR_FORMAT},

@@ -1,5 +1,6 @@
 #include "bake_arguments.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include <lambent/lightmap.h>
@@ -18,6 +19,23 @@ static void seed_point_add(lmb_bake_settings *settings, lmb_arguments *arguments
         return;
     }
     settings->seeds[settings->seed_count++] = arguments_position(arguments, option);
+}
+
+/* NAME[,NAME...] */
+static void models_add(lmb_bake_settings *settings, lmb_arguments *arguments, const char *text)
+{
+    while (!arguments->failed) {
+        char name[64];
+        const size_t length = strcspn(text, ",");
+        snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : 0), text);
+        if (!lmb_bake_settings_add_model(settings, name)) {
+            arguments_error(arguments, "--models: no lightmap has the model", text);
+        }
+        if (text[length] == '\0') {
+            return;
+        }
+        text += length + 1;
+    }
 }
 
 bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument)
@@ -43,6 +61,10 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
         settings->texels_per_m = (float)arguments_number(arguments, argument, 1e-6, 1e6);
     } else if (strcmp(argument, "--padding") == 0) {
         settings->padding = (int32_t)arguments_integer(arguments, argument, 1, LMB_LIGHTMAP_MAX_PADDING);
+    } else if (strcmp(argument, "--models") == 0) {
+        models_add(settings, arguments, arguments_text(arguments, argument));
+    } else if (strcmp(argument, "--texel-error") == 0) {
+        settings->texel_error = true;
     } else if (strcmp(argument, "--no-denoise") == 0) {
         settings->denoise = false;
     } else if (argument[0] != '-' && !settings->level.path) {

@@ -14,7 +14,10 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"                              \
     "  --texels-per-m N      lightmap density (default: from the level's size)\n"                                      \
     "  --padding N           texels filled around lightmap charts and nodes, for mip levels (default 1)\n"             \
-    "  --no-denoise          probes and lightmaps as they were gathered, noise and all\n"                                         \
+    "  --models NAME,...     lightmaps in these models too, a file each (default: irradz-hhd alone, which is always\n" \
+    "                        written): hlsh, sh3\n"                                                                    \
+    "  --texel-error         the standard error of each texel, as a picture\n"                                         \
+    "  --no-denoise          probes and lightmaps as they were gathered, noise and all\n"                              \
     "  --quality NAME        draft, medium or high: noise of 12, 6 or 3 %, by at most 256, 1024 or\n"                  \
     "                        4096 samples at each probe and texel (default medium)\n"                                  \
     "  --tolerance E         the noise as a share of the light, in place of the quality's\n"                           \

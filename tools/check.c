@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <lambent/occlusion.h>
 #include <lambent/opaque_surface.h>
@@ -9,29 +10,56 @@
 #include <lambent/surface.h>
 
 #include "check_points.h"
+#include "key_lights_seen.h"
 #include "replicates.h"
 
 static const double missing = (double)NAN;
 
-enum { NORMALS = 8, AMBIENT_RAYS = 256, COINCIDENT_SAMPLES_FACTOR = 4 };
+/* Of a figure, its standard error at most, if the points suffice. */
+#define KNOWN_SHARE 0.1
+
+/* Of the light at a point, the reference's own noise there at most, if MORE_SAMPLES times the samples suffice. */
+#define REFERENCE_NOISE 0.02
+
+enum { NORMALS = 8, AMBIENT_RAYS = 256, COINCIDENT_SAMPLES_FACTOR = 16, MORE_SAMPLES = 16 };
+
+/* How many points, of how many samples, tell the level's mean light well enough to say what is dark. */
+enum { MEAN_POINTS = 64, MEAN_SAMPLES = 64 };
 
 /* What streams of variates are for. */
-enum { STREAM_SURFACE = 1, STREAM_NORMALS, STREAM_AMBIENT, STREAM_FREE, STREAM_FREE_DIRECTIONS, STREAM_REFERENCE };
+enum {
+    STREAM_SURFACE = 1,
+    STREAM_NORMALS,
+    STREAM_AMBIENT,
+    STREAM_FREE,
+    STREAM_FREE_DIRECTIONS,
+    STREAM_REFERENCE,
+    STREAM_MEAN
+};
 
 static const struct {
     const char *name;
     bool needs_lightmap;
+    const char *seen;
 } pairs[CHECK_PAIR_COUNT] = {
-    [CHECK_PROBE_VS_REFERENCE] = {"probe_vs_reference", false},
-    [CHECK_LIGHTMAP_VS_REFERENCE] = {"lightmap_vs_reference", true},
-    [CHECK_PROBE_VS_LIGHTMAP] = {"probe_vs_lightmap", true},
-    [CHECK_COINCIDENT_PROBE_VS_LIGHTMAP] = {"coincident_probe_vs_lightmap", true},
-    [CHECK_COINCIDENT_PROBE_VS_REFERENCE] = {"coincident_probe_vs_reference", false},
-    [CHECK_COINCIDENT_GRAM_VS_LIGHTMAP] = {"coincident_gram_vs_lightmap", true},
-    [CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP] = {"unoccluded_probe_vs_lightmap", true},
-    [CHECK_OBJECT_VS_REFERENCE] = {"probe_hlsh_vs_reference", false},
-    [CHECK_PROBE_CONE_VS_LIGHTMAP] = {"probe_cone_vs_lightmap", true},
-    [CHECK_VOLUME_VS_REFERENCE] = {"volume_vs_reference", false},
+    [CHECK_PROBE_VS_REFERENCE] = {"probe_vs_reference", false, "surfaces lit by the volume, beside the truth"},
+    [CHECK_LIGHTMAP_VS_REFERENCE] = {"lightmap_vs_reference", true, "surfaces lit by lightmaps, beside the truth"},
+    [CHECK_PROBE_VS_LIGHTMAP] = {"probe_vs_lightmap", true, "objects lit by the volume, beside the lightmap there"},
+    [CHECK_COINCIDENT_PROBE_VS_LIGHTMAP] = {"coincident_probe_vs_lightmap", true,
+                                            "the same with a probe at the very place"},
+    [CHECK_COINCIDENT_PROBE_VS_REFERENCE] = {"coincident_probe_vs_reference", false,
+                                             "a probe at the very place, beside the truth"},
+    [CHECK_COINCIDENT_GRAM_VS_LIGHTMAP] = {"coincident_gram_vs_lightmap", true, "that probe by the papers' multiply"},
+    [CHECK_COINCIDENT_PROBE_VS_TEXEL] = {"coincident_probe_vs_texel", false,
+                                         "a probe at the very place, beside a texel of no extent there"},
+    [CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP] = {"coincident_texel_vs_lightmap", true, "such a texel, beside the lightmap"},
+    [CHECK_COINCIDENT_TEXEL_VS_REFERENCE] = {"coincident_texel_vs_reference", false, "such a texel, beside the truth"},
+    [CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP] = {"unoccluded_probe_vs_lightmap", true,
+                                            "objects that the surface does not occlude, beside the lightmap"},
+    [CHECK_OBJECT_VS_REFERENCE] = {"probe_hlsh_vs_reference", false, "moving objects at surfaces, beside the truth"},
+    [CHECK_PROBE_CONE_VS_LIGHTMAP] = {"probe_cone_vs_lightmap", true,
+                                      "objects with ambient occlusion, beside the lightmap"},
+    [CHECK_VOLUME_VS_REFERENCE] = {"volume_vs_reference", false, "moving objects in free space, beside the truth"},
 };
 
 const char *check_pair_name(check_pair pair)
@@ -44,9 +72,14 @@ bool check_pair_needs_lightmap(check_pair pair)
     return pairs[pair].needs_lightmap;
 }
 
+const char *check_pair_seen(check_pair pair)
+{
+    return pairs[pair].seen;
+}
+
 check_settings check_settings_default(void)
 {
-    return (check_settings){.points = 1000, .samples = 1024, .seed = 0};
+    return (check_settings){.points = 1000, .max_points = 8000, .samples = 256, .seed = 0};
 }
 
 /* Irradiance on the normals of one point. */
@@ -64,53 +97,111 @@ typedef struct coincident_noise {
 typedef struct check_work {
     const check_subject *subject;
     check_settings settings;
-    lmb_transport transport; /* the subject's, with a seed of the check's own */
+    lmb_transport baked;     /* the subject's, with a seed of the check's own */
+    lmb_transport transport; /* the same as the path tracer */
+    double mean_light;       /* about: of the reference on surfaces */
     lmb_opaque_surface surface;
     float default_texel; /* metres, where there are no lightmaps */
     point_error *errors[CHECK_PAIR_COUNT];
     point_light *lights;
     point_light *lightmap_lights;
     coincident_noise *coincident;
+    bool any_surface; /* the level has opaque triangles */
     bool avoid_solids;
     bool *free_found;
     bool *mapped; /* whether the surface has a lightmap there */
+    size_t first; /* point of this round, and how many it has */
+    size_t count;
 } check_work;
 
-static void evaluate_channels(const lmb_model *model, const float *channel, lmb_vec3 vertex_normal,
-                              const lmb_vec3 *normals, irradiance_set *set)
+/* What a probe holds: harmonics, and the key lights that they leave out. */
+typedef struct probe_light {
+    lmb_sh3_rgb radiance;
+    key_lights_seen keys;
+} probe_light;
+
+static probe_light volume_light(const lmb_volume *volume, lmb_vec3d position)
+{
+    probe_light light;
+    light.keys.count = lmb_volume_key_lights(volume, light.keys.light);
+    lmb_volume_sample_with_keys(volume, position, &light.radiance, light.keys.visibility);
+    return light;
+}
+
+static void evaluate_channels(const lmb_model *model, const float *channel, const key_lights_seen *keys,
+                              lmb_vec3 vertex_normal, const lmb_vec3 *normals, irradiance_set *set)
 {
     model->evaluate(channel, vertex_normal, normals, NORMALS, set->at);
+    for (int k = 0; k < NORMALS; ++k) {
+        set->at[k] = key_lights_add(keys, vertex_normal, normals[k], set->at[k]);
+    }
 }
 
 /* What a probe gives by the default model of that use. */
-static void evaluate_probe(lmb_model_use use, const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos,
+static void evaluate_probe(lmb_model_use use, const probe_light *light, lmb_vec3 vertex_normal, float cone_cos,
                            const lmb_vec3 *normals, irradiance_set *set)
 {
     const lmb_model *model = lmb_model_default(use);
     float channel[LMB_MODEL_MOST_CHANNELS];
-    model->encode(radiance, vertex_normal, cone_cos, channel);
-    evaluate_channels(model, channel, vertex_normal, normals, set);
+    model->encode(&light->radiance, vertex_normal, cone_cos, channel);
+    evaluate_channels(model, channel, &light->keys, vertex_normal, normals, set);
 }
 
-static void evaluate_unoccluded(const lmb_sh3_rgb *radiance, const lmb_vec3 *normals, irradiance_set *set)
+static void evaluate_unoccluded(const probe_light *light, const lmb_vec3 *normals, irradiance_set *set)
 {
     for (int k = 0; k < NORMALS; ++k) {
-        set->at[k] = lmb_sh3_rgb_irradiance(radiance, normals[k]);
+        const lmb_rgb rest = lmb_sh3_rgb_irradiance(&light->radiance, normals[k]);
+        set->at[k] = key_lights_add(&light->keys, normals[k], normals[k], rest);
     }
+}
+
+/* Adds `count` samples after the first `done` to the means of both halves. */
+static void reference_add(const check_work *work, const lmb_gather_point *point, const lmb_vec3 *normals, uint32_t done,
+                          uint32_t count, irradiance_set half[2])
+{
+    const float share = (float)count / (float)(done + count);
+    uint64_t unused = 0;
+    for (uint32_t i = 0; i < 2; ++i) {
+        const lmb_gather_samples samples = {
+            .points = point, .point_count = 1, .replicate = REPLICATES_CHECK + i, .first = done, .count = count};
+        irradiance_set more;
+        lmb_gather_irradiance(&work->transport, &samples, normals, NORMALS, more.at, &unused);
+        for (int k = 0; k < NORMALS; ++k) {
+            for (int c = 0; c < 3; ++c) {
+                const float mean = done > 0 ? half[i].at[k].c[c] : 0.0f;
+                half[i].at[k].c[c] = mean + share * (more.at[k].c[c] - mean);
+            }
+        }
+    }
+}
+
+/* Whether the halves differ by less than their mean may err. */
+static bool reference_is_known(const check_work *work, const irradiance_set half[2])
+{
+    double noise = 0.0, light = 0.0;
+    for (int k = 0; k < NORMALS; ++k) {
+        for (int c = 0; c < 3; ++c) {
+            const double a = (double)half[0].at[k].c[c], b = (double)half[1].at[k].c[c];
+            noise += 0.25 * (a - b) * (a - b);
+            light += 0.25 * (a + b) * (a + b);
+        }
+    }
+    const double count = 3.0 * NORMALS;
+    const double own = fmax(sqrt(light / count), CHECK_DARK_SHARE * work->mean_light);
+    return sqrt(noise / count) <= REFERENCE_NOISE * own;
 }
 
 /* The reference at a point, as two independent halves. */
 static void gather_reference(const check_work *work, const lmb_gather_point *point, const lmb_vec3 *normals,
                              irradiance_set half[2])
 {
-    uint64_t unused = 0;
-    for (uint32_t i = 0; i < 2; ++i) {
-        const lmb_gather_samples samples = {.points = point,
-                                            .point_count = 1,
-                                            .replicate = REPLICATES_CHECK + (uint32_t)i,
-                                            .count = work->settings.samples};
-        lmb_gather_irradiance(&work->transport, &samples, normals, NORMALS, half[i].at, &unused);
-    }
+    const uint64_t most = (uint64_t)MORE_SAMPLES * work->settings.samples;
+    uint32_t done = 0, count = work->settings.samples;
+    do {
+        reference_add(work, point, normals, done, count, half);
+        done += count;
+        count = done;
+    } while (done + (uint64_t)count <= most && !reference_is_known(work, half));
 }
 
 /* One surface point, with what is known there. */
@@ -131,6 +222,7 @@ static void record(check_work *work, const surface_sample *sample, check_pair pa
     case CHECK_PROBE_VS_LIGHTMAP:
     case CHECK_COINCIDENT_PROBE_VS_LIGHTMAP:
     case CHECK_COINCIDENT_GRAM_VS_LIGHTMAP:
+    case CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP:
     case CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP:
     case CHECK_PROBE_CONE_VS_LIGHTMAP:
         if (!sample->has_lightmap) {
@@ -144,43 +236,68 @@ static void record(check_work *work, const surface_sample *sample, check_pair pa
     work->errors[pair][sample->index] = point_error_of(x->at, r1->at, r2->at, NORMALS);
 }
 
-static surface_sample sample_make(const check_work *work, size_t task)
+static surface_sample sample_make(const check_work *work, size_t index)
 {
     const check_subject *subject = work->subject;
     const uint64_t seed = work->settings.seed;
+    const uint64_t round = lmb_mix(lmb_mix(seed, STREAM_SURFACE), work->first);
     const lmb_hit at =
-        lmb_opaque_surface_point(&work->surface, lmb_mix(seed, STREAM_SURFACE), (uint32_t)task, work->settings.points);
+        lmb_opaque_surface_point(&work->surface, round, (uint32_t)(index - work->first), (uint32_t)work->count);
     const lmb_place place = lmb_trace_place(subject->transport->tracer, &at);
     const bool has_lightmap = subject->lightmap && subject->lightmap->region[at.instance].image >= 0;
     const float texel = has_lightmap ? subject->lightmap->region[at.instance].texel_size : work->default_texel;
-    surface_sample sample = {.index = task, .has_lightmap = has_lightmap};
+    surface_sample sample = {.index = index, .has_lightmap = has_lightmap};
     bool pushed_out;
     sample.point = lmb_surface_gather_point(subject->transport->tracer, &place, texel, &pushed_out);
-    shading_normals(sample.point.normal, lmb_mix(lmb_mix(seed, STREAM_NORMALS), task), NORMALS, sample.normals);
+    shading_normals(sample.point.normal, lmb_mix(lmb_mix(seed, STREAM_NORMALS), index), NORMALS, sample.normals);
     gather_reference(work, &sample.point, sample.normals, sample.reference);
     if (has_lightmap) {
         float channel[LMB_MODEL_MOST_CHANNELS];
+        key_lights_seen keys;
+        keys.count = lmb_scene_key_lights(subject->lightmap->scene, keys.light);
         lmb_lightmap_sample(subject->lightmap, &at, channel);
-        evaluate_channels(subject->lightmap->model, channel, sample.point.normal, sample.normals, &sample.lightmap);
+        lmb_lightmap_sample_keys(subject->lightmap, &at, keys.visibility);
+        evaluate_channels(subject->lightmap->model, channel, &keys, sample.point.normal, sample.normals,
+                          &sample.lightmap);
     }
     return sample;
+}
+
+/* What is gathered at the very point: as a probe there, or, of its hemisphere alone, as a texel of no extent. */
+static probe_light coincident_light(const check_work *work, const lmb_gather_point *point, coincident_noise *noise)
+{
+    lmb_gathered gathered;
+    lmb_gather_sh3(&work->baked, point, COINCIDENT_SAMPLES_FACTOR * work->settings.samples, &gathered);
+    *noise = (coincident_noise){gathered.squared_error, gathered.squared_light};
+    probe_light light = {.radiance = gathered.moments};
+    for (int c = 0; c < 3 && point->hemisphere; ++c) {
+        light.radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered.moments.channel[c], point->normal);
+    }
+    light.keys.count = lmb_scene_key_lights(lmb_tracer_scene(work->transport.tracer), light.keys.light);
+    memcpy(light.keys.visibility, gathered.key_visibility, sizeof gathered.key_visibility);
+    return light;
 }
 
 static void record_coincident(check_work *work, const surface_sample *sample)
 {
     const lmb_gather_point whole = {.position = sample->point.position, .hemisphere = false};
-    lmb_gathered gathered;
-    lmb_gather_sh3(&work->transport, &whole, COINCIDENT_SAMPLES_FACTOR * work->settings.samples, &gathered);
-    work->coincident[sample->index] = (coincident_noise){gathered.squared_error, gathered.squared_length};
-    irradiance_set x;
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, &gathered.moments, sample->point.normal, 0.0f, sample->normals, &x);
-    record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &x);
-    record(work, sample, CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, &x);
-    evaluate_probe(LMB_MODEL_FOR_LIGHTMAP, &gathered.moments, sample->point.normal, 0.0f, sample->normals, &x);
-    record(work, sample, CHECK_COINCIDENT_GRAM_VS_LIGHTMAP, &x);
+    coincident_noise unused;
+    const probe_light at_probe = coincident_light(work, &whole, &work->coincident[sample->index]);
+    const probe_light at_texel = coincident_light(work, &sample->point, &unused);
+    irradiance_set probe, gram, texel;
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, &at_probe, sample->point.normal, 0.0f, sample->normals, &probe);
+    evaluate_probe(LMB_MODEL_FOR_LIGHTMAP, &at_probe, sample->point.normal, 0.0f, sample->normals, &gram);
+    evaluate_probe(LMB_MODEL_FOR_LIGHTMAP, &at_texel, sample->point.normal, 0.0f, sample->normals, &texel);
+    record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &probe);
+    record(work, sample, CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, &probe);
+    record(work, sample, CHECK_COINCIDENT_GRAM_VS_LIGHTMAP, &gram);
+    record(work, sample, CHECK_COINCIDENT_TEXEL_VS_REFERENCE, &texel);
+    record(work, sample, CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP, &texel);
+    work->errors[CHECK_COINCIDENT_PROBE_VS_TEXEL][sample->index] =
+        point_error_of(probe.at, texel.at, texel.at, NORMALS);
 }
 
-static void record_cone(check_work *work, const surface_sample *sample, const lmb_sh3_rgb *radiance)
+static void record_cone(check_work *work, const surface_sample *sample, const probe_light *light)
 {
     const uint64_t stream = lmb_mix(lmb_mix(work->settings.seed, STREAM_AMBIENT), sample->index);
     const lmb_scene *scene = lmb_tracer_scene(work->subject->transport->tracer);
@@ -189,7 +306,7 @@ static void record_cone(check_work *work, const surface_sample *sample, const lm
     const float visibility = ambient_visibility(work->transport.tracer, sample->point.position, sample->point.normal,
                                                 spacing, stream, AMBIENT_RAYS);
     irradiance_set x;
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, radiance, sample->point.normal, lmb_cone_cos_from_visibility(visibility),
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, light, sample->point.normal, lmb_cone_cos_from_visibility(visibility),
                    sample->normals, &x);
     record(work, sample, CHECK_PROBE_CONE_VS_LIGHTMAP, &x);
 }
@@ -200,26 +317,26 @@ static void surface_task(void *context, size_t task, int worker)
     check_work *work = context;
     const check_subject *subject = work->subject;
     const lmb_scene *scene = lmb_tracer_scene(subject->transport->tracer);
-    const surface_sample sample = sample_make(work, task);
+    const size_t index = work->first + task;
+    const surface_sample sample = sample_make(work, index);
     const lmb_vec3 normal = sample.point.normal;
-    lmb_sh3_rgb radiance;
-    lmb_volume_sample_at(subject->volume, lmb_scene_to_world(scene, sample.point.position), &radiance);
+    const probe_light light = volume_light(subject->volume, lmb_scene_to_world(scene, sample.point.position));
 
     irradiance_set x;
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, &radiance, normal, 0.0f, sample.normals, &x);
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, &light, normal, 0.0f, sample.normals, &x);
     record(work, &sample, CHECK_PROBE_VS_REFERENCE, &x);
     record(work, &sample, CHECK_PROBE_VS_LIGHTMAP, &x);
-    work->lights[task] = point_light_of(x.at, sample.reference[0].at, sample.reference[1].at, NORMALS);
-    evaluate_probe(LMB_MODEL_FOR_OBJECT, &radiance, normal, 0.0f, sample.normals, &x);
+    work->lights[index] = point_light_of(x.at, sample.reference[0].at, sample.reference[1].at, NORMALS);
+    evaluate_probe(LMB_MODEL_FOR_OBJECT, &light, normal, 0.0f, sample.normals, &x);
     record(work, &sample, CHECK_OBJECT_VS_REFERENCE, &x);
     record_coincident(work, &sample);
-    work->mapped[task] = sample.has_lightmap;
+    work->mapped[index] = sample.has_lightmap;
     if (sample.has_lightmap) {
-        evaluate_unoccluded(&radiance, sample.normals, &x);
+        evaluate_unoccluded(&light, sample.normals, &x);
         record(work, &sample, CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP, &x);
-        record_cone(work, &sample, &radiance);
+        record_cone(work, &sample, &light);
         record(work, &sample, CHECK_LIGHTMAP_VS_REFERENCE, &sample.lightmap);
-        work->lightmap_lights[task] =
+        work->lightmap_lights[index] =
             point_light_of(sample.lightmap.at, sample.reference[0].at, sample.reference[1].at, NORMALS);
     }
 }
@@ -229,30 +346,52 @@ static void free_task(void *context, size_t task, int worker)
     (void)worker;
     check_work *work = context;
     const uint64_t seed = work->settings.seed;
+    const size_t index = work->first + task;
     lmb_gather_point point = {.hemisphere = false};
-    work->free_found[task] = free_point(work->transport.tracer, work->subject->volume, work->avoid_solids,
-                                        lmb_mix(lmb_mix(seed, STREAM_FREE), task), &point.position);
-    if (!work->free_found[task]) {
+    work->free_found[index] = free_point(work->transport.tracer, work->subject->volume, work->avoid_solids,
+                                         lmb_mix(lmb_mix(seed, STREAM_FREE), index), &point.position);
+    if (!work->free_found[index]) {
         return;
     }
     lmb_vec3 directions[NORMALS];
-    sphere_directions(lmb_mix(lmb_mix(seed, STREAM_FREE_DIRECTIONS), task), NORMALS, directions);
+    sphere_directions(lmb_mix(lmb_mix(seed, STREAM_FREE_DIRECTIONS), index), NORMALS, directions);
     irradiance_set reference[2], x;
     gather_reference(work, &point, directions, reference);
-    lmb_sh3_rgb radiance;
-    lmb_volume_sample_at(work->subject->volume,
-                         lmb_scene_to_world(lmb_tracer_scene(work->transport.tracer), point.position), &radiance);
-    evaluate_unoccluded(&radiance, directions, &x);
-    work->errors[CHECK_VOLUME_VS_REFERENCE][task] = point_error_of(x.at, reference[0].at, reference[1].at, NORMALS);
+    const lmb_scene *scene = lmb_tracer_scene(work->transport.tracer);
+    const probe_light light = volume_light(work->subject->volume, lmb_scene_to_world(scene, point.position));
+    evaluate_unoccluded(&light, directions, &x);
+    work->errors[CHECK_VOLUME_VS_REFERENCE][index] = point_error_of(x.at, reference[0].at, reference[1].at, NORMALS);
+}
+
+static void mean_light_find(check_work *work)
+{
+    const lmb_tracer *tracer = work->transport.tracer;
+    double sum = 0.0;
+    for (uint32_t i = 0; i < MEAN_POINTS; ++i) {
+        const lmb_hit at =
+            lmb_opaque_surface_point(&work->surface, lmb_mix(work->settings.seed, STREAM_MEAN), i, MEAN_POINTS);
+        const lmb_place place = lmb_trace_place(tracer, &at);
+        bool pushed_out;
+        const lmb_gather_point point = lmb_surface_gather_point(tracer, &place, work->default_texel, &pushed_out);
+        const lmb_gather_samples samples = {
+            .points = &point, .point_count = 1, .replicate = REPLICATES_CHECK, .count = MEAN_SAMPLES};
+        lmb_rgb light;
+        uint64_t unused = 0;
+        lmb_gather_irradiance(&work->transport, &samples, &point.normal, 1, &light, &unused);
+        sum += (double)(light.c[0] + light.c[1] + light.c[2]) / 3.0;
+    }
+    work->mean_light = sum / MEAN_POINTS;
 }
 
 static lmb_result work_prepare(const check_subject *subject, const check_settings *settings, check_work *work)
 {
     const lmb_scene *scene = lmb_tracer_scene(subject->transport->tracer);
-    *work = (check_work){.subject = subject, .settings = *settings, .transport = *subject->transport};
-    work->transport.seed = lmb_mix(lmb_mix(subject->transport->seed, settings->seed), STREAM_REFERENCE);
+    *work = (check_work){.subject = subject, .settings = *settings, .baked = *subject->transport, .avoid_solids = true};
+    work->baked.seed = lmb_mix(lmb_mix(subject->transport->seed, settings->seed), STREAM_REFERENCE);
+    work->transport = work->baked;
+    work->transport.surface = NULL;
     work->default_texel = 1.0f / lmb_lightmap_settings_default(scene).texels_per_m;
-    const size_t points = settings->points;
+    const size_t points = settings->points > settings->max_points ? settings->points : settings->max_points;
     work->lights = calloc(points, sizeof *work->lights);
     work->lightmap_lights = calloc(points, sizeof *work->lightmap_lights);
     work->coincident = calloc(points, sizeof *work->coincident);
@@ -263,7 +402,13 @@ static lmb_result work_prepare(const check_subject *subject, const check_setting
         work->errors[pair] = calloc(points, sizeof *work->errors[pair]);
         good = good && work->errors[pair];
     }
-    return good ? lmb_opaque_surface_create(subject->transport->tracer, &work->surface) : LMB_ERROR_MEMORY;
+    const lmb_result result =
+        good ? lmb_opaque_surface_create(subject->transport->tracer, &work->surface) : LMB_ERROR_MEMORY;
+    work->any_surface = result == LMB_OK && lmb_opaque_surface_area(&work->surface) > 0.0;
+    if (work->any_surface) {
+        mean_light_find(work);
+    }
+    return result;
 }
 
 static void work_free(check_work *work)
@@ -279,48 +424,17 @@ static void work_free(check_work *work)
     lmb_opaque_surface_free(&work->surface);
 }
 
-/* Moves the errors of points that have one to the front. Returns how many have. */
-static size_t errors_compact(point_error *errors, const bool *has, size_t count)
-{
-    size_t found = 0;
-    for (size_t i = 0; i < count; ++i) {
-        if (has[i]) {
-            errors[found++] = errors[i];
-        }
-    }
-    return found;
-}
-
-/* The same of all that is compared with lightmaps. */
-static size_t mapped_compact(check_work *work, size_t count)
-{
-    size_t found = 0;
-    for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
-        if (pairs[pair].needs_lightmap) {
-            errors_compact(work->errors[pair], work->mapped, count);
-        }
-    }
-    for (size_t i = 0; i < count; ++i) {
-        if (work->mapped[i]) {
-            work->lightmap_lights[found++] = work->lightmap_lights[i];
-        }
-    }
-    return found;
-}
-
 /* Where the level's winding calls all its space solid, placement baked it nevertheless: then any point will do. */
 static lmb_result free_points_run(check_work *work, const lmb_progress *progress)
 {
-    const size_t count = work->settings.points;
-    work->avoid_solids = true;
-    lmb_result result = lmb_pool_run(work->subject->pool, count, free_task, work, "free space", progress);
-    bool any = false;
-    for (size_t i = 0; i < count; ++i) {
+    lmb_result result = lmb_pool_run(work->subject->pool, work->count, free_task, work, "free space", progress);
+    bool any = work->first > 0;
+    for (size_t i = 0; i < work->count; ++i) {
         any = any || work->free_found[i];
     }
     if (result == LMB_OK && !any) {
         work->avoid_solids = false;
-        result = lmb_pool_run(work->subject->pool, count, free_task, work, "free space", progress);
+        result = lmb_pool_run(work->subject->pool, work->count, free_task, work, "free space", progress);
     }
     return result;
 }
@@ -336,26 +450,45 @@ static lmb_result seams_report(const check_subject *subject, check_report *repor
     return result;
 }
 
-static lmb_result work_report(check_work *work, size_t surface_points, check_report *report)
+/* The errors of the first `count` points. */
+static lmb_result errors_report(check_work *work, size_t count, check_report *report)
 {
-    const bool lightmap = work->subject->lightmap != NULL;
-    report->points = surface_points;
-    report->free_points =
-        errors_compact(work->errors[CHECK_VOLUME_VS_REFERENCE], work->free_found, work->settings.points);
-    const size_t mapped = mapped_compact(work, surface_points);
     for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
-        const size_t count = pairs[pair].needs_lightmap          ? mapped
-                             : pair == CHECK_VOLUME_VS_REFERENCE ? report->free_points
-                                                                 : surface_points;
-        const lmb_result result = error_summarize(work->errors[pair], count, &report->error[pair]);
+        const bool free = pair == CHECK_VOLUME_VS_REFERENCE;
+        const bool *has = free ? work->free_found : pairs[pair].needs_lightmap ? work->mapped : NULL;
+        const size_t points = free ? count : work->any_surface ? count : 0;
+        const lmb_result result = error_summarize(work->errors[pair], has, points, &report->error[pair]);
         if (result != LMB_OK) {
             return result;
         }
     }
-    report->leak = leak_summarize(work->lights, surface_points);
-    report->lightmap_leak = lightmap ? leak_summarize(work->lightmap_lights, mapped).leak : missing;
+    return LMB_OK;
+}
+
+/* Whether the standard error of every line is below a tenth of its figure. */
+static bool errors_are_known(const check_report *report)
+{
+    for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
+        const error_summary *error = &report->error[pair];
+        if (!isnan(error->rel_rmse) && !(error->std_error < KNOWN_SHARE * error->rel_rmse)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static lmb_result work_report(check_work *work, size_t count, check_report *report)
+{
+    report->points = work->any_surface ? count : 0;
+    report->free_points = 0;
+    for (size_t i = 0; i < count; ++i) {
+        report->free_points += work->free_found[i];
+    }
+    report->leak = leak_summarize(work->lights, NULL, report->points);
+    report->lightmap_leak =
+        work->subject->lightmap ? leak_summarize(work->lightmap_lights, work->mapped, report->points).leak : missing;
     coincident_noise sum = {0.0, 0.0};
-    for (size_t i = 0; i < surface_points; ++i) {
+    for (size_t i = 0; i < report->points; ++i) {
         sum.error_squared += work->coincident[i].error_squared;
         sum.length_squared += work->coincident[i].length_squared;
     }
@@ -363,29 +496,39 @@ static lmb_result work_report(check_work *work, size_t surface_points, check_rep
     return seams_report(work->subject, report);
 }
 
+/* Points `first` to `first` + `count`. */
+static lmb_result round_run(check_work *work, size_t first, size_t count, const lmb_progress *progress)
+{
+    work->first = first;
+    work->count = count;
+    const lmb_result result =
+        lmb_pool_run(work->subject->pool, work->any_surface ? count : 0, surface_task, work, "surfaces", progress);
+    return result == LMB_OK ? free_points_run(work, progress) : result;
+}
+
+/* Each round has as many points as there were before, until enough is known. */
 lmb_result check_run(const check_subject *subject, const check_settings *settings, const lmb_progress *progress,
                      check_report *report)
 {
     check_work work;
     check_report made;
+    size_t done = 0, count = settings->points;
     lmb_result result = work_prepare(subject, settings, &work);
-    if (result != LMB_OK) {
-        goto cleanup;
+    while (result == LMB_OK && count > 0) {
+        result = round_run(&work, done, count, progress);
+        done += count;
+        if (result == LMB_OK) {
+            result = errors_report(&work, done, &made);
+        }
+        const size_t left = settings->max_points > done ? settings->max_points - done : 0;
+        count = result != LMB_OK || errors_are_known(&made) ? 0 : done < left ? done : left;
     }
-    const size_t surface_points = lmb_opaque_surface_area(&work.surface) > 0.0 ? settings->points : 0;
-    result = lmb_pool_run(subject->pool, surface_points, surface_task, &work, "surfaces", progress);
-    if (result != LMB_OK) {
-        goto cleanup;
+    if (result == LMB_OK) {
+        result = work_report(&work, done, &made);
     }
-    result = free_points_run(&work, progress);
-    if (result != LMB_OK) {
-        goto cleanup;
-    }
-    result = work_report(&work, surface_points, &made);
     if (result == LMB_OK) {
         *report = made;
     }
-cleanup:
     work_free(&work);
     return result;
 }

@@ -22,6 +22,10 @@ typedef enum check_pair {
     CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, /* as probe, but its SH3 traced at the very point */
     CHECK_COINCIDENT_PROBE_VS_REFERENCE,
     CHECK_COINCIDENT_GRAM_VS_LIGHTMAP,  /* the same SH3 taken at their word: the default model of lightmaps */
+    CHECK_COINCIDENT_PROBE_VS_TEXEL,    /* the same beside SH3 of the hemisphere alone, gathered at the very point as a
+                                           texel's is, and encoded like it */
+    CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP, /* that beside the stored texels: their size, filtering, noise and seams */
+    CHECK_COINCIDENT_TEXEL_VS_REFERENCE,
     CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP, /* volume, SH3 irradiance, no occlusion */
     CHECK_OBJECT_VS_REFERENCE,          /* volume -> the default model of objects */
     CHECK_PROBE_CONE_VS_LIGHTMAP,       /* as probe, with the cone of AO rays within one spacing */
@@ -33,17 +37,22 @@ typedef enum check_pair {
 const char *check_pair_name(check_pair pair);
 bool check_pair_needs_lightmap(check_pair pair);
 
+/* What an eye would compare, in a few words. */
+const char *check_pair_seen(check_pair pair);
+
 /* What is checked. */
 typedef struct check_subject {
-    const lmb_transport *transport;
+    const lmb_transport *transport; /* that the bake gathered with; the reference is the path tracer in any case */
     const lmb_volume *volume;
     const lmb_lightmap *lightmap; /* NULL: none */
     lmb_pool *pool;
 } check_subject;
 
 typedef struct check_settings {
-    uint32_t points;  /* on surfaces, and as many in free space; > 0 */
-    uint32_t samples; /* of each half of the reference; > 0. A coincident probe takes four times as many */
+    uint32_t points;     /* on surfaces, and as many in free space; > 0 */
+    uint32_t max_points; /* if more than `points`: as many again and again, up to so many, until the standard error of
+                            each line's rel_rmse is below a tenth of it */
+    uint32_t samples;    /* of each half of the reference; > 0. A coincident probe takes 16 times as many */
     uint64_t seed;
 } check_settings;
 

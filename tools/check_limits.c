@@ -12,25 +12,30 @@ typedef struct figure {
     double value;
 } figure;
 
+/* `member`: with its dot; empty: rel_rmse. */
 static double error_member(const error_summary *error, const char *member, bool *known)
 {
-    *known = true;
-    if (member[0] == '\0' || strcmp(member, ".rel_rmse") == 0) {
-        return error->rel_rmse;
+    const struct {
+        const char *name;
+        double value;
+    } members[] = {
+        {"", error->rel_rmse},      {".rel_rmse", error->rel_rmse}, {".std_error", error->std_error},
+        {".median", error->median}, {".p95", error->p95},           {".share_over_10pct", error->share_over_10pct},
+        {".max", error->max},
+    };
+    for (size_t i = 0; i < sizeof members / sizeof members[0]; ++i) {
+        if (strcmp(member, members[i].name) == 0) {
+            *known = true;
+            return members[i].value;
+        }
     }
-    if (strcmp(member, ".std_error") == 0) {
-        return error->std_error;
-    }
-    if (strcmp(member, ".p95") == 0) {
-        return error->p95;
-    }
-    *known = strcmp(member, ".max") == 0;
-    return error->max;
+    *known = false;
+    return 0.0;
 }
 
 static figure pair_figure(const char *name, const check_report *report)
 {
-    static const error_summary none = {0.0, 0.0, 0.0, 0.0};
+    static const error_summary none;
     const size_t length = strcspn(name, ".");
     for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
         const char *pair_name = check_pair_name((check_pair)pair);

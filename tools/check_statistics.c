@@ -13,14 +13,14 @@ point_error point_error_of(const lmb_rgb *x, const lmb_rgb *r1, const lmb_rgb *r
             const double a = (double)r1[k].c[c];
             const double b = (double)r2[k].c[c];
             const double value = (double)x[k].c[c];
-            const double off = value - 0.5 * (a + b);
+            const double mean = 0.5 * (a + b);
             error.product += (value - a) * (value - b);
             error.reference += a * b;
-            error.deviation += off * off;
+            error.own += mean * mean;
         }
     }
     const double count = 3.0 * normal_count;
-    return (point_error){error.product / count, error.reference / count, error.deviation / count};
+    return (point_error){error.product / count, error.reference / count, error.own / count};
 }
 
 static int compare_doubles(const void *a, const void *b)
@@ -29,51 +29,87 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* Sums over the points that count. */
+typedef struct error_sums {
+    size_t count;
+    double product, reference;
+    double own; /* of their roots */
+} error_sums;
+
+static bool counts(const bool *has, size_t i)
+{
+    return !has || has[i];
+}
+
+static error_sums sums_of(const point_error *errors, const bool *has, size_t count)
+{
+    error_sums sums = {0, 0.0, 0.0, 0.0};
+    for (size_t i = 0; i < count; ++i) {
+        if (counts(has, i)) {
+            sums.count += 1;
+            sums.product += errors[i].product;
+            sums.reference += errors[i].reference;
+            sums.own += sqrt(errors[i].own);
+        }
+    }
+    return sums;
+}
+
 /* Standard error of sqrt(P / R), P and R the means of product and reference: by the delta method for the ratio, whose
  * residuals are product - ratio * reference, then for the root. */
-static double root_std_error(const point_error *errors, size_t count, double ratio, double reference_mean)
+static double root_std_error(const point_error *errors, const bool *has, size_t count, const error_sums *sums)
 {
-    if (count < 2) {
+    if (sums->count < 2) {
         return missing;
     }
+    const double ratio = fmax(sums->product, 0.0) / sums->reference;
     double sum = 0.0;
     for (size_t i = 0; i < count; ++i) {
-        const double residual = errors[i].product - ratio * errors[i].reference;
-        sum += residual * residual;
+        if (counts(has, i)) {
+            const double residual = errors[i].product - ratio * errors[i].reference;
+            sum += residual * residual;
+        }
     }
-    const double ratio_error = sqrt(sum / ((double)count * (double)(count - 1))) / reference_mean;
+    const double points = (double)sums->count;
+    const double ratio_error = sqrt(sum / (points * (points - 1.0))) / (sums->reference / points);
     /* Where the ratio drowns in its error, the root's tangent would promise nonsense. */
     return ratio > ratio_error ? 0.5 * ratio_error / sqrt(ratio) : 0.5 * sqrt(ratio_error);
 }
 
-lmb_result error_summarize(const point_error *errors, size_t count, error_summary *summary)
+/* The smallest of sorted values that at least that many percent of them do not exceed. */
+static double percentile(const double *sorted, size_t count, size_t percent)
 {
-    double product = 0.0, reference = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        product += errors[i].product;
-        reference += errors[i].reference;
-    }
-    if (count == 0 || !(reference > 0.0)) {
-        *summary = (error_summary){missing, missing, missing, missing};
+    return sorted[(count * percent + 99) / 100 - 1];
+}
+
+lmb_result error_summarize(const point_error *errors, const bool *has, size_t count, error_summary *summary)
+{
+    const error_sums sums = sums_of(errors, has, count);
+    if (sums.count == 0 || !(sums.reference > 0.0)) {
+        *summary = (error_summary){missing, missing, missing, missing, missing, missing};
         return LMB_OK;
     }
-    double *deviation = malloc(count * sizeof *deviation);
-    if (!deviation) {
+    double *own = malloc(sums.count * sizeof *own);
+    if (!own) {
         return LMB_ERROR_MEMORY;
     }
-    const double reference_mean = reference / (double)count;
+    const double least = CHECK_DARK_SHARE * sums.own / (double)sums.count;
+    size_t found = 0, visible = 0;
     for (size_t i = 0; i < count; ++i) {
-        deviation[i] = sqrt(errors[i].deviation / reference_mean);
+        if (counts(has, i)) {
+            own[found] = sqrt(fmax(errors[i].product, 0.0)) / fmax(sqrt(errors[i].own), least);
+            visible += own[found] > CHECK_VISIBLE_SHARE;
+            ++found;
+        }
     }
-    qsort(deviation, count, sizeof *deviation, compare_doubles);
-    const double ratio = fmax(product, 0.0) / reference;
-    /* The smallest value that at least 95 % of the points do not exceed. */
-    const size_t rank = (count * 95 + 99) / 100;
-    summary->rel_rmse = sqrt(ratio);
-    summary->std_error = root_std_error(errors, count, ratio, reference_mean);
-    summary->p95 = deviation[rank - 1];
-    summary->max = deviation[count - 1];
-    free(deviation);
+    qsort(own, found, sizeof *own, compare_doubles);
+    summary->rel_rmse = sqrt(fmax(sums.product, 0.0) / sums.reference);
+    summary->std_error = root_std_error(errors, has, count, &sums);
+    summary->median = percentile(own, found, 50);
+    summary->p95 = percentile(own, found, 95);
+    summary->share_over_10pct = (double)visible / (double)found;
+    summary->max = own[found - 1];
+    free(own);
     return LMB_OK;
 }
 
@@ -95,19 +131,23 @@ point_light point_light_of(const lmb_rgb *x, const lmb_rgb *r1, const lmb_rgb *r
     return light;
 }
 
-leak_summary leak_summarize(const point_light *lights, size_t count)
+leak_summary leak_summarize(const point_light *lights, const bool *has, size_t count)
 {
     double reference = 0.0, noise = 0.0, product = 0.0;
+    size_t found = 0;
     for (size_t i = 0; i < count; ++i) {
-        reference += lights[i].reference;
-        noise += lights[i].reference_noise;
-        product += lights[i].reference_product;
+        if (counts(has, i)) {
+            reference += lights[i].reference;
+            noise += lights[i].reference_noise;
+            product += lights[i].reference_product;
+            ++found;
+        }
     }
-    leak_summary summary = {.reference_mean = count > 0 ? reference / (double)count : missing,
+    leak_summary summary = {.reference_mean = found > 0 ? reference / (double)found : missing,
                             .reference_std_error = product > 0.0 ? sqrt(noise / product) : missing};
     double excess = 0.0;
     for (size_t i = 0; i < count; ++i) {
-        if (lights[i].reference < LEAK_DARK_SHARE * summary.reference_mean) {
+        if (counts(has, i) && lights[i].reference < LEAK_DARK_SHARE * summary.reference_mean) {
             excess += lights[i].excess;
             ++summary.dark_points;
         }

@@ -52,7 +52,7 @@ void arguments_error(lmb_arguments *arguments, const char *what, const char *arg
 const char *arguments_text(lmb_arguments *arguments, const char *option);
 double arguments_number(lmb_arguments *arguments, const char *option, double minimum, double maximum);
 int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t minimum, int64_t maximum);
-lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option); /* X,Y,Z: a direction */
+lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option);    /* X,Y,Z: a direction */
 lmb_vec3d arguments_position(lmb_arguments *arguments, const char *option); /* X,Y,Z: a position in the world */
 
 /* What a command says of itself: progress as a bar with time left on a terminal, or, when `json`, as records on

@@ -23,6 +23,14 @@ static void json_add_range(cJSON *json, const char *key, const int32_t value[3])
     cJSON_AddItemToObject(json, key, cJSON_CreateIntArray((const int[3]){value[0], value[1], value[2]}, 3));
 }
 
+static void json_add_key_lights(cJSON *json, const lmb_key_light *light, uint32_t count)
+{
+    cJSON *list = cJSON_AddArrayToObject(json, "key_lights");
+    for (uint32_t i = 0; i < count; ++i) {
+        cJSON_AddItemToArray(list, json_key_light(&light[i]));
+    }
+}
+
 static cJSON *lmb_describe(const lmb_volume *volume)
 {
     const lmb_volume_info info = lmb_volume_get_info(volume);
@@ -48,6 +56,8 @@ static cJSON *lmb_describe(const lmb_volume *volume)
     cJSON_AddNumberToObject(json, "bytes", (double)info.file_bytes);
     cJSON_AddNumberToObject(json, "bytes_per_probe",
                             info.probe_count > 0 ? (double)info.file_bytes / (double)info.probe_count : 0.0);
+    lmb_key_light light[LMB_KEY_LIGHTS_MOST];
+    json_add_key_lights(json, light, lmb_volume_key_lights(volume, light));
     return json;
 }
 
@@ -69,6 +79,7 @@ static cJSON *vdb_describe(const lmb_probes *probes, const char *settings, const
     json_add_range(json, "lattice_min", probes->level[0].lattice.min);
     json_add_range(json, "lattice_size", probes->level[0].lattice.size);
     cJSON_AddItemToObject(json, "mean_radiance", cJSON_CreateDoubleArray(mean, 3));
+    json_add_key_lights(json, probes->key_light, probes->key_light_count);
     cJSON_AddStringToObject(json, "scene_hash", scene_hash);
     cJSON *parsed = cJSON_Parse(settings);
     cJSON_AddItemToObject(json, "settings", parsed ? parsed : cJSON_CreateString(settings));
@@ -103,37 +114,49 @@ static lmb_result vdb_info(const char *path, cJSON **json, lmb_error *error)
     return LMB_OK;
 }
 
+static cJSON *channel_describe(const float *values, size_t count)
+{
+    double low = INFINITY, high = -INFINITY, sum = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        low = fmin(low, (double)values[i]);
+        high = fmax(high, (double)values[i]);
+        sum += (double)values[i];
+    }
+    cJSON *channel = cJSON_CreateObject();
+    cJSON_AddNumberToObject(channel, "min", low);
+    cJSON_AddNumberToObject(channel, "mean", sum / (double)count);
+    cJSON_AddNumberToObject(channel, "max", high);
+    return channel;
+}
+
+/* Any EXR, but one of ours has a scale. */
 static lmb_result exr_info(const char *path, cJSON **json, lmb_error *error)
 {
-    const lmb_model *model = lmb_model_default(LMB_MODEL_FOR_LIGHTMAP);
-    const char *const *names = model->channel_name;
-    const int shown = model->direction ? model->direction->first : model->channel_count;
+    lmb_exr_name listed[LMB_MODEL_MOST_CHANNELS];
+    const char *names[LMB_MODEL_MOST_CHANNELS];
     float *values[LMB_MODEL_MOST_CHANNELS];
     lmb_exr_header header;
-    const lmb_result result = lmb_exr_read_channels(path, names, (size_t)shown, values, &header, error);
+    size_t channel_count = 0;
+    lmb_result result = lmb_exr_list_channels(path, listed, LMB_MODEL_MOST_CHANNELS, &channel_count, error);
+    const size_t shown = channel_count < LMB_MODEL_MOST_CHANNELS ? channel_count : LMB_MODEL_MOST_CHANNELS;
+    for (size_t k = 0; result == LMB_OK && k < shown; ++k) {
+        names[k] = listed[k].text;
+    }
+    if (result == LMB_OK) {
+        result = lmb_exr_read_channels(path, names, shown, values, &header, error);
+    }
     if (result != LMB_OK) {
         return result;
     }
-    const size_t count = (size_t)header.width * (size_t)header.height;
     cJSON *object = cJSON_CreateObject();
-    char kind[64];
-    snprintf(kind, sizeof kind, "lambent lightmap (%s)", model->title);
-    cJSON_AddStringToObject(object, "kind", kind);
+    cJSON_AddStringToObject(object, "kind", "OpenEXR image");
     cJSON_AddNumberToObject(object, "width", header.width);
     cJSON_AddNumberToObject(object, "height", header.height);
     cJSON_AddNumberToObject(object, "scale", (double)header.scale);
     cJSON *channels = cJSON_AddObjectToObject(object, "channels");
-    for (int k = 0; k < shown; ++k) {
-        double low = INFINITY, high = -INFINITY, sum = 0.0;
-        for (size_t i = 0; i < count; ++i) {
-            low = fmin(low, (double)values[k][i]);
-            high = fmax(high, (double)values[k][i]);
-            sum += (double)values[k][i];
-        }
-        cJSON *channel = cJSON_AddObjectToObject(channels, names[k]);
-        cJSON_AddNumberToObject(channel, "min", low);
-        cJSON_AddNumberToObject(channel, "mean", sum / (double)count);
-        cJSON_AddNumberToObject(channel, "max", high);
+    for (size_t k = 0; k < shown; ++k) {
+        cJSON_AddItemToObject(channels, names[k],
+                              channel_describe(values[k], (size_t)header.width * (size_t)header.height));
         free(values[k]);
     }
     *json = object;

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include <lambent/gather_sh3.h>
+#include <lambent/key_lights.h>
 
 #include "command.h"
 #include "level_arguments.h"
@@ -19,6 +20,7 @@ static const char usage[] =
 
 typedef struct lmb_probe_answer {
     lmb_gathered gathered;
+    lmb_query_light light;
     lmb_rgb irradiance;
     lmb_rgb traced;
     double seconds;
@@ -55,9 +57,13 @@ static lmb_result probe_trace(const lmb_level *level, const lmb_query *query, ui
     const lmb_gather_point point = {.position = lmb_scene_from_world(level->scene, query->position)};
     lmb_result result =
         lmb_gather_sh3_parallel(&level->transport, &point, samples, level->pool, progress, &answer->gathered);
+    if (result == LMB_OK) {
+        answer->light.rest = answer->gathered.moments;
+        answer->light.keys.count = lmb_scene_key_lights(level->scene, answer->light.keys.light);
+        memcpy(answer->light.keys.visibility, answer->gathered.key_visibility, sizeof answer->gathered.key_visibility);
+    }
     if (result == LMB_OK && query->has_normal) {
-        answer->irradiance =
-            query_irradiance(query, lmb_model_default(LMB_MODEL_FOR_SURFACE), &answer->gathered.moments);
+        answer->irradiance = query_irradiance(query, lmb_model_default(LMB_MODEL_FOR_SURFACE), &answer->light);
         lmb_truth_work work = {.transport = &level->transport,
                                .query = query,
                                .position = point.position,
@@ -77,14 +83,14 @@ static lmb_result probe_trace(const lmb_level *level, const lmb_query *query, ui
 
 static double answer_relative_error(const lmb_probe_answer *answer)
 {
-    return lmb_relative_error(answer->gathered.squared_error, answer->gathered.squared_length);
+    return lmb_relative_error(answer->gathered.squared_error, answer->gathered.squared_light);
 }
 
 static int answer_print_json(const lmb_query *query, const lmb_probe_answer *answer)
 {
     cJSON *object = cJSON_CreateObject();
     cJSON_AddItemToObject(object, "position", json_position(query->position));
-    cJSON_AddItemToObject(object, "sh3", json_sh3(&answer->gathered.moments));
+    json_add_light(object, &answer->light);
     cJSON_AddNumberToObject(object, "std_error", answer_relative_error(answer));
     if (query->has_normal) {
         cJSON_AddItemToObject(object, "normal", json_vector(query->normal));
@@ -99,10 +105,18 @@ static int answer_print_json(const lmb_query *query, const lmb_probe_answer *ans
 static int answer_print(const lmb_query *query, const lmb_probe_answer *answer)
 {
     static const char *const names[LMB_SH3_COUNT] = {"0,0", "1,-1", "1,0", "1,1", "2,-2", "2,-1", "2,0", "2,1", "2,2"};
+    const lmb_sh3_rgb whole = key_lights_add_sh3(&answer->light.keys, &answer->light.rest);
     printf("probe at %.9g, %.9g, %.9g\n", query->position.x, query->position.y, query->position.z);
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-        printf("  l%-5s %12.6g %12.6g %12.6g\n", names[i], (double)answer->gathered.moments.channel[0].c[i],
-               (double)answer->gathered.moments.channel[1].c[i], (double)answer->gathered.moments.channel[2].c[i]);
+        printf("  l%-5s %12.6g %12.6g %12.6g\n", names[i], (double)whole.channel[0].c[i], (double)whole.channel[1].c[i],
+               (double)whole.channel[2].c[i]);
+    }
+    for (uint32_t i = 0; i < answer->light.keys.count; ++i) {
+        const lmb_key_light *key = &answer->light.keys.light[i];
+        printf("  key light %u: %.4g of %.6g %.6g %.6g from %.6g %.6g %.6g\n", i,
+               (double)answer->light.keys.visibility[i], (double)key->irradiance.c[0], (double)key->irradiance.c[1],
+               (double)key->irradiance.c[2], (double)key->direction.x, (double)key->direction.y,
+               (double)key->direction.z);
     }
     if (query->has_normal) {
         printf("  irradiance        %12.6g %12.6g %12.6g\n", (double)answer->irradiance.c[0],

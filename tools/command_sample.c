@@ -24,7 +24,7 @@ static const char *usage(void)
     size_t length = (size_t)snprintf(text, sizeof text, "%s", usage_start);
     for (size_t i = 0; i < lmb_model_count(); ++i) {
         const lmb_model *model = lmb_model_at(i);
-        if (model->uses == 0) {
+        if (!(model->uses & (LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT))) {
             continue;
         }
         length += (size_t)snprintf(text + length, sizeof text - length, "                        %-4s  %s%s\n",
@@ -36,9 +36,10 @@ static const char *usage(void)
 
 static int answer_print(const lmb_query *query, const lmb_model *model, const lmb_volume *volume, bool json)
 {
-    lmb_sh3_rgb radiance;
-    const bool inside = lmb_volume_sample_at(volume, query->position, &radiance);
-    const lmb_rgb irradiance = query->has_normal ? query_irradiance(query, model, &radiance) : (lmb_rgb){{0}};
+    lmb_query_light light;
+    light.keys.count = lmb_volume_key_lights(volume, light.keys.light);
+    const bool inside = lmb_volume_sample_with_keys(volume, query->position, &light.rest, light.keys.visibility);
+    const lmb_rgb irradiance = query->has_normal ? query_irradiance(query, model, &light) : (lmb_rgb){{0}};
     if (json) {
         cJSON *object = cJSON_CreateObject();
         cJSON_AddItemToObject(object, "position", json_position(query->position));
@@ -46,7 +47,7 @@ static int answer_print(const lmb_query *query, const lmb_model *model, const lm
             cJSON_AddItemToObject(object, "normal", json_vector(query->normal));
             cJSON_AddItemToObject(object, "irradiance", json_rgb(irradiance));
         }
-        cJSON_AddItemToObject(object, "sh3", json_sh3(&radiance));
+        json_add_light(object, &light);
         cJSON_AddBoolToObject(object, "outside", !inside);
         return json_print_line(object);
     }
@@ -55,15 +56,20 @@ static int answer_print(const lmb_query *query, const lmb_model *model, const lm
         printf("  irradiance %.6g %.6g %.6g", (double)irradiance.c[0], (double)irradiance.c[1],
                (double)irradiance.c[2]);
     }
+    const lmb_sh3_rgb radiance = key_lights_add_sh3(&light.keys, &light.rest);
     const float mean_scale = 0.28209479f; /* 1/(2 sqrt(pi)): l0 to mean radiance */
-    printf("  mean radiance %.6g %.6g %.6g\n", (double)(radiance.channel[0].c[0] * mean_scale),
+    printf("  mean radiance %.6g %.6g %.6g", (double)(radiance.channel[0].c[0] * mean_scale),
            (double)(radiance.channel[1].c[0] * mean_scale), (double)(radiance.channel[2].c[0] * mean_scale));
+    for (uint32_t i = 0; i < light.keys.count; ++i) {
+        printf("  key light %u seen %.3g", i, (double)light.keys.visibility[i]);
+    }
+    putchar('\n');
     return EXIT_DONE;
 }
 
 static const lmb_model *model_of_name(lmb_arguments *arguments, const char *name)
 {
-    const lmb_model *model = lmb_model_find(name);
+    const lmb_model *model = lmb_model_find(name, LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT);
     if (!model || model->uses == 0) {
         arguments_error(arguments, "--model: there is no lighting model", name);
     }

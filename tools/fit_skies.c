@@ -56,7 +56,7 @@ typedef struct sky {
 typedef struct sky_view {
     sky_turn turn;
     fit_context context;
-    float wall[2];  /* albedo of the two halves of what takes the lower hemisphere's place */
+    float wall[2];  /* radiance over I_z of the two halves of what takes the lower hemisphere's place */
     float split[2]; /* tangential, from the second half to the first */
     int cone_end;   /* the first direction outside the cone */
     float cone_cos;
@@ -193,6 +193,11 @@ static void outdoors_make(uint64_t *random, sky *s)
     s->zenith = magnitude_between(random, 0.2, 2.0);
     s->horizon = magnitude_between(random, 0.2, 2.0);
     s->bend = between(random, 0.0, 2.0);
+    if (fit_variate(random) < 0.25) { /* night, or nothing but what lamps and suns that are kept apart light */
+        const float dark = magnitude_between(random, 0.001, 0.3);
+        s->zenith *= dark;
+        s->horizon *= dark;
+    }
     s->ground = between(random, 0.02, 0.9) * magnitude_between(random, 0.4, 1.6);
     s->ground_slope = between(random, -0.5, 0.5);
 }
@@ -405,7 +410,10 @@ static sky_view view_make(uint64_t *random, bool cones)
 static void view_turn(uint64_t *random, sky_view *v)
 {
     v->turn = random_turn(random);
-    const float albedo = between(random, 0.1, 0.9);
+    float albedo = between(random, 0.1, 0.9);
+    if (fit_variate(random) < 0.4) { /* lit by a sun too, whose light is kept apart from the probe's */
+        albedo *= 1.0f + magnitude_between(random, 0.1, 20.0);
+    }
     const float contrast = v->context == FIT_TWO_TONED ? between(random, 0.0, 1.0) : 0.0f;
     v->wall[0] = albedo * (1.0f + contrast);
     v->wall[1] = albedo * (1.0f - contrast);

@@ -14,6 +14,7 @@ bool level_argument(lmb_level_settings *settings, lmb_arguments *arguments, cons
     "  --exclude PATTERN     leave out nodes by name, with their children (* and ?; repeatable)\n"                     \
     "  --light-scale X       multiply lamps (KHR_lights_punctual) by this\n"                                           \
     "  --emission-scale X    multiply what materials emit by this\n"                                                   \
+    "  --key-lights N        suns kept apart from the harmonics, 0 to 4 (default 1)\n"                                 \
     "  --bounces N           reflections at most (default: no limit)\n"                                                \
     "  --seed N              of the random numbers (default 0)\n"                                                      \
     "  --threads N           (default: one for each processor)\n"                                                      \

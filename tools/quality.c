@@ -116,7 +116,7 @@ static void probes_keep(const lmb_bake *bake, elements *probes)
         }
     }
     probes->squared_error = bake->record.gathered.squared_error;
-    probes->squared_length = bake->record.gathered.squared_length;
+    probes->squared_length = bake->record.gathered.squared_light;
 }
 
 static void texels_keep(const lmb_bake *bake, elements *texels)
@@ -132,7 +132,7 @@ static void texels_keep(const lmb_bake *bake, elements *texels)
         }
     }
     texels->squared_error = bake->record.lightmap.squared_error;
-    texels->squared_length = bake->record.lightmap.squared_length;
+    texels->squared_length = bake->record.lightmap.squared_light;
 }
 
 /* Gathers at all probes and denoises them. */

@@ -90,13 +90,13 @@ int query_read_line(lmb_query *query, int *line_number)
     return 1;
 }
 
-lmb_rgb query_irradiance(const lmb_query *query, const lmb_model *model, const lmb_sh3_rgb *radiance)
+lmb_rgb query_irradiance(const lmb_query *query, const lmb_model *model, const lmb_query_light *light)
 {
     float channel[LMB_MODEL_MOST_CHANNELS];
     lmb_rgb irradiance;
-    model->encode(radiance, query->vertex_normal, query->cone_cos, channel);
+    model->encode(&light->rest, query->vertex_normal, query->cone_cos, channel);
     model->evaluate(channel, query->vertex_normal, &query->normal, 1, &irradiance);
-    return irradiance;
+    return key_lights_add(&light->keys, query->vertex_normal, query->normal, irradiance);
 }
 
 cJSON *json_vector(lmb_vec3 vector)
@@ -114,7 +114,8 @@ cJSON *json_rgb(lmb_rgb colour)
     return cJSON_CreateFloatArray(colour.c, 3);
 }
 
-cJSON *json_sh3(const lmb_sh3_rgb *radiance)
+/* 9 lists of RGB. */
+static cJSON *json_sh3(const lmb_sh3_rgb *radiance)
 {
     cJSON *list = cJSON_CreateArray();
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {
@@ -122,6 +123,27 @@ cJSON *json_sh3(const lmb_sh3_rgb *radiance)
         cJSON_AddItemToArray(list, json_rgb(colour));
     }
     return list;
+}
+
+cJSON *json_key_light(const lmb_key_light *light)
+{
+    cJSON *object = cJSON_CreateObject();
+    cJSON_AddItemToObject(object, "direction", json_vector(light->direction));
+    cJSON_AddItemToObject(object, "irradiance", json_rgb(light->irradiance));
+    return object;
+}
+
+void json_add_light(cJSON *object, const lmb_query_light *light)
+{
+    const lmb_sh3_rgb whole = key_lights_add_sh3(&light->keys, &light->rest);
+    cJSON_AddItemToObject(object, "sh3", json_sh3(&whole));
+    cJSON_AddItemToObject(object, "sh3_rest", json_sh3(&light->rest));
+    cJSON *list = cJSON_AddArrayToObject(object, "key_lights");
+    for (uint32_t i = 0; i < light->keys.count; ++i) {
+        cJSON *key = json_key_light(&light->keys.light[i]);
+        cJSON_AddNumberToObject(key, "visibility", (double)light->keys.visibility[i]);
+        cJSON_AddItemToArray(list, key);
+    }
 }
 
 int json_print_line(cJSON *object)

@@ -7,6 +7,7 @@
 #include <lambent/model.h>
 
 #include "command.h"
+#include "key_lights_seen.h"
 
 typedef struct lmb_query {
     lmb_vec3d position; /* in the world */
@@ -37,14 +38,24 @@ int query_read_line(lmb_query *query, int *line_number);
 /* Completes the one point of the command line: units, defaults. False: usage error printed. */
 bool query_finish(lmb_query_arguments *query, lmb_arguments *arguments);
 
-/* Normalised irradiance of a probe by a lighting model. */
-lmb_rgb query_irradiance(const lmb_query *query, const lmb_model *model, const lmb_sh3_rgb *radiance);
+/* Light at a point: harmonics, and the key lights that they leave out. */
+typedef struct lmb_query_light {
+    lmb_sh3_rgb rest;
+    key_lights_seen keys;
+} lmb_query_light;
+
+/* Normalised irradiance of it by a lighting model. */
+lmb_rgb query_irradiance(const lmb_query *query, const lmb_model *model, const lmb_query_light *light);
+
+/* Adds `sh3`, of all of the light, `sh3_rest`, without the key lights, and `key_lights`. */
+void json_add_light(cJSON *object, const lmb_query_light *light);
 
 /* Arrays for --json output. */
 cJSON *json_vector(lmb_vec3 vector);
 cJSON *json_position(lmb_vec3d position);
 cJSON *json_rgb(lmb_rgb colour);
-cJSON *json_sh3(const lmb_sh3_rgb *radiance); /* 9 lists of RGB */
+/* Direction and irradiance; the caller may add to it. */
+cJSON *json_key_light(const lmb_key_light *light);
 /* Prints one line and frees the object. @return exit status */
 int json_print_line(cJSON *object);
 

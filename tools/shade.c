@@ -6,6 +6,7 @@
 #include <lambent/surface.h>
 #include <lambent/vector.h>
 
+#include "key_lights_seen.h"
 #include "replicates.h"
 
 enum { MAX_LAYERS = 64 }; /* see-through surfaces along one ray */
@@ -87,20 +88,24 @@ typedef struct arriving_light {
     lmb_rgb irradiance_z;
 } arriving_light;
 
-static arriving_light light_of_channels(const lmb_model *model, const float *channel, lmb_vec3 vertex_normal,
-                                        const seen_surface *seen)
+static arriving_light light_of_channels(const lmb_model *model, const float *channel, const key_lights_seen *keys,
+                                        lmb_vec3 vertex_normal, const seen_surface *seen)
 {
     const lmb_vec3 normals[2] = {seen->normal, vertex_normal};
     lmb_rgb irradiance[2];
     model->evaluate(channel, vertex_normal, normals, 2, irradiance);
-    return (arriving_light){irradiance[0], irradiance[1]};
+    return (arriving_light){key_lights_add(keys, vertex_normal, normals[0], irradiance[0]),
+                            key_lights_add(keys, vertex_normal, normals[1], irradiance[1])};
 }
 
 static arriving_light light_of_lightmap(const lmb_shader *shader, const seen_surface *seen)
 {
     float channel[LMB_MODEL_MOST_CHANNELS];
+    key_lights_seen keys;
+    keys.count = lmb_scene_key_lights(shader->lightmap->scene, keys.light);
     lmb_lightmap_sample(shader->lightmap, &seen->hit, channel);
-    return light_of_channels(shader->lightmap->model, channel, seen->place.shading_normal, seen);
+    lmb_lightmap_sample_keys(shader->lightmap, &seen->hit, keys.visibility);
+    return light_of_channels(shader->lightmap->model, channel, &keys, seen->place.shading_normal, seen);
 }
 
 /* Objects take the model of dynamic things; surfaces that of lightmaps. */
@@ -111,9 +116,11 @@ static arriving_light light_of_probes(const lmb_shader *shader, const seen_surfa
     const lmb_scene *scene = lmb_tracer_scene(shader->transport->tracer);
     lmb_sh3_rgb radiance;
     float channel[LMB_MODEL_MOST_CHANNELS];
-    lmb_volume_sample_at(shader->volume, lmb_scene_to_world(scene, point.position), &radiance);
+    key_lights_seen keys;
+    keys.count = lmb_volume_key_lights(shader->volume, keys.light);
+    lmb_volume_sample_with_keys(shader->volume, lmb_scene_to_world(scene, point.position), &radiance, keys.visibility);
     model->encode(&radiance, point.normal, 0.0f, channel);
-    return light_of_channels(model, channel, point.normal, seen);
+    return light_of_channels(model, channel, &keys, point.normal, seen);
 }
 
 static arriving_light light_of_reference(const lmb_shader *shader, const seen_surface *seen)
@@ -185,8 +192,7 @@ lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 or
     for (int layer = 0; layer < MAX_LAYERS; ++layer) {
         seen_surface seen;
         if (!seen_nearest(shader, origin, direction, start, &seen)) {
-            float density;
-            const lmb_rgb sky = lmb_emitters_environment_radiance(shader->transport->emitters, direction, &density);
+            const lmb_rgb sky = lmb_emitters_environment_shown(shader->transport->emitters, direction);
             return lmb_rgb_add(radiance, lmb_rgb_mul(share, sky));
         }
         seen_complete(&seen, direction);

@@ -4,6 +4,7 @@
 
 #include <lambent/file.h>
 #include <lambent/lattice.h>
+#include <lambent/vector.h>
 
 #include <Imath/half.h>
 #include <assert.h>
@@ -13,11 +14,14 @@
 #include <string.h>
 
 _Static_assert(sizeof(lmb_volume_header) == LMB_VOLUME_HEADER_BYTES, "the header has no padding");
+_Static_assert(sizeof(lmb_volume_keys) == LMB_VOLUME_KEYS_BYTES, "nor have key lights");
 _Static_assert(sizeof(lmb_volume_brick) == LMB_BRICK_BYTES, "a brick has no padding");
+_Static_assert(sizeof(lmb_brick_visibility) == LMB_BRICK_KEY_BYTES, "nor has what follows it");
 
 /* A probe as it is stored. */
 typedef struct packed_probe {
     uint16_t sh[LMB_BRICK_COEFFICIENTS];
+    uint8_t seen[LMB_KEY_LIGHTS_MOST]; /* of key lights */
     bool has_light;
 } packed_probe;
 
@@ -37,6 +41,14 @@ static uint64_t pack_probe(const lmb_sh3_rgb *radiance, float scale, packed_prob
         packed->sh[i] = imath_float_to_half(overflow_count > 0 ? LMB_HALF_MAX * (value[i] / largest) : value[i]);
     }
     return overflow_count;
+}
+
+static void pack_visibility(const lmb_probes *probes, int32_t probe, packed_probe *packed)
+{
+    for (uint32_t key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
+        const float seen = key < probes->key_light_count ? probes->key_visibility[probe][key] : 0.0f;
+        packed->seen[key] = (uint8_t)(lmb_saturate(seen) * 255.0f + 0.5f);
+    }
 }
 
 static bool radiance_is_finite(const lmb_probes *probes)
@@ -69,6 +81,7 @@ static lmb_result pack_probes(const lmb_probes *probes, packed_probe *packed, lm
         packed[probe].has_light = pass[probe] >= 0;
         if (packed[probe].has_light) {
             stats->overflow_count += pack_probe(&probes->radiance[0][probe], stats->scale, &packed[probe]);
+            pack_visibility(probes, probe, &packed[probe]);
         }
     }
     *stored_count = (uint64_t)reached;
@@ -114,12 +127,17 @@ static void mark_complete_cells(lmb_volume_brick *brick)
 static void fill_brick(const lmb_probes *probes, const packed_probe *packed, const int32_t first[3],
                        lmb_volume_brick *brick)
 {
+    lmb_brick_visibility *const visibility = (lmb_brick_visibility *)(brick + 1);
     memset(brick, 0, sizeof *brick);
+    memset(visibility, 0, probes->key_light_count * sizeof *visibility);
     for (int32_t point = 0; point < LMB_BRICK_PROBES; ++point) {
         const int32_t probe = stored_probe_at(probes, packed, first, point);
         if (probe >= 0) {
             brick->probes[point / 64] |= UINT64_C(1) << point % 64;
             memcpy(&brick->sh[point * LMB_BRICK_COEFFICIENTS], packed[probe].sh, sizeof packed[probe].sh);
+            for (uint32_t key = 0; key < probes->key_light_count; ++key) {
+                visibility[key].seen[point] = packed[probe].seen[key];
+            }
         }
     }
     mark_complete_cells(brick);
@@ -130,6 +148,8 @@ static void fill_brick(const lmb_probes *probes, const packed_probe *packed, con
 
 /* Where everything lies. */
 typedef struct layout {
+    size_t header_bytes;
+    size_t brick_bytes; /* with what follows it */
     size_t bricks_along[3];
     size_t entries;
     uint32_t brick_count;
@@ -148,9 +168,13 @@ static void brick_first_point(const lmb_lattice *lattice, const layout *at, size
 }
 
 /* The directory has an entry for every brick of the box. */
-static bool plan_directory(const lmb_lattice *lattice, layout *at)
+static bool plan_directory(const lmb_probes *probes, layout *at)
 {
-    *at = (layout){.entries = 1};
+    const lmb_lattice *lattice = &probes->level[0].lattice;
+    const size_t keys = probes->key_light_count;
+    *at = (layout){.header_bytes = LMB_VOLUME_HEADER_BYTES + (keys > 0 ? LMB_VOLUME_KEYS_BYTES : 0),
+                   .brick_bytes = LMB_BRICK_BYTES + keys * LMB_BRICK_KEY_BYTES,
+                   .entries = 1};
     for (int axis = 0; axis < 3; ++axis) {
         at->bricks_along[axis] = lmb_lattice_bricks_along(lattice->size[axis]);
         if (at->bricks_along[axis] > MOST_ENTRIES / at->entries) {
@@ -191,17 +215,25 @@ static void plan_bricks(const lmb_probes *probes, const packed_probe *packed, ui
     for (size_t entry = 0; entry < at->entries; ++entry) {
         at->brick_count += has_light[entry];
     }
-    const size_t end = LMB_VOLUME_HEADER_BYTES + at->entries * sizeof(uint32_t);
+    const size_t end = at->header_bytes + at->entries * sizeof(uint32_t);
     at->bricks_offset = (end + LMB_VOLUME_ALIGNMENT - 1) / LMB_VOLUME_ALIGNMENT * LMB_VOLUME_ALIGNMENT;
-    at->bytes = at->bricks_offset + at->brick_count * sizeof(lmb_volume_brick);
+    at->bytes = at->bricks_offset + at->brick_count * at->brick_bytes;
 }
 
-static void write_header(const lmb_lattice *lattice, const layout *at, float scale, uint64_t probe_count,
+static void write_key_lights(const lmb_probes *probes, unsigned char *image)
+{
+    lmb_volume_keys keys = {.count = probes->key_light_count};
+    memcpy(keys.light, probes->key_light, keys.count * sizeof *keys.light);
+    memcpy(image + LMB_VOLUME_HEADER_BYTES, &keys, sizeof keys);
+}
+
+static void write_header(const lmb_probes *probes, const layout *at, float scale, uint64_t probe_count,
                          unsigned char *image)
 {
+    const lmb_lattice *lattice = &probes->level[0].lattice;
     lmb_volume_header header = {
-        .version = LMB_VOLUME_VERSION,
-        .header_bytes = LMB_VOLUME_HEADER_BYTES,
+        .version = probes->key_light_count > 0 ? LMB_VOLUME_VERSION_WITH_KEYS : LMB_VOLUME_VERSION,
+        .header_bytes = (uint32_t)at->header_bytes,
         .file_bytes = at->bytes,
         .spacing = lattice->spacing,
         .scale = scale,
@@ -209,8 +241,8 @@ static void write_header(const lmb_lattice *lattice, const layout *at, float sca
         .size = {lattice->size[0], lattice->size[1], lattice->size[2]},
         .probe_count = probe_count,
         .brick_count = at->brick_count,
-        .brick_bytes = LMB_BRICK_BYTES,
-        .directory_offset = LMB_VOLUME_HEADER_BYTES,
+        .brick_bytes = (uint32_t)at->brick_bytes,
+        .directory_offset = at->header_bytes,
         .bricks_offset = at->bricks_offset,
     };
     memcpy(header.magic, LMB_VOLUME_MAGIC, sizeof header.magic);
@@ -222,19 +254,19 @@ static void write_header(const lmb_lattice *lattice, const layout *at, float sca
 static void write_bricks(const lmb_probes *probes, const packed_probe *packed, const uint8_t *has_light,
                          const layout *at, unsigned char *image)
 {
-    uint32_t *const directory = (uint32_t *)(image + LMB_VOLUME_HEADER_BYTES);
-    lmb_volume_brick *const bricks = (lmb_volume_brick *)(image + at->bricks_offset);
+    uint32_t *const directory = (uint32_t *)(image + at->header_bytes);
     uint32_t brick = 0;
     for (size_t entry = 0; entry < at->entries; ++entry) {
         directory[entry] = LMB_VOLUME_NO_BRICK;
         if (has_light[entry]) {
             int32_t first[3];
             brick_first_point(&probes->level[0].lattice, at, entry, first);
-            fill_brick(probes, packed, first, &bricks[brick]);
+            unsigned char *const to = image + at->bricks_offset + brick * at->brick_bytes;
+            fill_brick(probes, packed, first, (lmb_volume_brick *)to);
             directory[entry] = brick++;
         }
     }
-    memset(directory + at->entries, 0, at->bricks_offset - LMB_VOLUME_HEADER_BYTES - at->entries * sizeof *directory);
+    memset(directory + at->entries, 0, at->bricks_offset - at->header_bytes - at->entries * sizeof *directory);
 }
 
 lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size, lmb_pack_stats *stats)
@@ -242,8 +274,8 @@ lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size
     assert(probes && data && size);
     layout at;
     if (probes->count == 0 || probes->level_count != 1 || probes->set_count != 1 ||
-        lmb_lattice_is_turned(&probes->level[0].lattice) || !radiance_is_finite(probes) ||
-        !plan_directory(&probes->level[0].lattice, &at)) {
+        lmb_lattice_is_turned(&probes->level[0].lattice) || probes->key_light_count > LMB_KEY_LIGHTS_MOST ||
+        !radiance_is_finite(probes) || !plan_directory(probes, &at)) {
         return LMB_ERROR_ARGUMENT;
     }
     packed_probe *const packed = malloc((size_t)probes->count * sizeof *packed);
@@ -265,7 +297,10 @@ lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size
         goto cleanup;
     }
     write_bricks(probes, packed, has_light, &at, image);
-    write_header(&probes->level[0].lattice, &at, counted.scale, stored_count, image);
+    if (probes->key_light_count > 0) {
+        write_key_lights(probes, image);
+    }
+    write_header(probes, &at, counted.scale, stored_count, image);
     counted.bytes = at.bytes;
     if (stats) {
         *stats = counted;

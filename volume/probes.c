@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/vector.h>
 #include <lambent/volume_format.h>
 
 static bool box_is_valid(const lmb_lattice *lattice)
@@ -191,7 +192,9 @@ static bool arrays_grow(lmb_probes *probes, int32_t added)
     probes->point = point ? point : probes->point;
     float *const validity = array_grow(probes->validity, sizeof *validity, count, more);
     probes->validity = validity ? validity : probes->validity;
-    bool good = point && validity;
+    float(*const seen)[LMB_KEY_LIGHTS_MOST] = array_grow(probes->key_visibility, sizeof *seen, count, more);
+    probes->key_visibility = seen ? seen : probes->key_visibility;
+    bool good = point && validity && seen;
     for (uint32_t set = 0; set < probes->set_count; ++set) {
         lmb_sh3_rgb *const radiance = array_grow(probes->radiance[set], sizeof *radiance, count, more);
         probes->radiance[set] = radiance ? radiance : probes->radiance[set];
@@ -258,6 +261,7 @@ void lmb_probes_destroy(lmb_probes *probes)
     }
     free(probes->point);
     free(probes->validity);
+    free(probes->key_visibility);
     free(probes->radiance);
     free(probes->level);
     free(probes);
@@ -373,6 +377,13 @@ static lmb_result validate_probe(const lmb_probes *probes, int32_t probe, lmb_er
             }
         }
     }
+    for (uint32_t key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
+        const float seen = probes->key_visibility[probe][key];
+        if (!(seen >= 0.0f && seen <= (key < probes->key_light_count ? 1.0f : 0.0f))) {
+            return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: probe %d: %g of key light %u is seen", probe,
+                                 (double)seen, key);
+        }
+    }
     const float validity = probes->validity[probe];
     if (!(validity >= 0.0f && validity <= 1.0f)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: probe %d: validity is %g, outside 0 to 1", probe,
@@ -381,11 +392,29 @@ static lmb_result validate_probe(const lmb_probes *probes, int32_t probe, lmb_er
     return LMB_OK;
 }
 
+static lmb_result validate_key_lights(const lmb_probes *probes, lmb_error *error)
+{
+    if (probes->key_light_count > LMB_KEY_LIGHTS_MOST) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: %u key lights", probes->key_light_count);
+    }
+    for (uint32_t key = 0; key < probes->key_light_count; ++key) {
+        const lmb_key_light *light = &probes->key_light[key];
+        bool good = fabsf(lmb_vec3_length(light->direction) - 1.0f) <= 1e-5f;
+        for (int c = 0; c < 3; ++c) {
+            good = good && light->irradiance.c[c] >= 0.0f && isfinite(light->irradiance.c[c]);
+        }
+        if (!good) {
+            return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: key light %u: direction or irradiance is none", key);
+        }
+    }
+    return LMB_OK;
+}
+
 static bool arrays_are_whole(const lmb_probes *probes)
 {
     bool whole = probes->count >= 0 && probes->set_count > 0 && probes->radiance;
     if (probes->count > 0) {
-        whole = whole && probes->point && probes->validity;
+        whole = whole && probes->point && probes->validity && probes->key_visibility;
         for (uint32_t set = 0; whole && set < probes->set_count; ++set) {
             whole = probes->radiance[set] != NULL;
         }
@@ -414,6 +443,9 @@ lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error)
     }
     if (next != probes->count) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: %d, but %lld of levels", probes->count, (long long)next);
+    }
+    if (validate_key_lights(probes, error) != LMB_OK) {
+        return LMB_ERROR_FORMAT;
     }
     for (int32_t probe = 0; probe < probes->count; ++probe) {
         if (validate_probe(probes, probe, error) != LMB_OK) {

@@ -7,6 +7,7 @@
 
 #include <assert.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { NEIGHBOUR_COUNT = 26 };
 
@@ -78,6 +79,42 @@ static void fill_probe(lmb_probes *probes, lmb_sh3_rgb *light, const int32_t *pa
     }
 }
 
+/* The same of what is seen of key lights. */
+static void fill_visibility(lmb_probes *probes, const int32_t *pass, int32_t probe)
+{
+    double sum[LMB_KEY_LIGHTS_MOST] = {0.0};
+    double weights = 0.0;
+    for (int n = 0; n < NEIGHBOUR_COUNT; ++n) {
+        int distance_squared;
+        const int32_t neighbour = neighbour_of(probes, probe, n, &distance_squared);
+        if (neighbour < 0 || pass[neighbour] < 0 || pass[neighbour] >= pass[probe]) {
+            continue;
+        }
+        const double weight = 1.0 / distance_squared;
+        weights += weight;
+        for (int key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
+            sum[key] += weight * (double)probes->key_visibility[neighbour][key];
+        }
+    }
+    for (int key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
+        probes->key_visibility[probe][key] = (float)(sum[key] / weights);
+    }
+}
+
+static void dilate_visibility(lmb_probes *probes, const int32_t *pass, const int32_t *order, int32_t reached)
+{
+    for (int32_t i = 0; i < reached; ++i) {
+        if (pass[order[i]] > 0) {
+            fill_visibility(probes, pass, order[i]);
+        }
+    }
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        if (pass[probe] < 0) {
+            memset(probes->key_visibility[probe], 0, sizeof *probes->key_visibility);
+        }
+    }
+}
+
 static void clear_unreached(const lmb_probes *probes, lmb_sh3_rgb *light, const int32_t *pass)
 {
     for (int32_t probe = 0; probe < probes->count; ++probe) {
@@ -108,6 +145,9 @@ lmb_result lmb_probes_dilate(lmb_probes *probes)
             }
         }
         clear_unreached(probes, probes->radiance[set], pass);
+    }
+    if (probes->key_light_count > 0) {
+        dilate_visibility(probes, pass, order, reached);
     }
     result = LMB_OK;
 cleanup:

@@ -36,7 +36,8 @@ using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using openvdb::Vec3SGrid;
 
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 1;         // of files without key lights
+constexpr int kFormatVersionWithKeys = 2; // whose radiance is not all of the light
 constexpr const char *kBasis = "00 1-1 10 11 2-2 2-1 20 21 22";
 
 // Magic, file version, library version and one flag come before the UUID.
@@ -57,6 +58,21 @@ struct Failure {
 std::string coefficient_name(int i)
 {
     return "sh_" + std::to_string(i);
+}
+
+std::string visibility_name(uint32_t key)
+{
+    return "key_visibility_" + std::to_string(key);
+}
+
+std::string key_direction_name(uint32_t key)
+{
+    return "lambent_key_direction_" + std::to_string(key);
+}
+
+std::string key_irradiance_name(uint32_t key)
+{
+    return "lambent_key_irradiance_" + std::to_string(key);
 }
 
 // ---------------------------------------------------------------------------------------------- content hash
@@ -136,9 +152,11 @@ class Writer : public openvdb::io::Archive {
 };
 
 // What a reader needs to interpret the values; on the file and on every grid, as editors keep only the latter.
-void describe(openvdb::MetaMap &target, const lmb_lattice &lattice, float scale)
+void describe(openvdb::MetaMap &target, const lmb_probes &probes, float scale)
 {
-    target.insertMeta("lambent_version", openvdb::Int32Metadata(kFormatVersion));
+    const lmb_lattice &lattice = probes.level[0].lattice;
+    const bool has_keys = probes.key_light_count > 0;
+    target.insertMeta("lambent_version", openvdb::Int32Metadata(has_keys ? kFormatVersionWithKeys : kFormatVersion));
     target.insertMeta("lambent_scale", openvdb::FloatMetadata(scale));
     target.insertMeta("lambent_spacing", openvdb::FloatMetadata(lattice.spacing));
     target.insertMeta("lambent_min",
@@ -151,6 +169,13 @@ void describe(openvdb::MetaMap &target, const lmb_lattice &lattice, float scale)
     target.insertMeta("lambent_basis", openvdb::StringMetadata(kBasis));
     target.insertMeta("lambent_units", openvdb::StringMetadata("radiance / lambent_scale, linear Rec. 709 as (x,y,z) = "
                                                                "(r,g,b); lengths in metres"));
+    for (uint32_t key = 0; key < probes.key_light_count; ++key) {
+        const lmb_vec3 &direction = probes.key_light[key].direction;
+        target.insertMeta(key_direction_name(key),
+                          openvdb::Vec3SMetadata(openvdb::Vec3s(direction.x, direction.y, direction.z)));
+        target.insertMeta(key_irradiance_name(key),
+                          openvdb::Vec3SMetadata(openvdb::Vec3s(probes.key_light[key].irradiance.c)));
+    }
 }
 
 FloatGrid::Ptr make_validity_grid(const lmb_probes &probes)
@@ -183,6 +208,19 @@ Vec3SGrid::Ptr make_coefficient_grid(const lmb_probes &probes, const FloatGrid &
     return coefficient;
 }
 
+FloatGrid::Ptr make_visibility_grid(const lmb_probes &probes, const FloatGrid &validity, uint32_t key)
+{
+    FloatGrid::Ptr visibility =
+        FloatGrid::create(std::make_shared<openvdb::FloatTree>(validity.tree(), 0.0f, openvdb::TopologyCopy()));
+    visibility->setName(visibility_name(key));
+    visibility->setTransform(validity.transform().copy());
+    FloatGrid::Accessor accessor = visibility->getAccessor();
+    for (int32_t probe = 0; probe < probes.count; ++probe) {
+        accessor.setValueOnly(Coord(probes.point[probe]), probes.key_visibility[probe][key]);
+    }
+    return visibility;
+}
+
 void check_magnitudes(const lmb_probes &probes, float scale)
 {
     for (int32_t probe = 0; probe < probes.count; ++probe) {
@@ -208,12 +246,15 @@ void write_temporary(const std::string &path, const lmb_probes &probes, const lm
         grids.push_back(make_coefficient_grid(probes, *validity, i, scale));
     }
     grids.push_back(validity);
+    for (uint32_t key = 0; key < probes.key_light_count; ++key) {
+        grids.push_back(make_visibility_grid(probes, *validity, key));
+    }
     for (const openvdb::GridBase::Ptr &each : grids) {
-        describe(*each, probes.level[0].lattice, scale);
+        describe(*each, probes, scale);
         each->setCreator("Lambent");
     }
     openvdb::MetaMap file_metadata;
-    describe(file_metadata, probes.level[0].lattice, scale);
+    describe(file_metadata, probes, scale);
     file_metadata.insertMeta("lambent_settings", openvdb::StringMetadata(metadata.settings));
     file_metadata.insertMeta("lambent_scene_hash", openvdb::StringMetadata(metadata.scene_hash));
 
@@ -251,6 +292,7 @@ using TextHandle = std::unique_ptr<char, FreeDeleter>;
 struct Contents {
     Vec3SGrid::Ptr coefficients[LMB_SH3_COUNT];
     FloatGrid::Ptr validity;
+    std::vector<FloatGrid::Ptr> visibility; // of key lights
     openvdb::MetaMap::Ptr metadata;
 };
 
@@ -277,13 +319,25 @@ void check_version(const openvdb::MetaMap &grid)
         fail(LMB_ERROR_FORMAT, "not written by Lambent: grid sh_0 has no lambent_version, so its units and signs are "
                                "unknown");
     }
-    if (version->value() > kFormatVersion) {
+    if (version->value() > kFormatVersionWithKeys) {
         fail(LMB_ERROR_VERSION, "format version " + std::to_string(version->value()) + " is newer than " +
-                                    std::to_string(kFormatVersion) + ", which this Lambent reads");
+                                    std::to_string(kFormatVersionWithKeys) + ", which this Lambent reads");
     }
     if (version->value() < 1) {
         fail(LMB_ERROR_FORMAT, "format version " + std::to_string(version->value()) + " does not exist");
     }
+}
+
+// Those of the grid that probes are known by.
+uint32_t key_light_count(const openvdb::MetaMap &grid)
+{
+    uint32_t count = 0;
+    while (grid[key_direction_name(count)]) {
+        if (++count > LMB_KEY_LIGHTS_MOST) {
+            fail(LMB_ERROR_FORMAT, "has more than " + std::to_string(LMB_KEY_LIGHTS_MOST) + " key lights");
+        }
+    }
+    return count;
 }
 
 void check_descriptors(const std::string &path)
@@ -319,6 +373,9 @@ Contents read_contents(const std::string &path)
             contents.coefficients[i] = find_grid<Vec3SGrid>(*grids, coefficient_name(i));
         }
         contents.validity = find_grid<FloatGrid>(*grids, "validity");
+        for (uint32_t key = 0; key < key_light_count(*contents.validity); ++key) {
+            contents.visibility.push_back(find_grid<FloatGrid>(*grids, visibility_name(key)));
+        }
         contents.metadata = archive.getMetadata();
     } catch (const std::ios::failure &) {
         fail(LMB_ERROR_FORMAT, "the file is cut short");
@@ -438,6 +495,28 @@ void read_coefficient(const Vec3SGrid &coefficient, int i, lmb_probes &probes)
     }
 }
 
+// Visibility of a key light, and what the light is.
+void read_key_light(const Contents &contents, uint32_t key, lmb_probes &probes)
+{
+    const FloatGrid &visibility = *contents.visibility[key];
+    const auto direction = contents.validity->getMetadata<openvdb::Vec3SMetadata>(key_direction_name(key));
+    const auto irradiance = contents.validity->getMetadata<openvdb::Vec3SMetadata>(key_irradiance_name(key));
+    if (!direction || !irradiance) {
+        fail(LMB_ERROR_FORMAT, "grid validity has no usable " + key_irradiance_name(key));
+    }
+    const openvdb::Vec3s to_light = direction->value(), light = irradiance->value();
+    probes.key_light[key] = {{to_light[0], to_light[1], to_light[2]}, {{light[0], light[1], light[2]}}};
+    probes.key_light_count = key + 1;
+    const FloatGrid::ConstAccessor accessor = visibility.getConstAccessor();
+    for (int32_t probe = 0; probe < probes.count; ++probe) {
+        float seen = 0.0f;
+        if (!accessor.probeValue(Coord(probes.point[probe]), seen)) {
+            fail(LMB_ERROR_FORMAT, "grids " + visibility.getName() + " and validity differ in active voxels");
+        }
+        probes.key_visibility[probe][key] = seen;
+    }
+}
+
 ProbesHandle read_probes(const Contents &contents)
 {
     ProbesHandle probes = make_probes(contents);
@@ -447,6 +526,9 @@ ProbesHandle read_probes(const Contents &contents)
     }
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {
         read_coefficient(*contents.coefficients[i], i, *probes);
+    }
+    for (uint32_t key = 0; key < contents.visibility.size(); ++key) {
+        read_key_light(contents, key, *probes);
     }
     lmb_error error;
     if (lmb_probes_validate(probes.get(), &error) != LMB_OK) {

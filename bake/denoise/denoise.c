@@ -338,6 +338,8 @@ static void element_set(lmb_gathered *gathered, const float *row, const float *l
             differences += (double)row[HALF + k] * (double)row[HALF + k];
         }
     }
+    /* What key lights add to the length hardly changes. */
+    gathered->squared_light = length + (gathered->squared_light - gathered->squared_length);
     gathered->squared_length = length;
     gathered->squared_error = fmax(gathered->squared_error - differences, 0.0) + fmax((double)error, 0.0);
 }

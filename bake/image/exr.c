@@ -507,3 +507,28 @@ lmb_result lmb_exr_read_channels(const char *path, const char *const *names, siz
     free(data);
     return result;
 }
+
+lmb_result lmb_exr_list_channels(const char *path, lmb_exr_name *names, size_t most, size_t *count, lmb_error *error)
+{
+    unsigned char *data = NULL;
+    exr_source source = {.file = {.name = path}};
+    exr_context_t context = NULL;
+    lmb_result result = lmb_file_read(path, &data, &source.file.size, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    source.file.data = data;
+    result = lmb_exr_is(&source.file) ? source_open(&source, &context, error)
+                                      : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not an OpenEXR file", path);
+    if (result == LMB_OK) {
+        const exr_attr_chlist_t *channels = NULL;
+        const bool listed = exr_get_channels(context, 0, &channels) == EXR_ERR_SUCCESS && channels;
+        *count = listed ? (size_t)channels->num_channels : 0;
+        for (size_t i = 0; i < *count && i < most; ++i) {
+            snprintf(names[i].text, sizeof names[i].text, "%s", channels->entries[i].name.str);
+        }
+        exr_finish(&context);
+    }
+    free(data);
+    return result;
+}

@@ -56,7 +56,6 @@ lmb_result lmb_emitters_create_without(const lmb_tracer *tracer, unsigned withou
         result = lmb_punctual_create(scene, &created->punctual);
     }
     if (result == LMB_OK) {
-        created->punctual_are_soft = lmb_punctual_are_soft(created->punctual);
         result = lmb_sky_create(&scene->environment, !lmb_emitters_go_without(created, LMB_WITHOUT_ENVIRONMENT_AIM),
                                 &created->sky);
     }
@@ -250,11 +249,9 @@ void lmb_emitters_sample_environment(const lmb_emitters *emitters, const float *
     lmb_sky_sample_batch(&emitters->sky, x, y, count, sample);
 }
 
-lmb_rgb lmb_emitters_environment_radiance(const lmb_emitters *emitters, lmb_vec3 direction, float *density)
+lmb_rgb lmb_emitters_environment_shown(const lmb_emitters *emitters, lmb_vec3 direction)
 {
-    const lmb_environment_seen seen = lmb_sky_look(&emitters->sky, direction);
-    *density = seen.density;
-    return seen.radiance;
+    return lmb_sky_shown(&emitters->sky, direction);
 }
 
 void lmb_emitters_environment_look(const lmb_emitters *emitters, const float *const direction[3], uint32_t count,
@@ -269,19 +266,19 @@ void lmb_emitters_punctual_again(const lmb_emitters *emitters, const lmb_punctua
     lmb_punctual_again(emitters->punctual, query, sample);
 }
 
-bool lmb_emitters_have_punctual(const lmb_emitters *emitters)
+bool lmb_emitters_have_punctual(const lmb_emitters *emitters, bool skip_keys)
 {
-    return lmb_punctual_count(emitters->punctual) > 0;
+    return lmb_punctual_count(emitters->punctual, skip_keys) > 0;
 }
 
-bool lmb_emitters_punctual_are_soft(const lmb_emitters *emitters)
+bool lmb_emitters_punctual_are_soft(const lmb_emitters *emitters, bool skip_keys)
 {
-    return emitters->punctual_are_soft;
+    return lmb_punctual_are_soft(emitters->punctual, skip_keys);
 }
 
-bool lmb_emitters_punctual_are_few(const lmb_emitters *emitters)
+bool lmb_emitters_punctual_are_few(const lmb_emitters *emitters, bool skip_keys)
 {
-    return lmb_punctual_are_few(emitters->punctual);
+    return lmb_punctual_are_few(emitters->punctual, skip_keys);
 }
 
 int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query *query, const float choice[2], int max,

@@ -60,7 +60,6 @@ struct lmb_emitters {
     lmb_emitter_cut *cuts;
     uint32_t cut_count;
     lmb_punctual *punctual;
-    bool punctual_are_soft;
     lmb_sky sky;
 };
 

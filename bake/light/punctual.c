@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <lambent/key_lights.h>
 #include <lambent/sequence.h>
 #include <lambent/vector.h>
 
@@ -27,7 +28,9 @@ typedef struct punctual_kind {
     uint32_t count;
     lmb_light_tree *tree; /* NULL while they are few enough to look at all */
     bool soft;            /* some have an extent */
-    lamp_lanes lanes;     /* of few lamps, none soft */
+    uint32_t key_count;   /* of them are key lights */
+    bool soft_beside_keys;
+    lamp_lanes lanes; /* of few lamps, none soft */
 } punctual_kind;
 
 struct lmb_punctual {
@@ -109,6 +112,8 @@ static bool punctual_kind_make(punctual_kind *set, const lmb_punctual *punctual,
         if ((scene->lights[i].type == LMB_LIGHT_DIRECTIONAL) == suns) {
             set->light[set->count++] = i;
             set->soft |= punctual->extent[i] > 0.0f;
+            set->key_count += lmb_scene_light_is_key(scene, i);
+            set->soft_beside_keys |= punctual->extent[i] > 0.0f && !lmb_scene_light_is_key(scene, i);
         }
     }
     if (!set->light) {
@@ -257,9 +262,10 @@ typedef struct candidates {
     int count;
 } candidates;
 
-static bool is_asked(const lmb_light *light, const lmb_punctual_query *query)
+static bool is_asked(const lmb_scene *scene, uint32_t light, const lmb_punctual_query *query)
 {
-    return !(light->indirect_only && query->skip_indirect_only);
+    return !(query->skip_indirect_only && scene->lights[light].indirect_only) &&
+           !(query->skip_keys && lmb_scene_light_is_key(scene, light));
 }
 
 static void candidate_add(candidates *found, uint32_t light, double factor, double weight)
@@ -283,7 +289,8 @@ static void light_look(const lmb_punctual *punctual, uint32_t index, const lmb_p
 {
     const lmb_light *light = &punctual->scene->lights[index];
     lmb_punctual_sample sample;
-    if (is_asked(light, query) && light_evaluate(light, query->position, query->min_distance, &sample)) {
+    if (is_asked(punctual->scene, index, query) &&
+        light_evaluate(light, query->position, query->min_distance, &sample)) {
         const float cosine = query->normal ? lmb_vec3_dot(*query->normal, sample.direction) : 1.0f;
         const float highest = cosine + light_sine(punctual, index, query->position);
         const double weight = factor * (double)weight_of(lmb_luminance(sample.irradiance), highest);
@@ -330,7 +337,7 @@ static void candidates_of_few(const lmb_punctual *punctual, const punctual_kind 
     float weight[LMB_PUNCTUAL_MAX];
     lamps_weigh(&set->lanes, query, weight);
     for (uint32_t i = 0; i < set->count; ++i) {
-        if (is_asked(&scene->lights[set->light[i]], query)) {
+        if (is_asked(scene, set->light[i], query)) {
             candidate_add(found, set->light[i], 1.0, (double)weight[i]);
         }
     }
@@ -433,14 +440,15 @@ static int punctual_kind_choose(const lmb_punctual *punctual, const punctual_kin
     return candidates_take(punctual, &found, query, choice[1], max, sample);
 }
 
-uint32_t lmb_punctual_count(const lmb_punctual *punctual)
+uint32_t lmb_punctual_count(const lmb_punctual *punctual, bool skip_keys)
 {
-    return punctual->lamps.count + punctual->suns.count;
+    const uint32_t keys = skip_keys ? punctual->suns.key_count : 0;
+    return punctual->lamps.count + punctual->suns.count - keys;
 }
 
-bool lmb_punctual_are_soft(const lmb_punctual *punctual)
+bool lmb_punctual_are_soft(const lmb_punctual *punctual, bool skip_keys)
 {
-    return punctual->lamps.soft || punctual->suns.soft;
+    return punctual->lamps.soft || (skip_keys ? punctual->suns.soft_beside_keys : punctual->suns.soft);
 }
 
 void lmb_punctual_again(const lmb_punctual *punctual, const lmb_punctual_query *query, lmb_punctual_sample *sample)
@@ -450,9 +458,9 @@ void lmb_punctual_again(const lmb_punctual *punctual, const lmb_punctual_query *
     }
 }
 
-bool lmb_punctual_are_few(const lmb_punctual *punctual)
+bool lmb_punctual_are_few(const lmb_punctual *punctual, bool skip_keys)
 {
-    return !punctual->lamps.tree && !punctual->suns.tree && !lmb_punctual_are_soft(punctual);
+    return !punctual->lamps.tree && !punctual->suns.tree && !lmb_punctual_are_soft(punctual, skip_keys);
 }
 
 int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, const float choice[2], int max,

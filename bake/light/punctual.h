@@ -10,11 +10,11 @@ typedef struct lmb_punctual lmb_punctual;
 lmb_result lmb_punctual_create(const lmb_scene *scene, lmb_punctual **punctual);
 void lmb_punctual_destroy(lmb_punctual *punctual);
 
-/* How many there are. */
-uint32_t lmb_punctual_count(const lmb_punctual *punctual);
+/* How many there are. `skip_keys`: that are not key lights; so below. */
+uint32_t lmb_punctual_count(const lmb_punctual *punctual, bool skip_keys);
 
-bool lmb_punctual_are_soft(const lmb_punctual *punctual);
-bool lmb_punctual_are_few(const lmb_punctual *punctual);
+bool lmb_punctual_are_soft(const lmb_punctual *punctual, bool skip_keys);
+bool lmb_punctual_are_few(const lmb_punctual *punctual, bool skip_keys);
 
 int lmb_punctual_choose(const lmb_punctual *punctual, const lmb_punctual_query *query, const float choice[2], int max,
                         lmb_punctual_sample sample[2 * LMB_PUNCTUAL_MAX]);

@@ -175,6 +175,23 @@ lmb_environment_seen lmb_sky_look(const lmb_sky *sky, lmb_vec3 direction)
     return seen;
 }
 
+static int taken_compare(const void *key, const void *element)
+{
+    const uint32_t pixel = *(const uint32_t *)key, other = ((const lmb_environment_pixel *)element)->pixel;
+    return (pixel > other) - (pixel < other);
+}
+
+lmb_rgb lmb_sky_shown(const lmb_sky *sky, lmb_vec3 direction)
+{
+    const lmb_environment *environment = sky->environment;
+    const lmb_environment_pixel *taken = NULL;
+    if (environment->taken_count > 0) {
+        const uint32_t pixel = pixel_of_direction(sky, direction.x, direction.y, direction.z);
+        taken = bsearch(&pixel, environment->taken, environment->taken_count, sizeof *taken, taken_compare);
+    }
+    return taken ? lmb_rgb_scale(taken->radiance, environment->strength) : lmb_sky_look(sky, direction).radiance;
+}
+
 enum { BATCH = 64 };
 
 LMB_VECTORISED

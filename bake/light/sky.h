@@ -29,7 +29,10 @@ void lmb_sky_free(lmb_sky *freed);
 /* Radiance from a direction, and the density per solid angle with which lmb_sky_sample picks it. */
 lmb_environment_seen lmb_sky_look(const lmb_sky *sky, lmb_vec3 direction);
 
-/* The same for `count` directions at once: memory is slow, and waits for many at a time. `direction[axis][i]`. */
+/* The radiance with what has been taken out of the picture. */
+lmb_rgb lmb_sky_shown(const lmb_sky *sky, lmb_vec3 direction);
+
+/* lmb_sky_look for `count` directions at once: memory is slow, and waits for many at a time. `direction[axis][i]`. */
 void lmb_sky_look_batch(const lmb_sky *sky, const float *const direction[3], uint32_t count,
                         lmb_environment_seen *seen);
 

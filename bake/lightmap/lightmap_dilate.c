@@ -11,6 +11,7 @@ enum { TEXEL_QUEUED = LMB_TEXEL_DILATED + 1 };
 typedef struct dilate_area {
     lmb_lightmap_image *image;
     const lmb_model *model;
+    int planes;                       /* of the model's channels, and those of key lights */
     int32_t left, top, right, bottom; /* right and bottom are just outside */
 } dilate_area;
 
@@ -32,7 +33,7 @@ static void around_mean(const dilate_area *area, uint32_t pixel)
     const lmb_model *model = area->model;
     const int32_t x = (int32_t)(pixel % (uint32_t)image->width);
     const int32_t y = (int32_t)(pixel / (uint32_t)image->width);
-    float sum[LMB_MODEL_MOST_CHANNELS] = {0.0f};
+    float sum[LMB_MODEL_MOST_CHANNELS + LMB_KEY_LIGHTS_MOST] = {0.0f};
     float total = 0.0f;
     for (int32_t dy = -1; dy <= 1; ++dy) {
         for (int32_t dx = -1; dx <= 1; ++dx) {
@@ -43,13 +44,16 @@ static void around_mean(const dilate_area *area, uint32_t pixel)
             }
             const float weight = dx == 0 || dy == 0 ? 2.0f : 1.0f;
             total += weight;
-            for (int c = 0; c < model->channel_count; ++c) {
+            for (int c = 0; c < area->planes; ++c) {
                 sum[c] += weight * lmb_lightmap_plane(image, c)[at];
             }
         }
     }
     model->average(sum, total);
-    for (int c = 0; c < model->channel_count; ++c) {
+    for (int c = model->channel_count; c < area->planes; ++c) {
+        sum[c] /= total;
+    }
+    for (int c = 0; c < area->planes; ++c) {
         lmb_lightmap_plane(image, c)[pixel] = sum[c];
     }
 }
@@ -108,6 +112,7 @@ static dilate_area region_area(const lmb_lightmap *lightmap, const lmb_lightmap_
     const int32_t padding = lightmap->settings.padding;
     return (dilate_area){&lightmap->image[region->image],
                          lightmap->model,
+                         lmb_lightmap_plane_count(lightmap),
                          region->x - padding,
                          region->y - padding,
                          region->x + region->width + padding,

@@ -106,6 +106,10 @@ void lmb_lightmap_footprint_find(const lmb_lightmap *lightmap, const lmb_hit *hi
 void lmb_lightmap_footprint_read(const lmb_lightmap *lightmap, const lmb_lightmap_footprint *footprint,
                                  float channel[LMB_MODEL_MOST_CHANNELS]);
 
+/* The mean of what they have seen of each key light. */
+void lmb_lightmap_footprint_keys(const lmb_lightmap *lightmap, const lmb_lightmap_footprint *footprint,
+                                 float visibility[LMB_KEY_LIGHTS_MOST]);
+
 /* Texels per metre that an instance asks for: its own or the level's, times its factor. */
 double lmb_lightmap_density_asked(const lmb_lightmap *lightmap, uint32_t instance);
 

@@ -480,6 +480,7 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
         created->settings = *settings;
         created->model = settings->model ? settings->model : lmb_model_default(LMB_MODEL_FOR_LIGHTMAP);
         created->settings.padding = settings->padding > 0 ? settings->padding : 1;
+        created->key_light_count = lmb_scene_key_lights(scene, created->key_light);
         created->region = calloc(instances, sizeof *created->region);
         created->corner_uv = calloc(meshes, sizeof *created->corner_uv);
         created->fault = calloc(meshes, sizeof *created->fault);
@@ -520,6 +521,10 @@ void lmb_lightmap_destroy(lmb_lightmap *lightmap)
     for (int32_t i = 0; i < lightmap->image_count; ++i) {
         free(lightmap->image[i].plane);
         free(lightmap->image[i].state);
+        free(lightmap->image[i].error);
+        for (int k = 0; k < LMB_LIGHTMAP_MOST_MODELS; ++k) {
+            free(lightmap->image[i].other[k]);
+        }
     }
     free(lightmap->image);
     free(lightmap->region);

@@ -47,6 +47,24 @@ static size_t image_take(lmb_lightmap *lightmap, int32_t image, chart_item *item
     return left;
 }
 
+static bool planes_make(const lmb_lightmap *lightmap, lmb_lightmap_image *image, size_t texels)
+{
+    image->plane = calloc(texels * (size_t)lmb_lightmap_plane_count(lightmap), sizeof *image->plane);
+    image->state = calloc(texels, sizeof *image->state);
+    bool enough = image->plane && image->state;
+    const lmb_lightmap_settings *settings = &lightmap->settings;
+    for (int k = 0; enough && k < LMB_LIGHTMAP_MOST_MODELS && settings->other[k]; ++k) {
+        image->other[k] = calloc(texels * (size_t)(settings->other[k]->channel_count + (int)lightmap->key_light_count),
+                                 sizeof *image->other[k]);
+        enough = image->other[k] != NULL;
+    }
+    if (enough && settings->error) {
+        image->error = calloc(texels, sizeof *image->error);
+        enough = image->error != NULL;
+    }
+    return enough;
+}
+
 /* Trims images to what their regions use and makes them. */
 static lmb_result images_make(lmb_lightmap *lightmap, int32_t count)
 {
@@ -70,9 +88,7 @@ static lmb_result images_make(lmb_lightmap *lightmap, int32_t count)
         image->width = (image->width + IMAGE_MULTIPLE - 1) / IMAGE_MULTIPLE * IMAGE_MULTIPLE;
         image->height = (image->height + IMAGE_MULTIPLE - 1) / IMAGE_MULTIPLE * IMAGE_MULTIPLE;
         const size_t texels = (size_t)image->width * (size_t)image->height;
-        image->plane = calloc(texels * (size_t)lightmap->model->channel_count, sizeof *image->plane);
-        image->state = calloc(texels, sizeof *image->state);
-        if (!image->plane || !image->state) {
+        if (!planes_make(lightmap, image, texels)) {
             return LMB_ERROR_MEMORY;
         }
     }

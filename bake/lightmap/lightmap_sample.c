@@ -2,6 +2,8 @@
 #include <math.h>
 #include <string.h>
 
+#include <lambent/vector.h>
+
 #include "lightmap/lightmap_internal.h"
 
 /* Where a hit lies in its image: in texels, from the first one's centre. */
@@ -61,6 +63,32 @@ bool lmb_lightmap_sample(const lmb_lightmap *lightmap, const lmb_hit *hit, float
     lmb_lightmap_footprint footprint;
     lmb_lightmap_footprint_find(lightmap, hit, &footprint);
     lmb_lightmap_footprint_read(lightmap, &footprint, channel);
+    return true;
+}
+
+void lmb_lightmap_footprint_keys(const lmb_lightmap *lightmap, const lmb_lightmap_footprint *footprint,
+                                 float visibility[LMB_KEY_LIGHTS_MOST])
+{
+    const lmb_lightmap_image *image = &lightmap->image[footprint->image];
+    memset(visibility, 0, LMB_KEY_LIGHTS_MOST * sizeof *visibility);
+    for (uint32_t key = 0; key < lightmap->key_light_count; ++key) {
+        const float *plane = lmb_lightmap_plane(image, lightmap->model->channel_count + (int)key);
+        for (int k = 0; k < LMB_FOOTPRINT; ++k) {
+            visibility[key] += footprint->weight[k] * plane[footprint->pixel[k]];
+        }
+        visibility[key] = lmb_saturate(visibility[key]);
+    }
+}
+
+bool lmb_lightmap_sample_keys(const lmb_lightmap *lightmap, const lmb_hit *hit, float visibility[LMB_KEY_LIGHTS_MOST])
+{
+    if (lightmap->region[hit->instance].image < 0) {
+        memset(visibility, 0, LMB_KEY_LIGHTS_MOST * sizeof *visibility);
+        return false;
+    }
+    lmb_lightmap_footprint footprint;
+    lmb_lightmap_footprint_find(lightmap, hit, &footprint);
+    lmb_lightmap_footprint_keys(lightmap, &footprint, visibility);
     return true;
 }
 

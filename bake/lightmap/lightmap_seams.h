@@ -23,8 +23,8 @@ lmb_result lmb_seams_find(const lmb_lightmap *lightmap, const lmb_tracer *tracer
 void lmb_seams_free(lmb_seams *seams);
 
 /* Moves the texels beside seams by the least amount (of squares) with which both sides read the same, in each channel,
- * or in those of the light alone where the model has a direction; none beyond what the texels of its seams had. @return
- * LMB_ERROR_MEMORY */
+ * or in those of the light alone where the model has a direction, and in what is seen of key lights; none beyond what
+ * the texels of its seams had. @return LMB_ERROR_MEMORY */
 lmb_result lmb_seams_close(const lmb_seams *seams, lmb_pool *pool, lmb_lightmap *lightmap);
 
 /* How far both sides are apart. @return LMB_ERROR_MEMORY */

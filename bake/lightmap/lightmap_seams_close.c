@@ -35,7 +35,8 @@ typedef struct close_work {
     size_t count;
     seam_texel *texel;
     uint32_t (*row)[ROW_TEXELS]; /* [point] its texels, as indices into `texel` */
-    uint8_t *out_of_memory;      /* [channel] */
+    int light_channels;          /* that are closed; after them come key lights */
+    uint8_t *out_of_memory;      /* [task] */
 } close_work;
 
 static int texel_compare(const void *a, const void *b)
@@ -175,14 +176,16 @@ static void system_solve(const close_work *work, channel_system *system)
     }
 }
 
-static void channel_task(void *context, size_t channel, int worker)
+static void channel_task(void *context, size_t task, int worker)
 {
     (void)worker;
     const close_work *work = context;
+    const int number = (int)task, keys = work->lightmap->model->channel_count - work->light_channels;
+    const int channel = number < work->light_channels ? number : number + keys;
     enum { ARRAYS = 8 };
     double *const memory = calloc(ARRAYS * (work->count + 1), sizeof *memory);
     if (!memory) {
-        work->out_of_memory[channel] = 1;
+        work->out_of_memory[task] = 1;
         return;
     }
     double *array[ARRAYS];
@@ -190,12 +193,12 @@ static void channel_task(void *context, size_t channel, int worker)
         array[k] = memory + k * (work->count + 1);
     }
     channel_system system = {array[0], array[1], array[2], array[3], array[4], array[5], array[6], array[7]};
-    values_find(work, (int)channel, &system);
+    values_find(work, channel, &system);
     system_solve(work, &system);
     for (size_t i = 0; i < work->count; ++i) {
         const lmb_lightmap_image *image = &work->lightmap->image[work->texel[i].image];
         const double moved = fmin(fmax(system.value[i] + system.change[i], system.low[i]), system.high[i]);
-        lmb_lightmap_plane(image, (int)channel)[work->texel[i].pixel] = (float)moved;
+        lmb_lightmap_plane(image, channel)[work->texel[i].pixel] = (float)moved;
     }
     free(memory);
 }
@@ -204,9 +207,10 @@ lmb_result lmb_seams_close(const lmb_seams *seams, lmb_pool *pool, lmb_lightmap 
 {
     /* Where light has a direction, that of a texel is right for its own normal alone: moved, it would shine. */
     const lmb_model *model = lightmap->model;
-    const size_t channels = (size_t)(model->direction ? model->light_count : model->channel_count);
-    uint8_t out_of_memory[LMB_MODEL_MOST_CHANNELS] = {0};
-    close_work work = {.seams = seams, .lightmap = lightmap, .out_of_memory = out_of_memory};
+    const int light = model->direction ? model->light_count : model->channel_count;
+    const size_t channels = (size_t)light + lightmap->key_light_count;
+    uint8_t out_of_memory[LMB_MODEL_MOST_CHANNELS + LMB_KEY_LIGHTS_MOST] = {0};
+    close_work work = {.seams = seams, .lightmap = lightmap, .light_channels = light, .out_of_memory = out_of_memory};
     lmb_result result = texels_find(&work);
     if (result == LMB_OK && work.count > 0) {
         result = lmb_pool_run(pool, channels, channel_task, &work, "lightmaps", NULL);

@@ -11,10 +11,15 @@
 
 static double side_light(const lmb_lightmap *lightmap, const lmb_seam_point *point, int side)
 {
-    float channel[LMB_MODEL_MOST_CHANNELS];
+    float channel[LMB_MODEL_MOST_CHANNELS], visibility[LMB_KEY_LIGHTS_MOST];
     lmb_rgb light;
     lmb_lightmap_footprint_read(lightmap, &point->side[side], channel);
     lightmap->model->evaluate(channel, point->normal, &point->normal, 1, &light);
+    lmb_lightmap_footprint_keys(lightmap, &point->side[side], visibility);
+    for (uint32_t key = 0; key < lightmap->key_light_count; ++key) {
+        light = lmb_rgb_add(
+            light, lmb_key_light_irradiance(&lightmap->key_light[key], visibility[key], point->normal, point->normal));
+    }
     return (double)(light.c[0] + light.c[1] + light.c[2]) / 3.0;
 }
 

@@ -203,20 +203,48 @@ lmb_result lmb_texel_list_denoise(const lmb_texel_list *list, lmb_pool *pool, co
     return result;
 }
 
-static void texel_encode(const lmb_texel_list *list, const listed_texel *texel, const lmb_sh3_rgb *moments,
-                         lmb_lightmap *lightmap)
+/* What tasks encode, so many texels each. */
+enum { TEXELS_PER_TASK = 4096 };
+typedef struct finish_work {
+    const lmb_texel_list *list;
+    const lmb_gathered *gathered;
+    lmb_lightmap *lightmap;
+    double dark; /* errors are relative to no less, a squared length */
+} finish_work;
+
+/* Of 1 % of the root mean square. */
+static double dark_length(const lmb_gathered *gathered, size_t count)
 {
+    double sum = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        sum += gathered[i].squared_light;
+    }
+    return count > 0 ? 1e-4 * sum / (double)count : 0.0;
+}
+
+static void texel_encode(const finish_work *work, const listed_texel *texel, const lmb_gathered *gathered)
+{
+    const lmb_texel_list *list = work->list;
+    lmb_lightmap *lightmap = work->lightmap;
     const lmb_hit at = {.instance = texel->instance, .triangle = texel->triangle, .u = texel->u, .v = texel->v};
     const lmb_vec3 normal = lmb_trace_place(list->tracer, &at).shading_normal;
     lmb_sh3_rgb radiance;
     for (int c = 0; c < 3; ++c) {
-        radiance.channel[c] = lmb_sh3_fit_hemisphere(&moments->channel[c], normal);
+        radiance.channel[c] = lmb_sh3_fit_hemisphere(&gathered->moments.channel[c], normal);
     }
     lmb_lightmap_image *image = &lightmap->image[lightmap->region[texel->instance].image];
     float channel[LMB_MODEL_MOST_CHANNELS];
     lightmap->model->encode(&radiance, normal, 0.0f, channel);
     for (int c = 0; c < lightmap->model->channel_count; ++c) {
         lmb_lightmap_plane(image, c)[texel->pixel] = channel[c];
+    }
+    for (uint32_t key = 0; key < lightmap->key_light_count; ++key) {
+        lmb_lightmap_plane(image, lightmap->model->channel_count + (int)key)[texel->pixel] =
+            gathered->key_visibility[key];
+    }
+    if (image->error) {
+        const double length = fmax(gathered->squared_light, work->dark);
+        image->error[texel->pixel] = (float)lmb_relative_error(gathered->squared_error, length);
     }
     image->state[texel->pixel] = LMB_TEXEL_GATHERED;
 }
@@ -226,18 +254,13 @@ static void images_clear(lmb_lightmap *lightmap)
     for (int32_t i = 0; i < lightmap->image_count; ++i) {
         lmb_lightmap_image *image = &lightmap->image[i];
         const size_t texels = (size_t)image->width * (size_t)image->height;
-        memset(image->plane, 0, (size_t)lightmap->model->channel_count * texels * sizeof *image->plane);
+        memset(image->plane, 0, (size_t)lmb_lightmap_plane_count(lightmap) * texels * sizeof *image->plane);
         memset(image->state, LMB_TEXEL_EMPTY, texels);
+        if (image->error) {
+            memset(image->error, 0, texels * sizeof *image->error);
+        }
     }
 }
-
-/* What one task encodes. */
-enum { TEXELS_PER_TASK = 4096 };
-typedef struct finish_work {
-    const lmb_texel_list *list;
-    const lmb_gathered *gathered;
-    lmb_lightmap *lightmap;
-} finish_work;
 
 static void encode_task(void *context, size_t task, int worker)
 {
@@ -245,7 +268,7 @@ static void encode_task(void *context, size_t task, int worker)
     const finish_work *work = context;
     const size_t first = task * TEXELS_PER_TASK, left = work->list->count - first;
     for (size_t i = first; i < first + (left < TEXELS_PER_TASK ? left : TEXELS_PER_TASK); ++i) {
-        texel_encode(work->list, &work->list->texel[i], &work->gathered[i].moments, work->lightmap);
+        texel_encode(work, &work->list->texel[i], &work->gathered[i]);
     }
 }
 
@@ -302,21 +325,47 @@ static lmb_result seams_close(lmb_lightmap *lightmap, const lmb_tracer *tracer, 
     return result;
 }
 
+/* In the model that the lightmap has now. */
+static lmb_result model_finish(finish_work *work, lmb_pool *pool)
+{
+    images_clear(work->lightmap);
+    const size_t tasks = (work->list->count + TEXELS_PER_TASK - 1) / TEXELS_PER_TASK;
+    lmb_result result = lmb_pool_run(pool, tasks, encode_task, work, "encode", NULL);
+    if (result == LMB_OK) {
+        result = lmb_lightmap_dilate(work->lightmap);
+    }
+    return result == LMB_OK ? seams_close(work->lightmap, work->list->tracer, pool) : result;
+}
+
+/* Puts another model in the place of the lightmap's own, or that back. */
+static void model_swap(lmb_lightmap *lightmap, int other, const lmb_model *model)
+{
+    lightmap->model = model;
+    for (int32_t i = 0; i < lightmap->image_count; ++i) {
+        lmb_lightmap_image *image = &lightmap->image[i];
+        float *const plane = image->plane;
+        image->plane = image->other[other];
+        image->other[other] = plane;
+    }
+}
+
 lmb_result lmb_texel_list_finish(const lmb_texel_list *list, const lmb_gathered *gathered, lmb_pool *pool,
                                  lmb_lightmap *lightmap)
 {
-    finish_work work = {list, gathered, lightmap};
-    images_clear(lightmap);
+    finish_work work = {list, gathered, lightmap, dark_length(gathered, list->count)};
+    const lmb_model *const own = lightmap->model;
+    const lmb_model *const *const other = lightmap->settings.other;
+    lmb_result result = LMB_OK;
     for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
         lightmap->region[i].back = lmb_tracer_is_turned(list->tracer, i);
     }
-    const size_t tasks = (list->count + TEXELS_PER_TASK - 1) / TEXELS_PER_TASK;
-    lmb_result result = lmb_pool_run(pool, tasks, encode_task, &work, "encode", NULL);
-    if (result == LMB_OK) {
-        result = lmb_lightmap_dilate(lightmap);
+    for (int k = 0; result == LMB_OK && k < LMB_LIGHTMAP_MOST_MODELS && other[k]; ++k) {
+        model_swap(lightmap, k, other[k]);
+        result = model_finish(&work, pool);
+        model_swap(lightmap, k, own);
     }
     if (result == LMB_OK) {
-        result = seams_close(lightmap, list->tracer, pool);
+        result = model_finish(&work, pool);
     }
     if (result != LMB_OK) {
         images_clear(lightmap);

@@ -63,14 +63,19 @@ static bool is_called(const lmb_model *model, const char *name)
            (model->short_name && strcmp(model->short_name, name) == 0);
 }
 
-const lmb_model *lmb_model_find(const char *name)
+const lmb_model *lmb_model_find(const char *name, unsigned uses)
 {
+    const lmb_model *other = NULL;
     for (size_t i = 0; i < lmb_model_count(); ++i) {
-        if (is_called(table[i], name)) {
+        if (!is_called(table[i], name)) {
+            continue;
+        }
+        if (table[i]->uses & uses) {
             return table[i];
         }
+        other = other ? other : table[i];
     }
-    return NULL;
+    return other;
 }
 
 const lmb_model *lmb_model_default(lmb_model_use use)

@@ -58,19 +58,21 @@ static void average(float *channel, float total)
 }
 
 static const char convention[] =
-    "R G B: normalised irradiance (integral of L cos / pi) at the vertex normal; a: C_a; R.XYZ and so on: "
-    "c in world space, +Y up; all / lambent:scale, linear Rec. 709";
+    "irradiance: normalised (integral of L cos / pi), at the vertex normal; a: C_a; R.XYZ and so on: c in world space, "
+    "+Y up; all / lambent:scale, linear Rec. 709";
 
 const lmb_model lmb_model_hlsh = {
-    .name = "hlsh.t1",
-    .short_name = "t1",
-    .title = "HLSH by the Gram multiply",
-    .uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
+    .name = "hlsh",
+    .full_name = "hlsh.t1",
+    .short_name = "hlsh",
+    .title = "HLSH",
+    .uses = LMB_MODEL_FOR_LIGHTMAP,
     .at_run_time = true,
     .channel_count = CHANNELS,
     .channel_name = names,
     .part = parts,
     .light_count = CHANNELS,
+    .irradiance_first = true,
     .bytes = 2 * CHANNELS,
     .cone = true,
     .convention = convention,
@@ -90,6 +92,7 @@ const lmb_model lmb_model_hlsh_fitted = {
     .channel_name = names,
     .part = parts,
     .light_count = CHANNELS,
+    .irradiance_first = true,
     .bytes = 2 * CHANNELS,
     .cone = true,
     .convention = convention,

@@ -4,11 +4,11 @@
 
 #include "model/models.h"
 
-enum { R, G, B, WEIGHT, DIRECTION, CHANNELS = DIRECTION + 3 };
+enum { R, G, B, DIRECTION, WEIGHT = DIRECTION + 3, CHANNELS };
 
-static const char *const names[CHANNELS] = {"R", "G", "B", "w", "d.X", "d.Y", "d.Z"};
+static const char *const names[CHANNELS] = {"R", "G", "B", "d.X", "d.Y", "d.Z", "w"};
 
-static const lmb_model_part parts[] = {{"irradiance", 3}, {"ambient_weight", 1}, {"direction", 3}, {NULL, 0}};
+static const lmb_model_part parts[] = {{"irradiance", 3}, {"direction", 3}, {"ambient_weight", 1}, {NULL, 0}};
 
 static lmb_irradz irradz_of(const float *channel)
 {
@@ -44,9 +44,8 @@ static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec
                      lmb_rgb *irradiance)
 {
     const lmb_irradz irradz = irradz_of(channel);
-    const lmb_hhd_rgb hhd = lmb_irradz_decode(&irradz, vertex_normal);
     for (int i = 0; i < count; ++i) {
-        irradiance[i] = lmb_hhd_rgb_evaluate(&hhd, vertex_normal, normal[i]);
+        irradiance[i] = lmb_irradz_evaluate(&irradz, vertex_normal, normal[i]);
     }
 }
 
@@ -78,20 +77,21 @@ static const lmb_model_direction direction = {
     .weight = WEIGHT, .first = DIRECTION, .min_height = LMB_IRRADZ_MIN_COS, .decode = unit_decode};
 
 static const char convention[] =
-    "R G B: normalised irradiance (integral of L cos / pi) at the vertex normal / lambent:scale, linear Rec. 709; "
-    "w: ambient weight; d: direction in world space, +Y up, normalise after filtering";
+    "irradiance: normalised (integral of L cos / pi), at the vertex normal, linear Rec. 709; d: direction in world "
+    "space, +Y up, filter and decode as it is; w: ambient weight";
 
 const lmb_model lmb_model_irradz_hhd = {
     .name = "irradz-hhd",
-    .short_name = "gram",
-    .title = "IrradZ by the Gram multiply, as a lightmap's texel",
-    .uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
+    .short_name = "hhd",
+    .title = "IrradZ",
+    .uses = LMB_MODEL_FOR_LIGHTMAP,
     .default_uses = LMB_MODEL_FOR_LIGHTMAP,
     .at_run_time = true,
     .channel_count = CHANNELS,
     .channel_name = names,
     .part = parts,
     .light_count = 3,
+    .irradiance_first = true,
     .bytes = 2 * CHANNELS,
     .cone = true,
     .convention = convention,
@@ -112,6 +112,7 @@ const lmb_model lmb_model_hhd_closed_fitted = {
     .channel_name = names,
     .part = parts,
     .light_count = 3,
+    .irradiance_first = true,
     .bytes = 2 * CHANNELS,
     .cone = true,
     .convention = convention,

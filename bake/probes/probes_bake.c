@@ -1,8 +1,10 @@
 #include <lambent/probes_bake.h>
 
 #include <stdlib.h>
+#include <string.h>
 
 #include <lambent/denoise.h>
+#include <lambent/key_lights.h>
 #include <lambent/placement.h>
 
 /* A probe speaks for the space within half its footprint. */
@@ -58,8 +60,8 @@ lmb_result lmb_probe_list_denoise(const lmb_probe_list *list, lmb_pool *pool, co
         lmb_gather_point at;
         lmb_gather_site site = {.point = &at};
         probe_site(list, i, &site);
-        points[i] = (lmb_denoise_point){.position = at.position,
-                                        .spacing = lmb_probes_footprint(list->probes, list->probe[i])};
+        points[i] =
+            (lmb_denoise_point){.position = at.position, .spacing = lmb_probes_footprint(list->probes, list->probe[i])};
     }
     const lmb_result result = lmb_denoise_in_space(points, list->count, list->tracer, pool, progress, gathered);
     free(points);
@@ -71,8 +73,10 @@ lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered 
     if (list->set >= probes->set_count) {
         return LMB_ERROR_ARGUMENT;
     }
+    probes->key_light_count = lmb_scene_key_lights(lmb_tracer_scene(list->tracer), probes->key_light);
     for (size_t i = 0; i < list->count; ++i) {
         probes->radiance[list->set][list->probe[i]] = gathered[i].moments;
+        memcpy(probes->key_visibility[list->probe[i]], gathered[i].key_visibility, sizeof gathered[i].key_visibility);
     }
     return lmb_probes_dilate(probes);
 }

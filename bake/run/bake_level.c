@@ -3,13 +3,14 @@
 #include <string.h>
 
 #include <lambent/environment.h>
+#include <lambent/key_lights.h>
 
 #include "base/clock.h"
 #include "run/step.h"
 
 lmb_level_settings lmb_level_settings_default(void)
 {
-    return (lmb_level_settings){.light_scale = 1.0, .emission_scale = 1.0, .bounces = -1};
+    return (lmb_level_settings){.light_scale = 1.0, .emission_scale = 1.0, .bounces = -1, .key_lights = 1};
 }
 
 static const char *const estimator_names[] = {
@@ -67,6 +68,9 @@ static lmb_result level_load(lmb_level *level, const lmb_progress *progress, lmb
     }
     if (result == LMB_OK) {
         result = environment_set(level, error);
+    }
+    if (result == LMB_OK && lmb_scene_choose_key_lights(level->scene, level->settings.key_lights) != LMB_OK) {
+        result = lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
     level->seconds_load = lmb_clock_seconds() - start;
     return result == LMB_OK ? step_report(progress, "load", 1.0, error) : result;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "run/step.h"
@@ -56,6 +57,7 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
     record->content_hash = level->scene->content_hash;
     record->threads = lmb_pool_threads(level->pool);
     record->triangles_dropped = level->scene->dropped_triangle_count;
+    record->key_light_count = lmb_scene_key_lights(level->scene, record->key_light);
     record->seconds[LMB_PHASE_LOAD] = level->seconds_load;
     record->seconds[LMB_PHASE_BVH] = level->seconds_bvh;
     return bake;
@@ -110,6 +112,8 @@ static lmb_lightmap_settings lightmap_settings(const lmb_bake *bake)
     settings.max_image_size = wanted->max_image_size > 0 ? wanted->max_image_size : settings.max_image_size;
     settings.padding = wanted->padding > 0 ? wanted->padding : settings.padding;
     settings.warnings = bake->level->warnings;
+    memcpy(settings.other, wanted->models, sizeof settings.other);
+    settings.error = wanted->texel_error;
     return settings;
 }
 

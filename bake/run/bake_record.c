@@ -52,7 +52,7 @@ double lmb_bake_record_mrays_per_s(const lmb_bake_record *record)
 double lmb_bake_record_error(const lmb_bake_record *record)
 {
     return lmb_relative_error(record->gathered.squared_error + record->lightmap.squared_error,
-                              record->gathered.squared_length + record->lightmap.squared_length);
+                              record->gathered.squared_light + record->lightmap.squared_light);
 }
 
 static void json_add_elements(cJSON *json, const lmb_bake_record *record)
@@ -108,6 +108,19 @@ static void json_add_surface(cJSON *json, const lmb_bake_record *record)
     }
 }
 
+static void json_add_key_lights(cJSON *json, const lmb_bake_record *record)
+{
+    cJSON *list = cJSON_AddArrayToObject(json, "key_lights");
+    for (uint32_t i = 0; i < record->key_light_count; ++i) {
+        const lmb_key_light *light = &record->key_light[i];
+        const float direction[3] = {light->direction.x, light->direction.y, light->direction.z};
+        cJSON *object = cJSON_CreateObject();
+        cJSON_AddItemToObject(object, "direction", cJSON_CreateFloatArray(direction, 3));
+        cJSON_AddItemToObject(object, "irradiance", cJSON_CreateFloatArray(light->irradiance.c, 3));
+        cJSON_AddItemToArray(list, object);
+    }
+}
+
 static void json_add_steps(cJSON *json, const char *name, const lmb_seam_steps *steps)
 {
     cJSON *object = cJSON_AddObjectToObject(json, name);
@@ -132,6 +145,7 @@ cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files)
     cJSON_AddNumberToObject(json, "peak_rss_mb", record->peak_rss_mb);
     cJSON_AddNumberToObject(json, "threads", record->threads);
     json_add_surface(json, record);
+    json_add_key_lights(json, record);
     if (record->settings.lightmaps) {
         json_add_seams(json, record);
     }

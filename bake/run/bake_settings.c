@@ -70,6 +70,21 @@ static void json_add_level(cJSON *json, const lmb_level_settings *level, uint64_
     cJSON_AddItemToObject(json, "isa", text_or_null(level->isa));
     cJSON_AddNumberToObject(json, "bounces", level->bounces);
     cJSON_AddNumberToObject(json, "seed", (double)level->seed);
+    if (level->key_lights != 0) { /* what a record without it has */
+        cJSON_AddNumberToObject(json, "key_lights", level->key_lights);
+    }
+}
+
+/* The default model first; nothing where there is no other. */
+static void json_add_models(cJSON *json, const lmb_bake_settings *settings)
+{
+    if (settings->models[0]) {
+        cJSON *models = cJSON_AddArrayToObject(json, "models");
+        cJSON_AddItemToArray(models, cJSON_CreateString(lmb_model_default(LMB_MODEL_FOR_LIGHTMAP)->name));
+        for (int i = 0; i < LMB_LIGHTMAP_MOST_MODELS && settings->models[i]; ++i) {
+            cJSON_AddItemToArray(models, cJSON_CreateString(settings->models[i]->name));
+        }
+    }
 }
 
 cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t content_hash)
@@ -93,6 +108,10 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
         cJSON_AddNumberToObject(json, "max_image_size", settings->max_image_size);
         if (settings->padding != 1) { /* what a record without it has */
             cJSON_AddNumberToObject(json, "padding", settings->padding);
+        }
+        json_add_models(json, settings);
+        if (settings->texel_error) {
+            cJSON_AddTrueToObject(json, "texel_error");
         }
     }
     cJSON_AddBoolToObject(json, "denoise", settings->denoise);
@@ -152,8 +171,10 @@ static bool level_read(const cJSON *json, lmb_level_settings *level)
     level->emission_scale = number_or(json, "emission_scale", level->emission_scale);
     level->bounces = integer_or(json, "bounces", level->bounces);
     level->seed = seed_of(json);
+    level->key_lights = count_or(json, "key_lights", 0);
     return level->path && text_of(json, "content_hash") &&
-           cJSON_IsNumber(cJSON_GetObjectItemCaseSensitive(json, "bounces")) && exclude_read(json, level);
+           cJSON_IsNumber(cJSON_GetObjectItemCaseSensitive(json, "bounces")) &&
+           level->key_lights <= LMB_KEY_LIGHTS_MOST && exclude_read(json, level);
 }
 
 static bool seeds_read(const cJSON *json, lmb_bake_settings *settings)
@@ -173,10 +194,38 @@ static bool seeds_read(const cJSON *json, lmb_bake_settings *settings)
     return true;
 }
 
+bool lmb_bake_settings_add_model(lmb_bake_settings *settings, const char *name)
+{
+    const lmb_model *model = lmb_model_find(name, LMB_MODEL_FOR_LIGHTMAP);
+    if (!model || !(model->uses & LMB_MODEL_FOR_LIGHTMAP)) {
+        return false;
+    }
+    int count = 0;
+    while (count < LMB_LIGHTMAP_MOST_MODELS && settings->models[count] && settings->models[count] != model) {
+        ++count;
+    }
+    if (model != lmb_model_default(LMB_MODEL_FOR_LIGHTMAP) && count < LMB_LIGHTMAP_MOST_MODELS) {
+        settings->models[count] = model;
+    }
+    return count < LMB_LIGHTMAP_MOST_MODELS;
+}
+
+static bool models_read(const cJSON *json, lmb_bake_settings *settings)
+{
+    const cJSON *name;
+    cJSON_ArrayForEach(name, cJSON_GetObjectItemCaseSensitive(json, "models"))
+    {
+        if (!cJSON_IsString(name) || !lmb_bake_settings_add_model(settings, name->valuestring)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
 {
     lmb_bake_settings read = lmb_bake_settings_default();
-    if (!level_read(json, &read.level) || !seeds_read(json, &read)) {
+    if (!level_read(json, &read.level) || !seeds_read(json, &read) || !models_read(json, &read)) {
         return false;
     }
     const char *estimator = text_of(json, "estimator");
@@ -193,6 +242,7 @@ bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
     read.texels_per_m = (float)number_or(json, "texels_per_m", 0.0);
     read.max_image_size = integer_or(json, "max_image_size", 0);
     read.padding = integer_or(json, "padding", 1);
+    read.texel_error = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "texel_error"));
     read.denoise = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "denoise"));
     *settings = read;
     return true;

@@ -201,6 +201,7 @@ lmb_result lmb_scene_set_environment(lmb_scene *scene, const char *text, lmb_err
     free(parsed.source);
     if (result == LMB_OK) {
         lmb_image_free(&scene->environment.image);
+        free(scene->environment.taken);
         scene->environment = environment;
         scene->content_hash = hash;
     }

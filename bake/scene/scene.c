@@ -58,7 +58,7 @@ void lmb_scene_clear_nodes(lmb_scene *scene)
     scene->seed_names = NULL;
     scene->path_points = NULL;
     scene->cameras = NULL;
-    scene->mesh_count = scene->instance_count = scene->light_count = 0;
+    scene->mesh_count = scene->instance_count = scene->light_count = scene->key_light_count = 0;
     scene->seed_point_count = scene->path_point_count = scene->camera_count = 0;
     scene->dropped_triangle_count = 0;
 }
@@ -79,6 +79,7 @@ void lmb_scene_destroy(lmb_scene *scene)
     free(scene->materials);
     free(scene->images);
     free(scene->environment.image.rgb);
+    free(scene->environment.taken);
     free(scene->path);
     free(scene);
 }

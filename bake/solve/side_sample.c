@@ -90,7 +90,8 @@ static void skies_sample(const sample_batch *batch, lmb_direct_start *starts)
 static void starts_find(const sample_batch *batch, lmb_direct_start *starts)
 {
     const lmb_transport *transport = batch->transport;
-    if (lmb_emitters_triangle_count(transport->emitters) > 0 || lmb_emitters_have_punctual(transport->emitters)) {
+    if (lmb_emitters_triangle_count(transport->emitters) > 0 ||
+        lmb_emitters_have_punctual(transport->emitters, false)) {
         sample_variates choice, triangle;
         variates_find(batch, PAIR_CHOICE, &choice);
         variates_find(batch, PAIR_TRIANGLE, &triangle);
@@ -99,7 +100,7 @@ static void starts_find(const sample_batch *batch, lmb_direct_start *starts)
                 (lmb_direct_start){.triangle = {triangle.x[i], triangle.y[i]}, .choice = {choice.x[i], choice.y[i]}};
         }
     }
-    if (lmb_emitters_punctual_are_soft(transport->emitters)) {
+    if (lmb_emitters_punctual_are_soft(transport->emitters, false)) {
         sample_variates light;
         variates_find(batch, lmb_light_pair(0), &light);
         for (uint32_t i = 0; i < batch->count; ++i) {

@@ -51,7 +51,7 @@ static int punctual_aim(const lmb_transport *transport, const lmb_receiver *rece
 {
     lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
     lmb_punctual_query query = lmb_receiver_punctual(receiver);
-    if (lmb_emitters_punctual_are_soft(transport->emitters)) {
+    if (lmb_emitters_punctual_are_soft(transport->emitters, false)) {
         query.point[0] = start->light[0];
         query.point[1] = start->light[1];
     }
@@ -78,7 +78,7 @@ int lmb_direct_aim(const lmb_transport *transport, const lmb_receiver *receiver,
                    lmb_aimed_light aimed[LMB_AIMED_MOST])
 {
     int count = 0;
-    if (lmb_emitters_have_punctual(transport->emitters)) {
+    if (lmb_emitters_have_punctual(transport->emitters, false)) {
         count += punctual_aim(transport, receiver, start, aimed);
     }
     if (lmb_emitters_triangle_count(transport->emitters) > 0) {
@@ -95,13 +95,13 @@ static lmb_direct_start path_start(const lmb_path *path)
     const lmb_emitters *emitters = path->transport->emitters;
     lmb_direct_start start;
     const bool triangles = lmb_emitters_triangle_count(emitters) > 0;
-    if (triangles || lmb_emitters_have_punctual(path->transport->emitters)) {
+    if (triangles || lmb_emitters_have_punctual(path->transport->emitters, false)) {
         lmb_path_variates(path, PAIR_CHOICE, start.choice);
     }
     if (triangles) {
         lmb_path_variates(path, PAIR_TRIANGLE, start.triangle);
     }
-    if (lmb_emitters_punctual_are_soft(emitters)) {
+    if (lmb_emitters_punctual_are_soft(emitters, false)) {
         const lmb_sample_range samples = {path->stream, path->sample, 1};
         lmb_sample_variates(path->transport, samples, lmb_light_pair(path->vertex), &start.light[0], &start.light[1]);
     }

@@ -32,6 +32,7 @@ typedef struct gather_batch {
     lmb_vec3 position[SAMPLES]; /* of each sample's receiver */
     uint32_t per_receiver;      /* samples that one point has */
     bool second_half;           /* they start at points of the second half */
+    bool skip_keys;             /* key lights are gathered apart */
     uint64_t *rays_traced;
     lmb_ray_batch rays;
     bool layers;            /* the level has any */
@@ -233,7 +234,8 @@ static void punctual_add(gather_batch *batch, aimed_lights *lights, const lmb_re
 static int punctual_aim(gather_batch *batch, aimed_lights *lights, const receiver_samples *samples,
                         const float choice[2], int max, lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX])
 {
-    const lmb_punctual_query query = lmb_receiver_punctual(&samples->receiver);
+    lmb_punctual_query query = lmb_receiver_punctual(&samples->receiver);
+    query.skip_keys = batch->skip_keys;
     const int count = lmb_emitters_punctual(batch->transport->emitters, &query, choice, max, light);
     int soft = 0;
     for (int i = 0; i < count; ++i) {
@@ -284,7 +286,7 @@ static void gather_punctual(gather_batch *batch, lmb_gather_sink sink, void *con
     aimed_lights lights;
     const lmb_sample_range range = {batch->stream, batch->first / batch->per_receiver, receivers};
     lmb_sample_variates(batch->transport, range, PAIR_CHOICE, x, y);
-    if (lmb_emitters_punctual_are_soft(batch->transport->emitters)) {
+    if (lmb_emitters_punctual_are_soft(batch->transport->emitters, batch->skip_keys)) {
         batch_variates(batch, lmb_light_pair(0), points.x, points.y);
     }
     batch->rays.count = 0;
@@ -530,7 +532,7 @@ static void gather_rays(gather_batch *batch)
 /* Light that is steady is given by itself. */
 static void gather_punctual_apart(gather_batch *batch, lmb_gather_sink sink, void *context)
 {
-    const bool steady = lmb_emitters_punctual_are_few(batch->transport->emitters);
+    const bool steady = lmb_emitters_punctual_are_few(batch->transport->emitters, batch->skip_keys);
     if (steady) {
         found_give(batch, sink, context);
     }
@@ -550,6 +552,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
     batch.transport = transport;
     batch.light = transport->bounces != 0 ? transport->surface : NULL;
     batch.stream = replicate_stream(transport, samples);
+    batch.skip_keys = samples->without_keys;
     batch.rays_traced = rays;
     batch.layers = lmb_tracer_has_layers(transport->tracer);
     batch.found.count = 0;
@@ -571,7 +574,7 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
             gather_environment(&batch);
             found_make_room(&batch, sink, context);
         }
-        if (lmb_emitters_have_punctual(transport->emitters) && !samples->without_punctual) {
+        if (lmb_emitters_have_punctual(transport->emitters, batch.skip_keys) && !samples->without_punctual) {
             gather_punctual_apart(&batch, sink, context);
         }
         gather_rays(&batch);
@@ -584,10 +587,10 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
     found_give(&batch, sink, context);
 }
 
-bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point *point, lmb_gather_sink sink,
-                         void *context, uint64_t *rays)
+bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point *point, bool without_keys,
+                         lmb_gather_sink sink, void *context, uint64_t *rays)
 {
-    if (!lmb_emitters_punctual_are_few(transport->emitters)) {
+    if (!lmb_emitters_punctual_are_few(transport->emitters, without_keys)) {
         return false;
     }
     const receiver_samples one = {point_receiver(point), 0, 1};
@@ -595,6 +598,7 @@ bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point 
     lmb_punctual_sample light[2 * LMB_PUNCTUAL_MAX];
     gather_batch batch; /* large: only what is used is set */
     batch.transport = transport;
+    batch.skip_keys = without_keys;
     batch.rays_traced = rays;
     batch.found.count = 0;
     batch.found.second_half = false;

@@ -32,7 +32,7 @@ static uint32_t effort_share(const lmb_gather_effort *effort, double squared_err
 
 static double squared_light(const lmb_gather_effort *effort, const lmb_gathered *gathered)
 {
-    return fmax(gathered->squared_length, effort->floor * effort->floor);
+    return fmax(gathered->squared_light, effort->floor * effort->floor);
 }
 
 static double error_share(double squared_error, double squared_light)
@@ -145,7 +145,7 @@ static void stats_add(lmb_gather_stats *sum, const lmb_gather_stats *part)
     sum->samples += part->samples;
     sum->rays += part->rays;
     sum->squared_error += part->squared_error;
-    sum->squared_length += part->squared_length;
+    sum->squared_light += part->squared_light;
 }
 
 static void group_task(void *context, size_t task, int worker)
@@ -167,7 +167,7 @@ static void group_task(void *context, size_t task, int worker)
                                       .samples = gathered[i].samples,
                                       .rays = own->site[i].rays + gathered[i].rays,
                                       .squared_error = gathered[i].squared_error,
-                                      .squared_length = gathered[i].squared_length};
+                                      .squared_light = gathered[i].squared_light};
         stats_add(&work->stats[task], &one);
     }
 }
@@ -203,9 +203,9 @@ lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const 
 
 void lmb_gather_stats_renew(lmb_gather_stats *stats, const lmb_gathered *gathered, size_t count)
 {
-    stats->squared_error = stats->squared_length = 0.0;
+    stats->squared_error = stats->squared_light = 0.0;
     for (size_t i = 0; i < count; ++i) {
         stats->squared_error += gathered[i].squared_error;
-        stats->squared_length += gathered[i].squared_length;
+        stats->squared_light += gathered[i].squared_light;
     }
 }

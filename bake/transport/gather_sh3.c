@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/key_lights.h>
 #include <lambent/vector.h>
 
 #include "base/vectorised.h"
@@ -106,6 +107,7 @@ typedef struct gather_work {
     uint64_t rays[LMB_GATHER_REPLICATES];
     lmb_moment_sum punctual; /* what they give each sample, where the samples leave it out */
     uint64_t punctual_rays;
+    float key_visibility[LMB_KEY_LIGHTS_MOST];
 } gather_work;
 
 static double lanes_sum(const double lane[LANES])
@@ -200,7 +202,9 @@ void lmb_sh3_sums_combine(const lmb_sh3_sums *sums, lmb_gathered *gathered)
                 const double off = replicate[r] - average;
                 gathered->squared_error += off * off / (count * (count - 1.0));
             }
+            const double light = whole + (double)sums->keys.channel[c].c[i];
             gathered->squared_length += whole * whole;
+            gathered->squared_light += light * light;
             gathered->moments.channel[c].c[i] = (float)whole;
             gathered->steady.channel[c].c[i] = (float)(punctual + 0.5 * (steady[0] + steady[1]));
             gathered->difference.channel[c].c[i] =
@@ -208,6 +212,7 @@ void lmb_sh3_sums_combine(const lmb_sh3_sums *sums, lmb_gathered *gathered)
         }
     }
     gathered->squared_error = fmax(gathered->squared_error + common_error(sums, &factors), 0.0);
+    memcpy(gathered->key_visibility, sums->key_visibility, sizeof gathered->key_visibility);
 }
 
 double lmb_relative_error(double squared_error, double squared_length)
@@ -227,10 +232,23 @@ static void work_begin(gather_work *work, const lmb_transport *transport, const 
 {
     memset(work, 0, sizeof *work);
     work->transport = transport;
-    work->samples = (lmb_gather_samples){.points = points, .point_count = point_count, .count = count};
+    work->samples =
+        (lmb_gather_samples){.points = points, .point_count = point_count, .count = count, .without_keys = true};
     if (point_count == 1) {
         work->samples.without_punctual =
-            lmb_gather_punctual(transport, points, punctual_sink, &work->punctual, &work->punctual_rays);
+            lmb_gather_punctual(transport, points, true, punctual_sink, &work->punctual, &work->punctual_rays);
+    }
+    lmb_gather_keys(transport, points, point_count, work->key_visibility, &work->punctual_rays);
+}
+
+/* Of work that has begun. */
+static void sums_take_keys(lmb_sh3_sums *sums, const gather_work *work)
+{
+    lmb_key_light light[LMB_KEY_LIGHTS_MOST];
+    const uint32_t count = lmb_scene_key_lights(lmb_tracer_scene(work->transport->tracer), light);
+    memcpy(sums->key_visibility, work->key_visibility, sizeof sums->key_visibility);
+    for (uint32_t i = 0; i < count; ++i) {
+        lmb_key_light_add_to_sh3(&light[i], work->key_visibility[i], &sums->keys);
     }
 }
 
@@ -251,6 +269,7 @@ void lmb_sh3_sums_begin(const lmb_transport *transport, const lmb_gather_point *
     work_gather(&work);
     memset(sums, 0, sizeof *sums);
     sums->without_punctual = work.samples.without_punctual;
+    sums_take_keys(sums, &work);
     sums_add(sums, &work);
 }
 
@@ -264,7 +283,8 @@ void lmb_sh3_sums_continue(const lmb_transport *transport, const lmb_gather_poin
                                         .point_count = sums->points,
                                         .first = sums->taken,
                                         .count = count - sums->taken,
-                                        .without_punctual = sums->without_punctual};
+                                        .without_punctual = sums->without_punctual,
+                                        .without_keys = true};
     work_gather(&work);
     sums_add(sums, &work);
 }
@@ -337,6 +357,7 @@ lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gat
         }
         lmb_sh3_sums sums;
         memset(&sums, 0, sizeof sums);
+        sums_take_keys(&sums, &work);
         sums_add(&sums, &work);
         lmb_sh3_sums_combine(&sums, gathered);
     }

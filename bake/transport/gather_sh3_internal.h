@@ -13,7 +13,9 @@ typedef struct lmb_sh3_sums {
     uint32_t points;
     bool without_punctual; /* they left out punctual lights, which are known */
     double punctual[3][LMB_SH3_COUNT];
-    uint32_t taken; /* by each replicate */
+    float key_visibility[LMB_KEY_LIGHTS_MOST];
+    lmb_sh3_rgb keys; /* moments of what is seen of key lights */
+    uint32_t taken;   /* by each replicate */
     uint64_t rays;
 } lmb_sh3_sums;
 

@@ -7,13 +7,16 @@
 
 lmb_rgb lmb_segment_sky(const lmb_receiver *from, lmb_vec3 direction, const lmb_environment_seen *seen)
 {
-    const bool aimed = from && seen->density > 0.0f;
-    return aimed ? lmb_rgb_scale(seen->radiance, lmb_balance(lmb_receiver_density(from, direction), seen->density))
-                 : seen->radiance;
+    return seen->density > 0.0f
+               ? lmb_rgb_scale(seen->radiance, lmb_balance(lmb_receiver_density(from, direction), seen->density))
+               : seen->radiance;
 }
 
 static lmb_path_vertex sky_vertex(const lmb_transport *transport, const lmb_segment *segment)
 {
+    if (!segment->from) {
+        return (lmb_path_vertex){.emitted = lmb_emitters_environment_shown(transport->emitters, segment->direction)};
+    }
     lmb_environment_seen seen;
     const float *const direction[3] = {&segment->direction.x, &segment->direction.y, &segment->direction.z};
     lmb_emitters_environment_look(transport->emitters, direction, 1, &seen);

@@ -44,8 +44,7 @@ lmb_path_vertex lmb_segment_vertex(const lmb_path *path, lmb_segment *segment, c
 /* Both. */
 lmb_path_vertex lmb_segment_follow(const lmb_path *path, lmb_segment *segment);
 
-/* Radiance of the environment, as seen along a ray that leaves `from` (NULL: a camera), weighted against next-event
- * estimation. */
+/* Radiance of the environment, as seen along a ray that leaves `from`, weighted against next-event estimation. */
 lmb_rgb lmb_segment_sky(const lmb_receiver *from, lmb_vec3 direction, const lmb_environment_seen *seen);
 
 /* Where a path goes on from a vertex on a surface. */

@@ -30,9 +30,10 @@ typedef struct lmb_level_settings {
     int threads;             /* 0: one for each processor */
     int bounces;             /* reflections at most; negative: no limit */
     uint64_t seed;           /* of the random numbers */
+    uint32_t key_lights;     /* suns kept apart from the harmonics at most, see lmb_scene_choose_key_lights */
 } lmb_level_settings;
 
-/* No level, scales 1, all threads, any number of bounces, seed 0. */
+/* No level, scales 1, all threads, any number of bounces, seed 0, one key light. */
 lmb_level_settings lmb_level_settings_default(void);
 
 /* How light is found. */
@@ -61,9 +62,9 @@ typedef struct lmb_level {
     double seconds_load, seconds_bvh, seconds_surface;
 } lmb_level;
 
-/* Loads the level, sets the environment, builds; the estimator is the reference. A level without any light gets a
- * constant sky of 1, and a warning that says so. `warnings` and `progress` may be NULL; progress has the phases "load"
- * and "bvh". On failure `*level` needs no closing.
+/* Loads the level, sets the environment, chooses key lights, builds; the estimator is the reference. A level without
+ * any light gets a constant sky of 1, and a warning that says so. `warnings` and `progress` may be NULL; progress has
+ * the phases "load" and "bvh". On failure `*level` needs no closing.
  * @return what lmb_gltf_load, lmb_scene_set_environment and lmb_tracer_create return, LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_level_open(const lmb_level_settings *settings, const lmb_warnings *warnings,
                           const lmb_progress *progress, lmb_level *level, lmb_error *error);

@@ -40,6 +40,8 @@ typedef struct lmb_bake_record {
     uint64_t content_hash; /* of level and environment */
     int threads;
     uint32_t triangles_dropped;
+    uint32_t key_light_count;
+    lmb_key_light key_light[LMB_KEY_LIGHTS_MOST];
     int32_t probes; /* with those that are dilated */
     lmb_placement_stats placement;
     lmb_gather_stats gathered; /* of probes */

@@ -3,6 +3,7 @@
 #define LAMBENT_BAKE_SETTINGS_H
 
 #include <lambent/bake_level.h>
+#include <lambent/lightmap.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,7 +29,9 @@ typedef struct lmb_bake_settings {
     float texels_per_m;
     int32_t max_image_size;
     int32_t padding;
-    bool denoise; /* lambent/denoise.h; never of LMB_ESTIMATOR_REFERENCE */
+    const lmb_model *models[LMB_LIGHTMAP_MOST_MODELS]; /* beside the default one, up to the first NULL */
+    bool texel_error;                                  /* the standard error of each texel, too */
+    bool denoise;                                      /* lambent/denoise.h; never of LMB_ESTIMATOR_REFERENCE */
 } lmb_bake_settings;
 
 /* Medium quality, no lightmaps, the level's own spacing and density, denoised; no level. */
@@ -36,6 +39,10 @@ lmb_bake_settings lmb_bake_settings_default(void);
 
 /* Samples and tolerance of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
 bool lmb_bake_settings_quality(lmb_bake_settings *settings, const char *name);
+
+/* Lightmaps in that model too, by its name or short name; the default one is always among them. False: no lightmap has
+ * it, or there are too many. */
+bool lmb_bake_settings_add_model(lmb_bake_settings *settings, const char *name);
 
 #ifdef __cplusplus
 }

@@ -66,17 +66,18 @@ bool lmb_emitters_environment_sampled(const lmb_emitters *emitters);
 void lmb_emitters_sample_environment(const lmb_emitters *emitters, const float *x, const float *y, uint32_t count,
                                      lmb_light_sample *sample);
 
-/* Radiance that arrives from outside the scene along unit `direction` (pointing outwards), and the density per solid
- * angle with which the function above picks it. */
-lmb_rgb lmb_emitters_environment_radiance(const lmb_emitters *emitters, lmb_vec3 direction, float *density);
+/* Radiance of the environment along unit `direction` (pointing outwards) as one sees it: with the sun that became a
+ * light (lambent/key_lights.h) in its place in the picture. */
+lmb_rgb lmb_emitters_environment_shown(const lmb_emitters *emitters, lmb_vec3 direction);
 
-/* What is seen of the environment. */
+/* What arrives from outside the scene, and the density per solid angle with which lmb_emitters_sample_environment picks
+ * its direction. */
 typedef struct lmb_environment_seen {
     lmb_rgb radiance;
     float density;
 } lmb_environment_seen;
 
-/* The same for `count` directions at once, direction[axis][i]: memory is slow, and is waited for many at a time. */
+/* That of `count` directions at once, direction[axis][i]: memory is slow, and is waited for many at a time. */
 void lmb_emitters_environment_look(const lmb_emitters *emitters, const float *const direction[3], uint32_t count,
                                    lmb_environment_seen *seen);
 
@@ -96,6 +97,7 @@ typedef struct lmb_punctual_query {
     const lmb_vec3 *normal;  /* leaves out lights behind this plane; NULL: a point in space */
     float min_distance;      /* nearer point and spot lights count as this far */
     bool skip_indirect_only; /* the point is baked, not a reflection on the way to it */
+    bool skip_keys;          /* and key lights are gathered apart */
     float point[2];          /* in [0, 1)^2: where on lights of an extent samples lie */
 } lmb_punctual_query;
 
@@ -116,14 +118,15 @@ int lmb_emitters_punctual(const lmb_emitters *emitters, const lmb_punctual_query
 void lmb_emitters_punctual_again(const lmb_emitters *emitters, const lmb_punctual_query *query,
                                  lmb_punctual_sample *sample);
 
-/* Whether there are any punctual lights. */
-bool lmb_emitters_have_punctual(const lmb_emitters *emitters);
+/* What holds of punctual lights, `skip_keys`: of those that are not key lights.
+ * Whether there are any. */
+bool lmb_emitters_have_punctual(const lmb_emitters *emitters, bool skip_keys);
 
 /* Whether any has an extent. */
-bool lmb_emitters_punctual_are_soft(const lmb_emitters *emitters);
+bool lmb_emitters_punctual_are_soft(const lmb_emitters *emitters, bool skip_keys);
 
 /* Whether there are so few, and none with an extent, that with `max` LMB_PUNCTUAL_MAX nothing is left to chance. */
-bool lmb_emitters_punctual_are_few(const lmb_emitters *emitters);
+bool lmb_emitters_punctual_are_few(const lmb_emitters *emitters, bool skip_keys);
 
 #ifdef __cplusplus
 }

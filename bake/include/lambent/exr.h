@@ -43,6 +43,13 @@ typedef struct lmb_exr_header {
     float scale; /* the float attribute "lambent:scale", or 1 */
 } lmb_exr_header;
 
+/* The names of an EXR's channels, sorted; `*count` gets how many there are, of which `most` at most are given. */
+enum { LMB_EXR_NAME_SIZE = 32 };
+typedef struct lmb_exr_name {
+    char text[LMB_EXR_NAME_SIZE]; /* longer ones are cut off */
+} lmb_exr_name;
+lmb_result lmb_exr_list_channels(const char *path, lmb_exr_name *names, size_t most, size_t *count, lmb_error *error);
+
 /* Reads named channels of an EXR of ours back: values[i] gets width x height malloc'ed floats of channel names[i].
  * @return as lmb_image_read, and LMB_ERROR_FORMAT when a channel is missing */
 lmb_result lmb_exr_read_channels(const char *path, const char *const *names, size_t count, float **values,

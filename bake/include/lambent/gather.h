@@ -7,6 +7,7 @@
 #ifndef LAMBENT_GATHER_H
 #define LAMBENT_GATHER_H
 
+#include <lambent/key_light.h>
 #include <lambent/transport.h>
 
 #ifdef __cplusplus
@@ -35,6 +36,7 @@ typedef struct lmb_gather_samples {
     uint32_t first; /* of the replicate's samples; a multiple of LMB_GATHER_BLOCK */
     uint32_t count;
     bool without_punctual; /* leaves out what lmb_gather_punctual gives */
+    bool without_keys;     /* leaves out the direct light of the scene's key lights (lambent/key_lights.h) */
 } lmb_gather_samples;
 
 /* Contributions, as a structure of arrays: `weight` = radiance x solid angle that arrives from unit `direction`. Some
@@ -59,8 +61,14 @@ void lmb_gather(const lmb_transport *transport, const lmb_gather_samples *sample
 
 /* What punctual lights give a single point is the same for all samples: when they are few enough to ask them all, hands
  * it to `sink`, without noise and for a single sample, and returns true. */
-bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point *point, lmb_gather_sink sink,
-                         void *context, uint64_t *rays);
+bool lmb_gather_punctual(const lmb_transport *transport, const lmb_gather_point *point, bool without_keys,
+                         lmb_gather_sink sink, void *context, uint64_t *rays);
+
+/* What is seen of each key light from an element's points, the mean over them: the share of the luminance that its disc
+ * would give where nothing were in its way, and for a hemisphere above it. 0 of lights that there are not. Points as in
+ * lmb_gather_samples. */
+void lmb_gather_keys(const lmb_transport *transport, const lmb_gather_point *points, uint32_t point_count,
+                     float visibility[LMB_KEY_LIGHTS_MOST], uint64_t *rays);
 
 #ifdef __cplusplus
 }

@@ -13,13 +13,14 @@ extern "C" {
 #endif
 
 /* How many samples elements get: `samples`, the pilot, and then up to `max_samples` as the standard error of the pilot
- * wants them for the tolerance: relative to the length of the moments, or to `floor` where they are shorter. */
+ * wants them for the tolerance: relative to the length of the moments, with those of key lights, or to `floor` where
+ * they are shorter. */
 typedef struct lmb_gather_effort {
     uint32_t samples;     /* > 0; rounded up: to a multiple of LMB_GATHER_REPLICATES, or of blocks of them where there
                              may be more */
     uint32_t max_samples; /* not above `samples`: just those */
     double tolerance;
-    double floor; /* as lmb_gathered.squared_length, not squared */
+    double floor; /* as lmb_gathered.squared_light, not squared */
 } lmb_gather_effort;
 
 /* Samples for an element of such a pilot, were it alone to decide: for forecasts. */
@@ -73,7 +74,7 @@ typedef struct lmb_gather_stats {
     uint64_t samples;
     uint64_t rays;
     double squared_error; /* summed over the elements, as lmb_gathered has them */
-    double squared_length;
+    double squared_light;
 } lmb_gather_stats;
 
 /* Sums of errors and lengths over what was gathered, once it has changed. */

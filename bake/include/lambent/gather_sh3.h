@@ -11,15 +11,18 @@ extern "C" {
 #endif
 
 /* SH moments of what a point receives, integral of L Y over its sphere or hemisphere. Over the sphere they are the SH
- * coefficients; over a hemisphere lmb_sh3_fit_hemisphere turns them into coefficients. */
+ * coefficients; over a hemisphere lmb_sh3_fit_hemisphere turns them into coefficients. The direct light of the scene's
+ * key lights (lambent/key_lights.h) is apart from them: what is seen of each. */
 typedef struct lmb_gathered {
     lmb_sh3_rgb moments;
     lmb_sh3_rgb steady;     /* the part of them that has hardly any noise: direct light of few punctual lights */
     lmb_sh3_rgb difference; /* half of the first replicate less the second, of the rest: one is the rest + difference,
                                the other the rest - difference */
-    double squared_error;   /* of the moments' vector: the sum of its components' squared standard errors */
-    double squared_length;  /* of the moments' vector */
-    uint32_t samples;       /* that were taken */
+    float key_visibility[LMB_KEY_LIGHTS_MOST];
+    double squared_error;  /* of the moments' vector: the sum of its components' squared standard errors */
+    double squared_length; /* of the moments' vector */
+    double squared_light;  /* the same with what key lights give */
+    uint32_t samples;      /* that were taken */
     uint64_t rays;
 } lmb_gathered;
 
@@ -42,8 +45,8 @@ lmb_result lmb_gather_sh3_parallel(const lmb_transport *transport, const lmb_gat
                                    lmb_pool *pool, const lmb_progress *progress, lmb_gathered *gathered);
 
 /* Normalised irradiance on each of `count` normals from what the points receive, by the same samples: the truth that
- * everything stored is compared with. Only light over the points' hemisphere counts. Bakes gather with the first
- * LMB_GATHER_REPLICATES replicates; different ones are independent. Adds to `*rays`. */
+ * everything stored is compared with. Only light over the points' hemisphere counts, key lights' too. Bakes gather with
+ * the first LMB_GATHER_REPLICATES replicates; different ones are independent. Adds to `*rays`. */
 enum { LMB_GATHER_MAX_NORMALS = 16 };
 void lmb_gather_irradiance(const lmb_transport *transport, const lmb_gather_samples *samples, const lmb_vec3 *normals,
                            int count, lmb_rgb *irradiance, uint64_t *rays);

@@ -8,6 +8,7 @@
 
 #include <lambent/chart.h>
 #include <lambent/gather_elements.h>
+#include <lambent/key_lights.h>
 #include <lambent/model.h>
 #include <lambent/surface.h>
 #include <lambent/uv_check.h>
@@ -17,7 +18,7 @@
 extern "C" {
 #endif
 
-enum { LMB_LIGHTMAP_MAX_PADDING = 64 };
+enum { LMB_LIGHTMAP_MAX_PADDING = 64, LMB_LIGHTMAP_MOST_MODELS = 16 };
 
 typedef struct lmb_lightmap_settings {
     float texels_per_m;     /* > 0; lowered for instances that would not fit an image */
@@ -27,6 +28,8 @@ typedef struct lmb_lightmap_settings {
                                that. 0 counts as 1 */
     lmb_warnings warnings;  /* UVs that are not used, densities that do not fit, islands of a few texels */
     const lmb_model *model; /* that texels are stored in; NULL: the default one of lightmaps */
+    const lmb_model *other[LMB_LIGHTMAP_MOST_MODELS]; /* that they are stored in too, up to the first NULL */
+    bool error;                                       /* the standard error of each texel, too */
 } lmb_lightmap_settings;
 
 /* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048, padding 1. */
@@ -46,14 +49,18 @@ typedef struct lmb_lightmap_region {
 /* One image of texels. */
 typedef struct lmb_lightmap_image {
     int32_t width, height;
-    float *plane;   /* [channel][x + width y] of the lightmap's model; 0 until baked or read */
+    float *plane;   /* [channel][x + width y] of the lightmap's model, then [key light] what is seen of it, 0 to 1; 0
+                       until   baked or read */
     uint8_t *state; /* [x + width y] lmb_texel_state */
+    float *other[LMB_LIGHTMAP_MOST_MODELS]; /* as `plane`, of the other models */
+    float *error; /* [x + width y] standard error of what was gathered, relative to it or 1 % of the root mean square if
+                     that is more; NULL: not asked for */
 } lmb_lightmap_image;
 
 typedef enum lmb_texel_state { LMB_TEXEL_EMPTY, LMB_TEXEL_GATHERED, LMB_TEXEL_DILATED } lmb_texel_state;
 
-/* Steps of light across seams, where charts meet on a smooth surface: relative to the light there, or to 1 % of the
- * mean where that is more; over points a texel apart. 0 where there are none. */
+/* Steps of light, key lights' too, across seams, where charts meet on a smooth surface: relative to the light there, or
+ * to 1 % of the mean where that is more; over points a texel apart. 0 where there are none. */
 typedef struct lmb_seam_steps {
     size_t edges;
     double median;
@@ -64,6 +71,8 @@ typedef struct lmb_lightmap {
     const lmb_scene *scene;
     lmb_lightmap_settings settings;
     const lmb_model *model;
+    uint32_t key_light_count; /* those of the scene; the model's channels hold the rest of the light */
+    lmb_key_light key_light[LMB_KEY_LIGHTS_MOST];
     lmb_lightmap_region *region; /* [instance] */
     lmb_vec2 **corner_uv;        /* [mesh] charts made here: [3 * triangle + corner], or NULL: the mesh's TEXCOORD_1 */
     lmb_uv_fault *fault;         /* [mesh] why charts were made, LMB_UV_GOOD when they were not */
@@ -120,7 +129,13 @@ lmb_result lmb_lightmap_bake(lmb_lightmap *lightmap, const lmb_transport *transp
 lmb_gather_point lmb_surface_gather_point(const lmb_tracer *tracer, const lmb_place *place, float radius,
                                           bool *pushed_out);
 
-/* One channel of an image. */
+/* Planes of each image. */
+static inline int lmb_lightmap_plane_count(const lmb_lightmap *lightmap)
+{
+    return lightmap->model->channel_count + (int)lightmap->key_light_count;
+}
+
+/* One of them. */
 static inline float *lmb_lightmap_plane(const lmb_lightmap_image *image, int channel)
 {
     return image->plane + (size_t)channel * (size_t)image->width * (size_t)image->height;
@@ -130,6 +145,9 @@ static inline float *lmb_lightmap_plane(const lmb_lightmap_image *image, int cha
  * instance has none. */
 bool lmb_lightmap_sample(const lmb_lightmap *lightmap, const lmb_hit *hit, float channel[LMB_MODEL_MOST_CHANNELS]);
 
+/* What the texels have seen of each key light, filtered likewise. All 0, and false, where the instance has none. */
+bool lmb_lightmap_sample_keys(const lmb_lightmap *lightmap, const lmb_hit *hit, float visibility[LMB_KEY_LIGHTS_MOST]);
+
 /* What is left of steps across seams. @return LMB_ERROR_MEMORY */
 lmb_result lmb_lightmap_seam_steps(const lmb_lightmap *lightmap, const lmb_tracer *tracer, lmb_seam_steps *steps);
 
@@ -137,15 +155,16 @@ lmb_result lmb_lightmap_seam_steps(const lmb_lightmap *lightmap, const lmb_trace
  * none. */
 bool lmb_lightmap_texel(const lmb_lightmap *lightmap, const lmb_hit *hit, int32_t *column, int32_t *row);
 
-/* Writes lightmap_N.exr for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the
- * new UVs, through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.
+/* Writes lightmap_N.exr, the irradiance at the vertex normal as a picture, and lightmap_N_MODEL.exr, what else each
+ * model has, for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the new UVs,
+ * through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.
  * @return LMB_ERROR_WRITE, _MEMORY */
 struct lmb_gltf_options;
 lmb_result lmb_lightmap_write(const lmb_lightmap *lightmap, const char *directory,
                               const struct lmb_gltf_options *options, uint64_t *bytes, lmb_error *error);
 
-/* Fills the images of a freshly created lightmap from the files in `directory`; lightmap.json must describe the same
- * layout. @return LMB_ERROR_IO, _FORMAT (another layout), _MEMORY */
+/* Fills the images of a freshly created lightmap from the files in `directory`, of its own model alone; lightmap.json
+ * must describe the same layout. @return LMB_ERROR_IO, _FORMAT (another layout), _MEMORY */
 lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_error *error);
 
 #ifdef __cplusplus

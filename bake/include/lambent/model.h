@@ -77,6 +77,7 @@ typedef struct lmb_model {
     const char *const *channel_name;
     const lmb_model_part *part; /* all channels; ended by a count of 0 */
     int light_count;            /* the first channels, which scale with the light: one RGB colour or more */
+    bool irradiance_first;      /* the first three are the normalised irradiance at the vertex normal */
     const char *convention;     /* what the channels mean, for a file's header */
 
     /* Makes of a sum over several, whose weights come to `total`, what one of them would be. */
@@ -89,8 +90,9 @@ typedef struct lmb_model {
 size_t lmb_model_count(void);
 const lmb_model *lmb_model_at(size_t index);
 
-/* The row of that name, full name or short name; NULL: none. */
-const lmb_model *lmb_model_find(const char *name);
+/* The row of that name, full name or short name: one that can be made for one of `uses` (lmb_model_use), or else any;
+ * NULL: none. A lightmap's row and a probe's may share a short name. */
+const lmb_model *lmb_model_find(const char *name, unsigned uses);
 
 /* What a row is called among all. */
 const char *lmb_model_full_name(const lmb_model *model);

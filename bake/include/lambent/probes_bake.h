@@ -30,7 +30,8 @@ lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list);
 lmb_result lmb_probe_list_denoise(const lmb_probe_list *list, lmb_pool *pool, const lmb_progress *progress,
                                   lmb_gathered *gathered);
 
-/* Puts into the list's probes and set what was gathered, [count], and dilates the rest, in every set.
+/* Puts into the list's probes and set what was gathered, [count], with the scene's key lights, and dilates the rest, in
+ * every set.
  * @return LMB_ERROR_ARGUMENT (the probes have no such set; nothing has changed), _MEMORY */
 lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes);
 

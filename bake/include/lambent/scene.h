@@ -16,6 +16,7 @@
 #include <lambent/affine.h>
 #include <lambent/error.h>
 #include <lambent/image.h>
+#include <lambent/key_light.h>
 #include <lambent/types.h>
 
 #ifdef __cplusplus
@@ -125,6 +126,12 @@ typedef struct lmb_light {
                          */
 } lmb_light;
 
+/* A pixel of a picture whose sun became a light, as it was. */
+typedef struct lmb_environment_pixel {
+    uint32_t pixel;
+    lmb_rgb radiance;
+} lmb_environment_pixel;
+
 typedef struct lmb_environment {
     bool present;
     lmb_rgb constant; /* used when image.rgb is NULL */
@@ -132,6 +139,8 @@ typedef struct lmb_environment {
     lmb_latlong_axes axes;
     float rotation_rad; /* turns the environment about +Y, counter-clockwise seen from above */
     float strength;
+    lmb_environment_pixel *taken; /* ascending; who looks at the picture sees these */
+    uint32_t taken_count;
 } lmb_environment;
 
 /* A camera of the level, or a node that a picture is to be taken from (lmb_gltf_options.view_node). */
@@ -154,6 +163,9 @@ typedef struct lmb_scene {
     uint32_t image_count;
     lmb_light *lights;
     uint32_t light_count;
+    uint32_t
+        key_light[LMB_KEY_LIGHTS_MOST]; /* of them, those that are kept apart (key_lights.h), the strongest first */
+    uint32_t key_light_count;
     lmb_environment environment;
     lmb_vec3 bounds_min; /* of all static triangles, world space; min > max when there are none */
     lmb_vec3 bounds_max;

@@ -110,6 +110,27 @@ LMB_API lmb_irradz lmb_irradz_encode(const lmb_sh3_rgb *radiance, lmb_vec3 verte
  * the directional part fades to nothing until n_v.d = 0, and I(n_v) = I_z stays. */
 LMB_API lmb_hhd_rgb lmb_irradz_decode(const lmb_irradz *irradz, lmb_vec3 vertex_normal);
 
+/* Both at once, for one normal a texel: lmb_irradz_decode and lmb_hhd_rgb_evaluate to within rounding, where d is no
+ * longer than 1, but without a root: I = I_z (w (1 + n_v.n)/2 + (1 - w) max(0, n.d)/(n_v.d)), where the length of d
+ * cancels. */
+static inline lmb_rgb lmb_irradz_evaluate(const lmb_irradz *irradz, lmb_vec3 vertex_normal, lmb_vec3 normal)
+{
+    const float height = lmb_vec3_dot(irradz->direction, vertex_normal);
+    if (!(height >= LMB_IRRADZ_MIN_COS && height < 2.0f)) { /* filtering has mixed what does not agree */
+        const lmb_hhd_rgb hhd = lmb_irradz_decode(irradz, vertex_normal);
+        return lmb_hhd_rgb_evaluate(&hhd, vertex_normal, normal);
+    }
+    const float directional = lmb_saturate(1.0f - irradz->ambient_weight);
+    const float hemisphere = 0.5f + 0.5f * lmb_vec3_dot(vertex_normal, normal);
+    const float highlight = lmb_larger(lmb_vec3_dot(normal, irradz->direction), 0.0f) / height;
+    const float share = hemisphere + directional * (highlight - hemisphere);
+    lmb_rgb irradiance;
+    for (int i = 0; i < 3; ++i) {
+        irradiance.c[i] = lmb_light_clamped(share * irradz->irradiance_z.c[i]);
+    }
+    return irradiance;
+}
+
 /* Light that the surface reflects onto its own bumps: albedo I_z (1 - n.n_v)/2, per channel. */
 static inline lmb_rgb lmb_self_bounce(lmb_rgb albedo, lmb_rgb irradiance_z, lmb_vec3 vertex_normal, lmb_vec3 normal)
 {

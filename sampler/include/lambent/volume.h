@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include <lambent/api.h>
+#include <lambent/key_light.h>
 #include <lambent/result.h>
 #include <lambent/sh.h>
 
@@ -29,6 +30,7 @@ typedef struct lmb_volume_info {
     lmb_vec3d bounds_max;
     float scale; /* the power of two that stored radiance was divided by */
     uint64_t file_bytes;
+    uint32_t key_light_count;
 } lmb_volume_info;
 
 /* Memory for a handle, from the caller: a member of a game's own struct, an entry of a pool, a static. Its contents
@@ -62,7 +64,10 @@ LMB_API lmb_volume_info lmb_volume_get_info(const lmb_volume *volume);
 /* Metres between probes at a position; outside of the bounds, at the nearest position within. */
 LMB_API float lmb_volume_spacing_at(const lmb_volume *volume, lmb_vec3d position);
 
-/* Trilinear SH3 radiance at `position`.
+/* The key lights, whose direct light the stored radiance leaves out; how many there are. Those beyond are 0. */
+LMB_API uint32_t lmb_volume_key_lights(const lmb_volume *volume, lmb_key_light light[LMB_KEY_LIGHTS_MOST]);
+
+/* Trilinear SH3 radiance at `position`, without the direct light of key lights.
  * @return true inside the baked volume; false outside (or NaN), where `radiance` gets the nearest baked point's light
  *         in the clamped bounds, or 0 where the cell holds no probes. Never NaN or infinity. `volume` and `radiance`
  *         must not be NULL (asserted only). */
@@ -71,6 +76,11 @@ LMB_API bool lmb_volume_sample(const lmb_volume *volume, lmb_vec3 position, lmb_
 /* The same at a position in double. A float at 1000 km from the world's origin is exact to 6 cm, at 10 000 km to 1 m:
  * levels out there are sampled by this. Where the position is a float's value, both give the same bits. */
 LMB_API bool lmb_volume_sample_at(const lmb_volume *volume, lmb_vec3d position, lmb_sh3_rgb *radiance);
+
+/* The same, and what is seen of each key light there, trilinear too: 0 to 1, for lmb_key_light_irradiance. 0 where
+ * there are no probes, and of lights that there are not. */
+LMB_API bool lmb_volume_sample_with_keys(const lmb_volume *volume, lmb_vec3d position, lmb_sh3_rgb *radiance,
+                                         float visibility[LMB_KEY_LIGHTS_MOST]);
 
 #ifdef __cplusplus
 }

@@ -2,8 +2,9 @@
  *
  * They are flat arrays. Levels, each a lattice of one spacing, turned or not, are indices over them: a level's probes
  * follow each other in the arrays, and it finds the one at any of its points. Nothing is held for points without a
- * probe. Light is one array for each set of lights, in the world's axes, also on a lattice that is turned. Files hold
- * one level that is not turned, and one set: writers refuse others. */
+ * probe. Light is one array for each set of lights, in the world's axes, also on a lattice that is turned. Key lights
+ * (lambent/key_light.h) are kept apart from it: once, with what is seen of them at each probe. Files hold one level
+ * that is not turned, and one set: writers refuse others. */
 #ifndef LAMBENT_PROBES_H
 #define LAMBENT_PROBES_H
 
@@ -11,6 +12,7 @@
 #include <stdint.h>
 
 #include <lambent/error.h>
+#include <lambent/key_light.h>
 #include <lambent/lattice.h>
 #include <lambent/sh.h>
 
@@ -55,6 +57,9 @@ typedef struct lmb_probes {
                                LMB_PROBES_MIN_VALIDITY was not baked: its radiance is dilated from its neighbours */
     uint32_t set_count;     /* of lights, >= 1 */
     lmb_sh3_rgb **radiance; /* [set][probe] callers fill it. A set's may be NULL while there are no probes */
+    uint32_t key_light_count;
+    lmb_key_light key_light[LMB_KEY_LIGHTS_MOST];
+    float (*key_visibility)[LMB_KEY_LIGHTS_MOST]; /* [probe][light] 0 to 1; 0 beyond the count */
     uint32_t level_count;
     lmb_probe_level *level; /* the finest first */
     lmb_vec3d origin;       /* world position that lmb_probes_position counts from; no file holds it */
@@ -65,8 +70,8 @@ typedef struct lmb_probes {
 /* None yet, of one set of lights. @return LMB_ERROR_MEMORY */
 lmb_result lmb_probes_create(lmb_probes **probes);
 
-/* Adds a level with probes at these points of its lattice, each once, with validity 0 and zero radiance in every set,
- * in that order. Earlier probes keep what they have; the arrays move.
+/* Adds a level with probes at these points of its lattice, each once, with validity 0, zero radiance in every set and
+ * no key light seen, in that order. Earlier probes keep what they have; the arrays move.
  * @return LMB_ERROR_ARGUMENT (spacing, box or axes out of range, a point outside of the box or given twice, more than
  * 2^31 - 1 probes), _MEMORY; then nothing has changed */
 lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, const int32_t (*point)[3],
@@ -92,13 +97,14 @@ lmb_vec3 lmb_probes_position(const lmb_probes *probes, int32_t probe);
 /* Metres: a probe speaks for the space within half of that. Its level's spacing. */
 float lmb_probes_footprint(const lmb_probes *probes, int32_t probe);
 
-/* Checks every invariant above; finite radiance too. @return LMB_ERROR_FORMAT with the place in `error` */
+/* Checks every invariant above; finite radiance and sane key lights too. @return LMB_ERROR_FORMAT with the place in
+ * `error` */
 lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error);
 
-/* Gives every probe with validity below LMB_PROBES_MIN_VALIDITY the mean radiance of its 26 neighbours on its level
- * that have light (valid, or filled by an earlier pass), nearer ones weighing more, pass after pass until nothing
- * changes, in each set by itself. Probes that no valid one reaches keep zero radiance. The result does not depend on
- * the order of probes.
+/* Gives every probe with validity below LMB_PROBES_MIN_VALIDITY the mean radiance, and the mean visibility of key
+ * lights, of its 26 neighbours on its level that have light (valid, or filled by an earlier pass), nearer ones weighing
+ * more, pass after pass until nothing changes, in each set by itself. Probes that no valid one reaches stay dark. The
+ * result does not depend on the order of probes.
  * @return LMB_ERROR_MEMORY */
 lmb_result lmb_probes_dilate(lmb_probes *probes);
 

@@ -1,7 +1,8 @@
 /* probes.vdb, the exchange format: OpenVDB grids that Blender, Houdini and vdb_print open (docs/formats.md).
  *
- * Nine Vec3s grids, one per SH coefficient, half floats on disk, and one float grid of validity; all share one
- * topology and a linear transform in metres. No C++ type or exception crosses this header. */
+ * Nine Vec3s grids, one per SH coefficient, half floats on disk, one float grid of validity, and one of the visibility
+ * of each key light; all share one topology and a linear transform in metres. No C++ type or exception crosses this
+ * header. */
 #ifndef LAMBENT_VDB_H
 #define LAMBENT_VDB_H
 

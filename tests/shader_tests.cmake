@@ -1,0 +1,29 @@
+# The shader include (sampler/shader/) is compiled as GLSL and as HLSL, and run against the sampler.
+find_program(LMB_GLSLANG glslangValidator)
+find_package(Vulkan QUIET)
+if(NOT LMB_GLSLANG OR NOT Vulkan_FOUND)
+    message(STATUS "No shader tests: glslangValidator or Vulkan is missing (Debian: glslang-tools, libvulkan-dev)")
+    return()
+endif()
+
+set(shader_sources ${PROJECT_SOURCE_DIR}/sampler/shader/lambent.glsl ${PROJECT_SOURCE_DIR}/sampler/shader/lambent.hlsl
+    ${CMAKE_CURRENT_SOURCE_DIR}/shaders/cases.glsl)
+# lmb_shader(output source options...): SPIR-V of a source in tests/shaders/.
+function(lmb_shader output source)
+    add_custom_command(OUTPUT ${output}
+        COMMAND ${LMB_GLSLANG} --quiet -V ${ARGN} -I${PROJECT_SOURCE_DIR}/sampler/shader -I${CMAKE_CURRENT_SOURCE_DIR}/shaders
+            ${CMAKE_CURRENT_SOURCE_DIR}/shaders/${source} -o ${output}
+        DEPENDS ${shader_sources} ${CMAKE_CURRENT_SOURCE_DIR}/shaders/${source} VERBATIM)
+endfunction()
+set(glsl ${CMAKE_CURRENT_BINARY_DIR}/shader_glsl.spv)
+set(hlsl ${CMAKE_CURRENT_BINARY_DIR}/shader_hlsl.spv)
+lmb_shader(${glsl} run.comp)
+lmb_shader(${hlsl} run.hlsl -D -S comp -e main)
+add_custom_target(lambent_test_shaders DEPENDS ${glsl} ${hlsl})
+
+lmb_test(shader LINKS lambent::sampler Vulkan::Vulkan m)
+target_sources(test_shader PRIVATE shader_runner.c)
+target_compile_definitions(test_shader PRIVATE LMB_SHADER_GLSL="${glsl}" LMB_SHADER_HLSL="${hlsl}")
+add_dependencies(test_shader lambent_test_shaders)
+# Mesa's driver keeps what it allocates until the process ends, after it was unloaded.
+set_tests_properties(shader PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")

@@ -1,0 +1,52 @@
+// Runs the shader include on one item: reads INPUTS numbers, writes OUTPUTS (tests/test_shader.c has both lists).
+// The wrapper defines lmbRead(index) and lmbWrite(index, value).
+
+#define INPUTS 45
+#define OUTPUTS 30
+
+vec3 lmbRead3(uint at)
+{
+    return vec3(lmbRead(at), lmbRead(at + 1u), lmbRead(at + 2u));
+}
+
+void lmbWrite3(uint at, vec3 value)
+{
+    lmbWrite(at, value.x);
+    lmbWrite(at + 1u, value.y);
+    lmbWrite(at + 2u, value.z);
+}
+
+void lmbItem(uint item)
+{
+    uint from = item * uint(INPUTS);
+    uint to = item * uint(OUTPUTS);
+    LmbSh3 sh;
+    for (uint i = 0u; i < 9u; ++i) {
+        sh.c[i] = lmbRead3(from + 3u * i);
+    }
+    vec3 nv = lmbRead3(from + 27u);
+    vec3 n = lmbRead3(from + 30u);
+    float visibility = lmbRead(from + 33u);
+    LmbIrradz texel;
+    texel.irradianceZ = lmbRead3(from + 34u);
+    texel.ambientWeight = lmbRead(from + 37u);
+    texel.direction = lmbRead3(from + 38u);
+    vec3 albedo = lmbRead3(from + 41u);
+    float bent = lmbRead(from + 44u);
+
+    float coneCos = lmbConeCosFromVisibility(visibility);
+    lmbWrite(to, coneCos);
+    lmbWrite(to + 1u, lmbConeCosFromBentVisibility(visibility, bent));
+    lmbWrite3(to + 2u, lmbSh3Irradiance(sh, n));
+    LmbIrradz irradz = lmbIrradzEncode(sh, nv, coneCos);
+    lmbWrite3(to + 5u, irradz.irradianceZ);
+    lmbWrite(to + 8u, irradz.ambientWeight);
+    lmbWrite3(to + 9u, irradz.direction);
+    lmbWrite3(to + 12u, lmbHhdEvaluate(lmbIrradzDecode(irradz, nv), nv, n));
+    lmbWrite3(to + 15u, lmbHhdEvaluate(lmbIrradzDecode(texel, nv), nv, n));
+    LmbHlsh hlsh = lmbHlshFromSh3(sh, nv, coneCos);
+    lmbWrite3(to + 18u, hlsh.irradianceZ);
+    lmbWrite3(to + 21u, lmbHlshEvaluate(hlsh, nv, n));
+    lmbWrite3(to + 24u, lmbSelfBounce(albedo, texel.irradianceZ, nv, n));
+    lmbWrite3(to + 27u, lmbIrradzEvaluate(texel, nv, n));
+}
