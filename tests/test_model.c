@@ -28,8 +28,9 @@ static void rows_are_whole(void)
 {
     for (size_t i = 0; i < lmb_model_count(); ++i) {
         const lmb_model *model = lmb_model_at(i);
-        CHECK(lmb_model_find(model->name) == model && lmb_model_find(lmb_model_full_name(model)) == model, "%s",
-              model->name);
+        CHECK(lmb_model_find(model->name, model->uses) == model &&
+                  lmb_model_find(lmb_model_full_name(model), model->uses) == model,
+              "%s", model->name);
         CHECK(model->title && !model->encode != !model->encode_light && model->evaluate, "%s", model->name);
         CHECK(model->channel_count > 0 && model->channel_count <= LMB_MODEL_MOST_CHANNELS, "%s: %d", model->name,
               model->channel_count);
@@ -45,7 +46,7 @@ static void rows_are_whole(void)
         CHECK(channels == model->channel_count, "%s: %d", model->name, channels);
         CHECK(model->light_count > 0 && model->light_count <= channels && model->encode, "%s", model->name);
         CHECK((model->default_uses & ~model->uses) == 0, "%s", model->name);
-        CHECK(!model->short_name || lmb_model_find(model->short_name) == model, "%s", model->name);
+        CHECK(!model->short_name || lmb_model_find(model->short_name, model->uses) == model, "%s", model->name);
         for (int a = 0; a < channels; ++a) {
             for (int b = 0; b < a; ++b) {
                 CHECK(strcmp(model->channel_name[a], model->channel_name[b]) != 0, "%s: %s", model->name,
@@ -53,10 +54,10 @@ static void rows_are_whole(void)
             }
         }
     }
-    CHECK(!lmb_model_find("nothing"), "nothing");
-    CHECK(lmb_model_default(LMB_MODEL_FOR_LIGHTMAP) == lmb_model_find("irradz-hhd"), "lightmaps");
-    CHECK(lmb_model_default(LMB_MODEL_FOR_SURFACE) == lmb_model_find("hhd"), "surfaces");
-    CHECK(lmb_model_default(LMB_MODEL_FOR_OBJECT) == lmb_model_find("hlsh"), "objects");
+    CHECK(!lmb_model_find("nothing", 0), "nothing");
+    CHECK(lmb_model_default(LMB_MODEL_FOR_LIGHTMAP) == lmb_model_find("hhd", LMB_MODEL_FOR_LIGHTMAP), "lightmaps");
+    CHECK(lmb_model_default(LMB_MODEL_FOR_SURFACE) == lmb_model_find("hhd", LMB_MODEL_FOR_SURFACE), "surfaces");
+    CHECK(lmb_model_default(LMB_MODEL_FOR_OBJECT) == lmb_model_find("hlsh", LMB_MODEL_FOR_OBJECT), "objects");
 }
 
 /* What a row gives is what the sampler gives, to the bit. */
@@ -65,16 +66,19 @@ static void rows_are_the_sampler(void)
     const lmb_sh3_rgb light = some_light();
     const lmb_vec3 n_v = {0.0f, 1.0f, 0.0f}, n = {0.6f, 0.8f, 0.0f};
     const lmb_irradz irradz = lmb_irradz_encode(&light, n_v, 0.3f);
-    const lmb_hhd_rgb hhd = lmb_irradz_decode(&irradz, n_v);
+    const lmb_irradz probe_irradz = lmb_irradz_from_probe(&light, n_v, 0.3f);
     const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(&light, n_v, 0.3f);
+    const lmb_hlsh_rgb probe_hlsh = lmb_hlsh_rgb_from_probe(&light, n_v, 0.3f);
     const struct {
         const char *name;
         lmb_rgb irradiance;
-    } expected[] = {{"irradz-hhd", lmb_hhd_rgb_evaluate(&hhd, n_v, n)},
-                    {"hlsh", lmb_hlsh_rgb_evaluate(&hlsh, n_v, n)},
+    } expected[] = {{"irradz-hhd", lmb_irradz_evaluate(&irradz, n_v, n)},
+                    {"hhd.closed.fitted", lmb_irradz_evaluate(&probe_irradz, n_v, n)},
+                    {"hlsh.t1", lmb_hlsh_rgb_evaluate(&hlsh, n_v, n)},
+                    {"hlsh.fitted", lmb_hlsh_rgb_evaluate(&probe_hlsh, n_v, n)},
                     {"sh3", lmb_sh3_rgb_irradiance(&light, n)}};
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; ++i) {
-        const lmb_model *model = lmb_model_find(expected[i].name);
+        const lmb_model *model = lmb_model_find(expected[i].name, 0);
         float channel[LMB_MODEL_MOST_CHANNELS];
         lmb_rgb found;
         model->encode(&light, n_v, 0.3f, channel);

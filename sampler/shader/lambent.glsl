@@ -280,7 +280,8 @@ vec3 lmbTiltedAboveHorizon(vec3 d, vec3 nv)
     return lmbUnitOr(flat_ * sqrt(1.0 - LMB_IRRADZ_MIN_COS * LMB_IRRADZ_MIN_COS) + nv * LMB_IRRADZ_MIN_COS, nv);
 }
 
-// What a lightmap would store of a probe's light: probe and texel go through one encoder (lmb_irradz_encode).
+// What a lightmap would store of that light, by the Gram multiply (lmb_irradz_encode). The fitted multiply of
+// lmb_irradz_from_probe, which is nearer to the truth, is not here: solve in C, for each vertex or object.
 LmbIrradz lmbIrradzEncode(LmbSh3 sh, vec3 nv, float coneCos)
 {
     LmbMoments moments = lmbMomentsInCone(sh, nv, coneCos);
