@@ -271,6 +271,38 @@ static void test_continuous(void)
     }
 }
 
+/* HLSH is the least-squares fit, with I(n_v) held, of what HHD gives, wherever its direction is. */
+static void test_hlsh_fits_hhd(void)
+{
+    uint64_t random = 16;
+    for (int k = 0; k < 400; ++k) {
+        const lmb_sh3 light = random_light(&random);
+        lmb_vec3 n_v;
+        const ovec n = oracle_random_normal(&random, &n_v);
+        const float cone_cos = k % 2 ? 0.0f : 0.5f;
+        const lmb_hhd hhd = lmb_hhd_solve(lmb_moments_from_probe(&light, n_v, cone_cos), n_v);
+        const lmb_hlsh found = lmb_hlsh_from_probe(&light, n_v, cone_cos);
+        const double i_z = (double)lmb_hhd_evaluate(&hhd, n_v, n_v);
+        double ambient = -0.5 * i_z;
+        ovec tangential = {0.0, 0.0, 0.0};
+        const orule hemisphere = oracle_zone(n, 0.0, 1.0, 60, 120);
+        for (size_t i = 0; i < hemisphere.count; ++i) {
+            const ovec d = hemisphere.nodes[i].direction;
+            const double t = ovec_dot(d, n);
+            const double part =
+                1.5 / ORACLE_PI * hemisphere.nodes[i].weight * (double)lmb_hhd_evaluate(&hhd, n_v, ovec_float(d));
+            ambient += part * (1.0 - t);
+            tangential = ovec_mix(tangential, 1.0, ovec_mix(d, 1.0, n, -t), part);
+        }
+        oracle_rule_free(hemisphere);
+        const double tolerance = 1e-3 * (double)light.c[0];
+        CHECK_NEAR(found.irradiance_z, i_z, 1e-5 * (double)light.c[0], "light %d", k);
+        CHECK_NEAR(found.ambient, ambient, tolerance, "light %d", k);
+        CHECK_NEAR(length_of(ovec_mix(ovec_of(found.tangential), 1.0, tangential, -1.0)), 0.0, tolerance, "light %d",
+                   k);
+    }
+}
+
 static void check_light(float light, const char *what, int k)
 {
     CHECK(light >= 0.0f && light <= FLT_MAX, "%s %d: %g", what, k, (double)light);
@@ -424,6 +456,7 @@ static const test_case cases[] = {
     {"scales_with_light", test_scales_with_light},
     {"even_light_is_exact", test_even_light_is_exact},
     {"continuous", test_continuous},
+    {"hlsh_fits_hhd", test_hlsh_fits_hhd},
     {"hard_light", test_hard_light},
     {"errors_fall", test_errors_fall},
 };

@@ -13,7 +13,7 @@
 
 enum { SEED_OPEN = 1, SEED_CONES = 2, SEED_VALIDATION = 777, EXAMPLES = 400000, VALIDATION_EXAMPLES = 40000 };
 
-static const fit_settings settings = {.seed = 5, .steps = 14000, .batch = 4096};
+static const fit_settings settings = {.seed = 5, .steps = 12000, .batch = 4096};
 
 static void row_write(FILE *file, const fit_network *network, int layer, int from, int to_count)
 {

@@ -7,7 +7,7 @@
 
 /* Directions fill the sphere evenly from +z down, so that a cone about +z is the first few of them; radiance is that
  * of so many small lights, which both the harmonics and the irradiance are exact for. */
-enum { DIRECTIONS = 1024, SUN_POINTS = 32, MOST_SUNS = 4, MOST_WALLS = 2, MOST_STAINS = 4, MOST_WINDOWS = 3 };
+enum { DIRECTIONS = 1024, SUN_POINTS = 24, MOST_SUNS = 16, MOST_WALLS = 2, MOST_STAINS = 10, MOST_WINDOWS = 3 };
 
 /* Directions in the narrowest cone: 18 degrees, cosine 0.95. */
 enum { NARROWEST_CONE = 25 };
@@ -193,7 +193,7 @@ static void outdoors_make(uint64_t *random, sky *s)
     s->zenith = magnitude_between(random, 0.2, 2.0);
     s->horizon = magnitude_between(random, 0.2, 2.0);
     s->bend = between(random, 0.0, 2.0);
-    if (fit_variate(random) < 0.25) { /* night, or nothing but what lamps and suns that are kept apart light */
+    if (fit_variate(random) < 0.15) { /* night, or nothing but what lamps and suns that are kept apart light */
         const float dark = magnitude_between(random, 0.001, 0.3);
         s->zenith *= dark;
         s->horizon *= dark;
@@ -284,8 +284,8 @@ static sky sky_make(uint64_t *random)
     s.stain_count = count_below(random, MOST_STAINS + 1);
     for (int i = 0; i < s.stain_count; ++i) {
         s.stain[i].axis = sphere_direction(random);
-        s.stain[i].narrowness = magnitude_between(random, 1.0, 30.0);
-        s.stain[i].gain = fit_variate(random) < 0.5 ? between(random, -0.9, 0.0) : magnitude_between(random, 0.2, 5.0);
+        s.stain[i].narrowness = magnitude_between(random, 1.0, 100.0);
+        s.stain[i].gain = fit_variate(random) < 0.5 ? between(random, -0.9, 0.0) : magnitude_between(random, 0.2, 10.0);
     }
     const int walls = fit_variate(random) < 0.4 ? 1 + count_below(random, MOST_WALLS) : 0;
     const double flux = sky_flux(&s);
@@ -296,9 +296,11 @@ static sky sky_make(uint64_t *random)
         s.wall[i].radiance *= magnitude_between(random, 0.3, 3.0);
     }
     s.wall_count = walls;
-    s.sun_count = fit_variate(random) < 0.25 ? 0 : 1 + (int)(fit_variate(random) * fit_variate(random) * MOST_SUNS);
+    /* None, a sun or two, or many lamps: of the latter nine numbers tell little, and what is fitted must know that. */
+    const double suns = fit_variate(random);
+    s.sun_count = suns < 0.25 ? 0 : suns < 0.65 ? 1 + count_below(random, 2) : 3 + count_below(random, MOST_SUNS - 2);
     for (int i = 0; i < s.sun_count; ++i) {
-        sun_make(random, flux, &s.sun[i]);
+        sun_make(random, s.sun_count > 2 ? 0.2 * flux : flux, &s.sun[i]);
     }
     return s;
 }
@@ -411,7 +413,7 @@ static void view_turn(uint64_t *random, sky_view *v)
 {
     v->turn = random_turn(random);
     float albedo = between(random, 0.1, 0.9);
-    if (fit_variate(random) < 0.4) { /* lit by a sun too, whose light is kept apart from the probe's */
+    if (fit_variate(random) < 0.25) { /* lit by a sun too, whose light is kept apart from the probe's */
         albedo *= 1.0f + magnitude_between(random, 0.1, 20.0);
     }
     const float contrast = v->context == FIT_TWO_TONED ? between(random, 0.0, 1.0) : 0.0f;

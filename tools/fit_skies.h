@@ -1,6 +1,6 @@
 /* Procedural skies, and what a surface among them would have to know: examples that the multiply is fitted to.
  *
- * A sky is a gradient over a ground, or the six faces of a room with windows; on it broad stains; up to four suns of
+ * A sky is a gradient over a ground, or the six faces of a room with windows; on it stains; up to 16 suns and lamps of
  * any width; and up to two walls, half-spaces or less of constant radiance. It is seen by surfaces turned any way,
  * either as it is or, as a probe just above the surface sees it, with the surface itself in place of the lower
  * hemisphere: of constant radiance, or of two tones as in a corner. No picture of a real place is among them. */
