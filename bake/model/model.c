@@ -22,6 +22,8 @@ static const lmb_model *const table[] = {
     &lmb_model_hlsh_t2,
     &lmb_model_hlsh_light,
     &lmb_model_sh3_gram,
+    &lmb_model_sh3_window,
+    &lmb_model_sh3_kept,
     &lmb_model_sh3_ao,
     &lmb_model_sh3_bent,
     &lmb_model_sh3_halo3,

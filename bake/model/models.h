@@ -28,6 +28,8 @@ extern const lmb_model lmb_model_ahd_shipped;
 extern const lmb_model lmb_model_hlsh_t2;
 extern const lmb_model lmb_model_hlsh_light;
 extern const lmb_model lmb_model_sh3_gram;
+extern const lmb_model lmb_model_sh3_window;
+extern const lmb_model lmb_model_sh3_kept;
 extern const lmb_model lmb_model_sh3_ao;
 extern const lmb_model lmb_model_sh3_bent;
 extern const lmb_model lmb_model_sh3_halo3;
