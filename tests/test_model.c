@@ -9,6 +9,7 @@
 
 #include "harness.h"
 #include "lightmap_fixture.h"
+#include "variates.h"
 
 /* Light from above and a little from the side, of three colours. */
 static lmb_sh3_rgb some_light(void)
@@ -96,6 +97,57 @@ static void rows_are_the_sampler(void)
     }
 }
 
+/* Light of one of several kinds: a sky with a lamp, any coefficients of any size, one lamp near the horizon, none. */
+static lmb_sh3_rgb light_of(uint64_t *random, int kind, lmb_vec3 n_v)
+{
+    lmb_sh3_rgb light = {{{{0.0f}}}};
+    const lmb_vec3 off = {(float)variate_next(random) - 0.5f, (float)variate_next(random) - 0.5f,
+                          (float)variate_next(random) - 0.5f};
+    const float scale = kind == 2 ? (float)pow(2.0, 160.0 * variate_next(random) - 80.0) : 1.0f;
+    for (int c = 0; c < 3 && kind != 4; ++c) {
+        light.channel[c].c[0] = kind == 0 ? 1.0f + (float)variate_next(random) : 0.0f;
+        for (int i = 0; i < LMB_SH3_COUNT && (kind == 1 || kind == 2); ++i) {
+            light.channel[c].c[i] = scale * ((float)variate_next(random) - 0.5f);
+        }
+    }
+    const lmb_vec3 across = lmb_vec3_unit_or(lmb_vec3_cross(n_v, off), n_v);
+    const float height = kind == 3 ? 1e-3f * (off.x + off.y) : off.x;
+    if (kind == 0 || kind == 3) {
+        lmb_sh3_rgb_add_light(&light, lmb_vec3_unit_or(lmb_vec3_mad(across, n_v, height), n_v),
+                              (lmb_rgb){{1.0f, 0.5f, 0.25f}});
+    }
+    return light;
+}
+
+/* The bake and the game get the same bits of the same SH3, normal and cone, of what lightmaps and probes are lit by. */
+static void bake_and_game_agree_to_the_bit(void)
+{
+    enum { INPUTS = 1000000 };
+    const lmb_model *texel = lmb_model_default(LMB_MODEL_FOR_LIGHTMAP);
+    const lmb_model *probe = lmb_model_default(LMB_MODEL_FOR_SURFACE);
+    uint64_t random = 3;
+    int differ[2] = {0, 0};
+    for (int k = 0; k < INPUTS; ++k) {
+        const lmb_vec3 raw = {(float)variate_next(&random) - 0.5f, (float)variate_next(&random) - 0.5f,
+                              (float)variate_next(&random) - 0.5f};
+        const lmb_vec3 n_v = lmb_vec3_unit_or(raw, (lmb_vec3){0.0f, 1.0f, 0.0f});
+        const lmb_vec3 n = lmb_vec3_unit_or(lmb_vec3_of(raw.y, raw.z + 0.2f, raw.x), n_v);
+        const float cone = k % 3 == 0 ? 0.0f : 1.2f * (float)variate_next(&random) - 0.1f;
+        const lmb_sh3_rgb light = light_of(&random, k % 5, n_v);
+        const lmb_irradz sampled[2] = {lmb_irradz_encode(&light, n_v, cone), lmb_irradz_from_probe(&light, n_v, cone)};
+        for (int m = 0; m < 2; ++m) {
+            float channel[LMB_MODEL_MOST_CHANNELS];
+            lmb_rgb given;
+            const lmb_model *model = m == 0 ? texel : probe;
+            model->encode(&light, n_v, cone, channel);
+            model->evaluate(channel, n_v, &n, 1, &given);
+            const lmb_rgb seen = lmb_irradz_evaluate(&sampled[m], n_v, n);
+            differ[m] += memcmp(&given, &seen, sizeof seen) != 0;
+        }
+    }
+    CHECK(differ[0] == 0 && differ[1] == 0, "%d texels and %d probes of %d differ", differ[0], differ[1], INPUTS);
+}
+
 /* Floor tiles in the sun, stored by every model, written, read back, and evaluated: normalised irradiance of 3 lux. */
 static void lightmaps_in_every_model(void)
 {
@@ -144,6 +196,7 @@ static void lightmaps_in_every_model(void)
 static const test_case cases[] = {
     {"rows_are_whole", rows_are_whole},
     {"rows_are_the_sampler", rows_are_the_sampler},
+    {"bake_and_game_agree_to_the_bit", bake_and_game_agree_to_the_bit},
     {"lightmaps_in_every_model", lightmaps_in_every_model},
 };
 
