@@ -452,11 +452,9 @@ void fit_examples_make(uint64_t seed, bool cones, size_t count, fit_example *exa
             square[t] = mean_square(&light, v.cone_cos);
             mean += square[t] / FIT_TURNS;
         }
-        /* Errors count by the light of their sky, not of their own turn alone, which may face away from all of it.
-         * Walls leave less to guess: their errors are smaller, and would count for less. */
+        /* Errors count by the light of their sky, not of their own turn alone, which may face away from all of it. */
         for (size_t t = 0; t < FIT_TURNS; ++t) {
-            examples[i + t].weight =
-                (v.context == FIT_OPEN ? 1.0f : 3.0f) * l0[t] * l0[t] / (0.8f * mean + 0.2f * square[t]);
+            examples[i + t].weight = l0[t] * l0[t] / (0.8f * mean + 0.2f * square[t]);
         }
     }
 }

@@ -66,10 +66,11 @@ LMB_API lmb_moments lmb_moments_from_sh2(const lmb_sh2 *clipped_radiance);
  * PROBE's radiance: SH3 of the whole sphere around a point. Nine numbers do not say what exactly comes from above the
  * horizon; the Gram multiply (lmb_sh3_multiply_cone) takes them for all there is, and lets light from below leak up and
  * light from above leak down. This one adds to it what a small network, fitted to procedural skies, makes of their
- * invariants about the normal: irradiance from them is about half as far off (docs/maths.md has the figures). Turns and
- * mirrors with the light, scales with it, is continuous in everything, and goes over into Gram as c[0] goes to 0. Not
- * for SH3 that were fitted over the hemisphere (lmb_sh3_fit_hemisphere), as a lightmap's texels: what those have below
- * the horizon is no light. May be NaN for broken sets, which lmb_hhd_solve mends. */
+ * invariants about the normal: irradiance from them has half of the error near surfaces, two thirds in the open
+ * (docs/testing.md has the figures). Turns and mirrors with the light, scales with it, is continuous in everything, and
+ * goes over into Gram as c[0] goes to 0. Not for SH3 that were fitted over the hemisphere (lmb_sh3_fit_hemisphere), as
+ * a lightmap's texels: what those have below the horizon is no light. May be NaN for broken sets, which lmb_hhd_solve
+ * mends. */
 LMB_API lmb_moments lmb_moments_from_probe(const lmb_sh3 *radiance, lmb_vec3 vertex_normal, float cone_cos);
 
 /* The HHD light that has these moments, by the closed form, robust for every input: no light for b_c <= 0 or NaN;
