@@ -227,7 +227,7 @@ static void bench_times_samplers_that_agree(void)
 {
     static const char *const keys[] = {"name",          "pattern",  "probes", "bytes_per_probe",
                                        "ns_per_sample", "rel_rmse", NULL};
-    static const char *const names[] = {"lambent",    "dense.fp32",          "dense.fp32.prefetch",
+    static const char *const names[] = {"lambent",    "lambent.batch",       "dense.fp32", "dense.fp32.prefetch",
                                         "dense.fp16", "dense.fp16.prefetch", "openvdb"};
     enum { NAMES = sizeof names / sizeof names[0] };
     int found[NAMES][2] = {{0}};

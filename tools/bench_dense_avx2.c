@@ -39,18 +39,16 @@ static inline __m256 halfs_load(const uint16_t *at)
 
 static inline void blend_fp16(const uint16_t *values, const size_t row[4], const float weight[8], lmb_sh3_rgb *radiance)
 {
-    __m256 a = _mm256_setzero_ps(), b = a, c = a;
-    __m128 d = _mm_setzero_ps();
+    __m256 a = _mm256_setzero_ps(), b = a, c = a, d = a;
     for (unsigned i = 0; i < 8; ++i) {
         const uint16_t *const at = values + (row[i >> 1] + (i & 1u)) * BENCH_DENSE_HALFS;
         const __m256 w = _mm256_set1_ps(weight[i]);
         a = _mm256_fmadd_ps(w, halfs_load(at), a);
         b = _mm256_fmadd_ps(w, halfs_load(at + 8), b);
         c = _mm256_fmadd_ps(w, halfs_load(at + 16), c);
-        const __m128i last = _mm_loadl_epi64((const __m128i *)(const void *)(at + 24));
-        d = _mm_fmadd_ps(_mm256_castps256_ps128(w), _mm_cvtph_ps(last), d);
+        d = _mm256_fmadd_ps(w, halfs_load(at + 24), d);
     }
-    store_sums(a, b, c, d, radiance);
+    store_sums(a, b, c, _mm256_castps256_ps128(d), radiance);
 }
 
 #include "bench_dense_kernel.h"

@@ -37,6 +37,15 @@ static void sample_lambent(const void *volume, const lmb_vec3 *position, size_t 
     }
 }
 
+static void sample_lambent_batch(const void *volume, const lmb_vec3 *position, size_t count, lmb_sh3_rgb *radiance)
+{
+    lmb_vec3d at[CHUNK];
+    for (size_t i = 0; i < count; ++i) {
+        at[i] = (lmb_vec3d){(double)position[i].x, (double)position[i].y, (double)position[i].z};
+    }
+    lmb_volume_sample_batch(volume, at, count, radiance, NULL, NULL);
+}
+
 static double thread_seconds(void)
 {
     struct timespec now;
@@ -120,6 +129,8 @@ static lmb_result samplers_create(bench_work *work, lmb_bench_volume *bench, lmb
 {
     const double bytes = (double)lmb_volume_get_info(work->volume).file_bytes;
     work->sampler[work->sampler_count++] = (lmb_bench_sampler){"lambent", work->volume, bytes, sample_lambent, NULL};
+    work->sampler[work->sampler_count++] =
+        (lmb_bench_sampler){"lambent.batch", work->volume, bytes, sample_lambent_batch, NULL};
     const lmb_result result = bench_dense_create(work->probes, &work->sampler[work->sampler_count]);
     if (result == LMB_OK) {
         work->sampler_count += BENCH_DENSE_SAMPLERS;
