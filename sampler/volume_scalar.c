@@ -35,26 +35,31 @@ static inline void weights_find(const float t[4], float weight[8])
     }
 }
 
-/* The bits of a finite half, moved to their places in a float, are its value times 2^-112 (denormals too). */
-static inline float half_bits_as_float(uint16_t half)
+/* The bits of finite halfs, moved to their places in floats, are their values times 2^-112 (denormals too). */
+static inline void halfs_expand(const uint16_t *half, float value[LANES])
 {
-    const uint32_t bits = (uint32_t)(half & 0x7fffu) << 13 | (uint32_t)(half & 0x8000u) << 16;
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
+    uint32_t bits[LANES];
+    for (int k = 0; k < LANES; ++k) {
+        const uint32_t wide = half[k];
+        bits[k] = (wide & 0x7fffu) << 13 | (wide & 0x8000u) << 16;
+    }
+    memcpy(value, bits, sizeof bits);
 }
 
-/* Weighted sum over the corners. A weight of 0 is harmless: every stored half is finite. */
+/* Weighted sum over the corners. A weight of 0 is harmless: every stored half is finite. In loops so plain that
+ * compilers find them to be vectors. */
 static inline void blend_corners(const uint16_t *sh, const float weight[8], float scale, lmb_sh3_rgb *radiance)
 {
     float sum[LANES] = {0.0f};
     for (uint32_t i = 0; i < 8; i += 2) {
-        const uint16_t *const a = sh + lmb_brick_corner(i) * LMB_BRICK_COEFFICIENTS;
-        const uint16_t *const b = a + LMB_BRICK_COEFFICIENTS;
+        const uint16_t *const corner = sh + lmb_brick_corner(i) * LMB_BRICK_COEFFICIENTS;
         const float weight_a = weight[i] * 0x1p112f;
         const float weight_b = weight[i + 1] * 0x1p112f;
+        float a[LANES], b[LANES];
+        halfs_expand(corner, a);
+        halfs_expand(corner + LMB_BRICK_COEFFICIENTS, b);
         for (int k = 0; k < LANES; ++k) {
-            sum[k] += weight_a * half_bits_as_float(a[k]) + weight_b * half_bits_as_float(b[k]);
+            sum[k] += weight_a * a[k] + weight_b * b[k];
         }
     }
     for (int k = 0; k < LANES; ++k) {
