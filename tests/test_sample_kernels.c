@@ -21,7 +21,8 @@ typedef struct opened {
  */
 static void positions_make(const lmb_lattice *lattice, uint64_t seed, lmb_vec3d *position)
 {
-    static const double odd[] = {0.0, -0.0, 1e-320, -1e-9, 1e-9, 1e30, -1e30, DBL_MAX, INFINITY, -INFINITY, NAN};
+    static const double odd[] = {
+        0.0, -0.0, 1e-320, -1e-9, 1e-9, 1e30, -1e30, DBL_MAX, (double)INFINITY, -(double)INFINITY, (double)NAN};
     enum { ODD = sizeof odd / sizeof odd[0] };
     uint64_t state = seed;
     for (int i = 0; i < MOST_POSITIONS; ++i) {
