@@ -98,17 +98,14 @@ static float ambient_weight(const lmb_hhd *hhd, lmb_vec3 d, lmb_vec3 n)
     return lmb_unit_interval_or_zero(1.0f - hhd->directional / i_z * lmb_vec3_dot(d, n));
 }
 
-lmb_irradz lmb_irradz_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos)
+/* `n` is unit. Moments of each colour; those of their luminance say w and d. */
+static lmb_irradz irradz_of_moments(const lmb_moments of_colour[3], lmb_vec3 n)
 {
-    const lmb_vec3 n = lmb_normal_mended(vertex_normal);
     lmb_irradz irradz;
     lmb_rgb scalar, x, y, z;
     for (int i = 0; i < 3; ++i) {
-        const lmb_sh2 clipped = lmb_sh3_multiply_cone(&radiance->channel[i], n, cone_cos);
-        lmb_moments moments = lmb_moments_from_sh2(&clipped);
-        if (!moments_are_finite(moments)) {
-            moments = (lmb_moments){0.0f, {0.0f, 0.0f, 0.0f}};
-        }
+        const lmb_moments moments =
+            moments_are_finite(of_colour[i]) ? of_colour[i] : (lmb_moments){0.0f, {0.0f, 0.0f, 0.0f}};
         irradz.irradiance_z.c[i] = lmb_light_clamped(lmb_vec3_dot(moments.vector, n));
         scalar.c[i] = moments.scalar;
         x.c[i] = moments.vector.x;
@@ -120,6 +117,27 @@ lmb_irradz lmb_irradz_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal
     irradz.direction = tilted_above_horizon(hhd.direction, n);
     irradz.ambient_weight = ambient_weight(&hhd, irradz.direction, n);
     return irradz;
+}
+
+lmb_irradz lmb_irradz_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos)
+{
+    const lmb_vec3 n = lmb_normal_mended(vertex_normal);
+    lmb_moments moments[3];
+    for (int i = 0; i < 3; ++i) {
+        const lmb_sh2 clipped = lmb_sh3_multiply_cone(&radiance->channel[i], n, cone_cos);
+        moments[i] = lmb_moments_from_sh2(&clipped);
+    }
+    return irradz_of_moments(moments, n);
+}
+
+lmb_irradz lmb_irradz_from_probe(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos)
+{
+    const lmb_vec3 n = lmb_normal_mended(vertex_normal);
+    lmb_moments moments[3];
+    for (int i = 0; i < 3; ++i) {
+        moments[i] = lmb_moments_from_probe(&radiance->channel[i], n, cone_cos);
+    }
+    return irradz_of_moments(moments, n);
 }
 
 lmb_hhd_rgb lmb_irradz_decode(const lmb_irradz *irradz, lmb_vec3 vertex_normal)

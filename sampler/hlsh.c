@@ -1,5 +1,7 @@
 #include <lambent/hlsh.h>
 
+#include <lambent/hhd.h>
+
 #include "sh_internal.h"
 
 /* What one unit of each axial part of the radiance adds to HLSH behind a cone of cosine c: radiance clipped by the
@@ -60,12 +62,8 @@ lmb_hlsh_rgb lmb_hlsh_rgb_from_sh3(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_
 /* With gamma the angle from n_v to the light, I_z gains cos(gamma)/pi, c gains (pi - gamma) w_perp/pi^2, and C_a gains
  * 3/(4 pi) + cos(gamma)/(4 pi) - [sin(gamma) + (pi - gamma) cos(gamma)]/pi^2: the inner products of (n.w)+ with
  * x, y and 1 - z over the hemisphere, which are orthogonal there. */
-void lmb_hlsh_add_light(lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 direction, float weight)
+static void add_light_above(lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 direction, float cosine, float weight)
 {
-    const float cosine = lmb_vec3_dot(direction, vertex_normal);
-    if (!(cosine > 0.0f)) {
-        return;
-    }
     const float pi = (float)LMB_PI;
     const lmb_vec3 tangential = lmb_vec3_mad(direction, vertex_normal, -cosine);
     const float sine = sqrtf(lmb_vec3_dot(tangential, tangential));
@@ -73,4 +71,32 @@ void lmb_hlsh_add_light(lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 directi
     hlsh->irradiance_z += weight * cosine / pi;
     hlsh->ambient += weight * ((3.0f + cosine) / (4.0f * pi) - (sine + rest * cosine) / (pi * pi));
     hlsh->tangential = lmb_vec3_mad(hlsh->tangential, tangential, weight * rest / (pi * pi));
+}
+
+void lmb_hlsh_add_light(lmb_hlsh *hlsh, lmb_vec3 vertex_normal, lmb_vec3 direction, float weight)
+{
+    const float cosine = lmb_vec3_dot(direction, vertex_normal);
+    if (cosine > 0.0f) {
+        add_light_above(hlsh, vertex_normal, direction, cosine, weight);
+    }
+}
+
+/* HLSH of the HHD light that the moments solve to: its hemisphere light C_a (1 + t)/2 is I_z = C_a with C_a/2 at the
+ * horizon, its directional light is projected exactly. That is never below the horizon, but often on it. */
+lmb_hlsh lmb_hlsh_from_probe(const lmb_sh3 *radiance, lmb_vec3 vertex_normal, float cone_cos)
+{
+    const lmb_hhd hhd = lmb_hhd_solve(lmb_moments_from_probe(radiance, vertex_normal, cone_cos), vertex_normal);
+    const float cosine = lmb_larger(lmb_vec3_dot(hhd.direction, vertex_normal), 0.0f);
+    lmb_hlsh hlsh = {hhd.ambient, 0.5f * hhd.ambient, {0.0f, 0.0f, 0.0f}};
+    add_light_above(&hlsh, vertex_normal, hhd.direction, cosine, (float)LMB_PI * hhd.directional);
+    return hlsh;
+}
+
+lmb_hlsh_rgb lmb_hlsh_rgb_from_probe(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos)
+{
+    lmb_hlsh_rgb hlsh;
+    for (int i = 0; i < 3; ++i) {
+        hlsh.channel[i] = lmb_hlsh_from_probe(&radiance->channel[i], vertex_normal, cone_cos);
+    }
+    return hlsh;
 }

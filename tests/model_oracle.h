@@ -14,7 +14,7 @@
 
 static inline const lmb_model *oracle_row(const char *name)
 {
-    const lmb_model *model = lmb_model_find(name);
+    const lmb_model *model = lmb_model_find(name, 0);
     CHECK(model, "there is no %s", name);
     return model;
 }

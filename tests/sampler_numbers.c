@@ -13,12 +13,22 @@
 #include <lambent/occlusion.h>
 #include <lambent/volume.h>
 
-enum { POSITIONS = 24, MODELS = 19, NUMBERS = 3 * LMB_SH3_COUNT + 1 + MODELS };
+enum { POSITIONS = 24, MODELS = 32, NUMBERS = 3 * LMB_SH3_COUNT + 1 + MODELS };
 
 static float *append_rgb(float *at, lmb_rgb colour)
 {
     memcpy(at, colour.c, sizeof colour.c);
     return at + 3;
+}
+
+/* What is stored, and what it gives at `n`. */
+static float *append_irradz(float *at, const lmb_irradz *irradz, lmb_vec3 n_v, lmb_vec3 n)
+{
+    at = append_rgb(at, irradz->irradiance_z);
+    *at++ = irradz->ambient_weight;
+    memcpy(at, &irradz->direction, sizeof irradz->direction);
+    const lmb_hhd_rgb hhd = lmb_irradz_decode(irradz, n_v);
+    return append_rgb(at + 3, lmb_hhd_rgb_evaluate(&hhd, n_v, n));
 }
 
 /* Inside first, then the 27 coefficients, then each model. */
@@ -44,12 +54,11 @@ static void numbers_at(const lmb_volume *volume, int i, float numbers[NUMBERS])
     const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(&light, n_v, cone);
     at = append_rgb(at, lmb_hlsh_rgb_evaluate(&hlsh, n_v, n));
     const lmb_irradz irradz = lmb_irradz_encode(&light, n_v, cone);
-    at = append_rgb(at, irradz.irradiance_z);
-    *at++ = irradz.ambient_weight;
-    memcpy(at, &irradz.direction, sizeof irradz.direction);
-    at += 3;
-    const lmb_hhd_rgb hhd = lmb_irradz_decode(&irradz, n_v);
-    at = append_rgb(at, lmb_hhd_rgb_evaluate(&hhd, n_v, n));
+    at = append_irradz(at, &irradz, n_v, n);
+    const lmb_hlsh_rgb probe_hlsh = lmb_hlsh_rgb_from_probe(&light, n_v, cone);
+    at = append_rgb(at, lmb_hlsh_rgb_evaluate(&probe_hlsh, n_v, n));
+    const lmb_irradz probe_irradz = lmb_irradz_from_probe(&light, n_v, cone);
+    at = append_irradz(at, &probe_irradz, n_v, n);
     append_rgb(at, lmb_self_bounce((lmb_rgb){{0.5f, 0.6f, 0.7f}}, irradz.irradiance_z, n_v, n));
 }
 

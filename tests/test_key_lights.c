@@ -4,26 +4,13 @@
 #include <lambent/exr.h>
 #include <lambent/lightmap.h>
 
+#include "floor_fixture.h"
 #include "level_fixture.h"
-#include "scenes/level_builder.h"
 
 #define PI 3.14159265358979323846
 #define OUTPUT(name) LMB_TEST_OUTPUT_DIR "/key_lights_" name
 
 static const lmb_vec3 up = {0, 1, 0};
-
-/* A floor of 20 m about the origin. */
-static lmb_level_builder *floor_begin(float albedo)
-{
-    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
-    lmb_level_material grey = lmb_level_material_default();
-    grey.base_color = (lmb_rgb){{albedo, albedo, albedo}};
-    const int floor = lmb_level_builder_add_mesh(builder, "floor");
-    lmb_level_builder_add_quad(builder, floor, lmb_level_builder_add_material(builder, &grey), (lmb_vec3){-10, 0, 10},
-                               (lmb_vec3){20, 0, 0}, (lmb_vec3){0, 0, -20});
-    lmb_level_builder_place(builder, "floor", floor, (lmb_vec3){0, 0, 0});
-    return builder;
-}
 
 /* A sun of these lux whose light travels along a direction. */
 typedef struct sun_case {
@@ -87,7 +74,7 @@ static lmb_gathered probe_at(const level_fixture *level, lmb_vec3 position)
 static void sun_under_open_sky(void)
 {
     const sun_case sun = {{{3.0f, 2.0f, 1.0f}}, 0.0f, {-3.0f, -4.0f, 0.0f}};
-    lmb_level_builder *builder = floor_begin(0.0f);
+    lmb_level_builder *builder = floor_begin(0.0f, 10);
     sun_add(builder, &sun);
     level_fixture level;
     if (!level_open(&level, builder, NULL, 1)) {
@@ -142,7 +129,7 @@ static void vertex_normal_decides(void)
 static void shadow_of_a_pillar(void)
 {
     const sun_case sun = {{{5.0f, 5.0f, 5.0f}}, 0.53f, {-1.0f, -1.0f, 0.0f}};
-    lmb_level_builder *builder = floor_begin(0.5f);
+    lmb_level_builder *builder = floor_begin(0.5f, 10);
     sun_add(builder, &sun);
     box_add(builder, (lmb_vec3){2, 0, -1}, (lmb_vec3){3, 8, 1}, 0.5f);
     level_fixture level;
@@ -162,7 +149,7 @@ static void harmonics_hold_the_rest(void)
                              {{{1.0f, 2.0f, 1.0f}}, 0.0f, {1.0f, -2.0f, 1.0f}}};
     lmb_sh3_rgb whole[3];
     for (uint32_t keys = 0; keys <= 2; ++keys) {
-        lmb_level_builder *builder = floor_begin(0.5f);
+        lmb_level_builder *builder = floor_begin(0.5f, 10);
         sun_add(builder, &suns[1]);
         sun_add(builder, &suns[0]);
         box_add(builder, (lmb_vec3){2, 0, -1}, (lmb_vec3){3, 2, 1}, 0.5f);
@@ -200,7 +187,7 @@ static void penumbra_is_a_segment(void)
     static const float angles[] = {0.53f, 5.0f};
     for (size_t a = 0; a < sizeof angles / sizeof angles[0]; ++a) {
         const sun_case sun = {{{7.0f, 7.0f, 7.0f}}, angles[a], {0.0f, -1.0f, 0.0f}};
-        lmb_level_builder *builder = floor_begin(0.0f);
+        lmb_level_builder *builder = floor_begin(0.0f, 10);
         sun_add(builder, &sun);
         roof_add(builder);
         level_fixture level;
@@ -221,7 +208,7 @@ static void penumbra_is_a_segment(void)
 static void glass_dims_by_luminance(void)
 {
     const sun_case sun = {{{1.0f, 3.0f, 2.0f}}, 0.0f, {0.0f, -1.0f, 0.0f}};
-    lmb_level_builder *builder = floor_begin(0.0f);
+    lmb_level_builder *builder = floor_begin(0.0f, 10);
     sun_add(builder, &sun);
     lmb_level_material glass = lmb_level_material_default();
     glass.base_color = (lmb_rgb){{0.9f, 0.5f, 0.1f}};
@@ -246,7 +233,7 @@ static void glass_dims_by_luminance(void)
 static void texels_across_an_edge(void)
 {
     const sun_case sun = {{{2.0f, 2.0f, 2.0f}}, 0.0f, {0.0f, -1.0f, 0.0f}};
-    lmb_level_builder *builder = floor_begin(0.0f);
+    lmb_level_builder *builder = floor_begin(0.0f, 10);
     sun_add(builder, &sun);
     box_add(builder, (lmb_vec3){0.3f, 3, -12}, (lmb_vec3){12, 4, 12}, 0.0f);
     level_fixture level;
@@ -500,7 +487,7 @@ static void traced_as_the_whole(void)
     pixel_direction(100.5, 40.5, 0.0, to_sun);
     for (uint32_t keys = 0; keys < 2; ++keys) {
         level_fixture level;
-        if (!level_open(&level, floor_begin(0.5f), OUTPUT("sun.exr"), keys)) {
+        if (!level_open(&level, floor_begin(0.5f, 10), OUTPUT("sun.exr"), keys)) {
             return;
         }
         floor[keys] = traced_irradiance(&level, (lmb_vec3){0, 0.01f, 0}, up, 1 << 16);

@@ -242,7 +242,7 @@ static bool models_bake(baked *bake, const char *path, lmb_result written, lmb_e
     }
     const lmb_lightmap_settings settings = {.texels_per_m = 4.0f,
                                             .max_image_size = 256,
-                                            .other = {lmb_model_find("hlsh"), lmb_model_for_lightmap("sh3")},
+                                            .other = {lmb_model_for_lightmap("hlsh"), lmb_model_for_lightmap("sh3")},
                                             .error = true};
     const bool made = lmb_lightmap_create(bake->level.scene, &settings, &bake->lightmap, error) == LMB_OK &&
                       lmb_lightmap_bake(bake->lightmap, &bake->level.transport, &(lmb_gather_effort){.samples = 16},

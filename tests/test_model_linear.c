@@ -341,8 +341,57 @@ static void radiosity_normal_mapping(void)
     CHECK(none.c[1] == 0.0f, "%g on a normal that no slope faces", (double)none.c[1]);
 }
 
+/* A window lowers what it says of all light alike; bands are kept of light that does not ring, and of one that does
+ * until no normal of the hemisphere has negative irradiance. */
+static void ringing_is_taken_off(void)
+{
+    const lmb_model *gram = lmb_model_find("sh3.gram", 0), *window = lmb_model_find("sh3.gram.window", 0);
+    const lmb_model *kept = lmb_model_find("sh3.gram.kept", 0);
+    const lmb_vec3 up = {0.0f, 1.0f, 0.0f};
+    uint64_t random = 21;
+    int rang = 0;
+    for (int k = 0; k < 200; ++k) {
+        lmb_vec3 towards;
+        oracle_random_normal(&random, &towards);
+        lmb_sh3_rgb light = {{{{0.0f}}}};
+        lmb_sh3_rgb_add_light(&light, towards, (lmb_rgb){{1.0f, 1.0f, 1.0f}});
+        light.channel[1].c[0] += 20.0f; /* green: mostly from everywhere */
+        float plain[LMB_MODEL_MOST_CHANNELS], low[LMB_MODEL_MOST_CHANNELS], held[LMB_MODEL_MOST_CHANNELS];
+        gram->encode(&light, up, 0.0f, plain);
+        window->encode(&light, up, 0.0f, low);
+        kept->encode(&light, up, 0.0f, held);
+        for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+            const float share = i == 0 ? 1.0f : i < 4 ? 0.75f : 0.25f;
+            CHECK_NEAR(low[i], share * plain[i], 1e-6, "light %d, coefficient %d", k, i);
+            CHECK(held[LMB_SH3_COUNT + i] == plain[LMB_SH3_COUNT + i], "light %d: green does not ring", k);
+        }
+        double lowest[2] = {0.0, 0.0};
+        for (int j = 0; j < 400; ++j) {
+            lmb_vec3 normal;
+            oracle_random_normal(&random, &normal);
+            normal.y = fabsf(normal.y);
+            const lmb_sh3 basis = lmb_sh3_basis(normal);
+            double sum[2] = {0.0, 0.0};
+            for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+                const double share = i == 0 ? 1.0 : i < 4 ? 2.0 / 3.0 : 0.25;
+                sum[0] += share * (double)plain[i] * (double)basis.c[i];
+                sum[1] += share * (double)held[i] * (double)basis.c[i];
+            }
+            for (int m = 0; m < 2; ++m) {
+                lowest[m] = fmin(lowest[m], sum[m]);
+            }
+        }
+        rang += lowest[0] < -1e-3;
+        /* Of a light below the horizon the constant may be negative, of which nothing is left. */
+        CHECK(lowest[1] > -1.5e-3 + fmin(0.2820947918 * (double)plain[0], 0.0), "light %d: %g, %g before", k, lowest[1],
+              lowest[0]);
+    }
+    CHECK(rang > 20, "%d of 200 lights ring", rang);
+}
+
 static const test_case cases[] = {
     {"truncated_irradiance", truncated_irradiance},
+    {"ringing_is_taken_off", ringing_is_taken_off},
     {"occlusion_by_numbers", occlusion_by_numbers},
     {"ambient_cube", ambient_cube},
     {"hemispherical_fits", hemispherical_fits},

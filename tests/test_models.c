@@ -154,7 +154,7 @@ static void turns_are_the_published(void)
 static const models_row *row_find(const models_report *report, const char *name, models_input input)
 {
     for (size_t i = 0; i < report->row_count; ++i) {
-        if (report->row[i].model == lmb_model_find(name) && report->row[i].input == input) {
+        if (report->row[i].model == lmb_model_find(name, 0) && report->row[i].input == input) {
             return &report->row[i];
         }
     }
@@ -201,7 +201,7 @@ static void white_sky(void)
             CHECK_NEAR(row->share_over_10pct, 9.0 / 11.0, 5e-3, "%s", flat[i]); /* t < 9/11 */
         }
     }
-    CHECK(!models_row_exists(lmb_model_find("rnm"), MODELS_PROBE), "rnm of a probe");
+    CHECK(!models_row_exists(lmb_model_find("rnm", 0), MODELS_PROBE), "rnm of a probe");
     models_report_free(&report[0]);
     models_report_free(&report[1]);
     free(map);
@@ -233,11 +233,11 @@ static void blends_of_linear_models_are_equal(void)
     }
     for (size_t i = 0; i < report.row_count; ++i) {
         const models_blend_row *row = &report.row[i];
-        const bool linear = row->model == lmb_model_find("hlsh") || row->model == lmb_model_find("sh3.gram");
+        const bool linear = row->model == lmb_model_find("hlsh.t1", 0) || row->model == lmb_model_find("sh3.gram", 0);
         CHECK(!linear || fabs(row->channels - row->harmonics) < 1e-4 * row->harmonics, "%s: %g and %g",
               row->model->name, row->harmonics, row->channels);
-        CHECK(row->model != lmb_model_find("hhd.closed.gram") || row->channels > 1.2 * row->harmonics, "HHD: %g and %g",
-              row->harmonics, row->channels);
+        CHECK(row->model != lmb_model_find("hhd.closed.gram", 0) || row->channels > 1.2 * row->harmonics,
+              "HHD: %g and %g", row->harmonics, row->channels);
     }
     CHECK(report.row_count > 5, "%zu rows", report.row_count);
     models_blend_free(&report);
@@ -249,7 +249,7 @@ static void blends_of_linear_models_are_equal(void)
 static void white_sky_behind_cones(void)
 {
     models_map *map = sky_write(OUT("white.exr"), 128, 64, 2.0f, 0, 0, 2.0f) ? map_read(OUT("white.exr")) : NULL;
-    const lmb_model *rows[2] = {lmb_model_find("irradz-hhd"), lmb_model_find("sh3")};
+    const lmb_model *rows[2] = {lmb_model_find("irradz-hhd", 0), lmb_model_find("sh3", 0)};
     const models_settings settings = {.turns = 2, .model = rows, .model_count = 2};
     models_cone_report report = {NULL, 0};
     lmb_pool *pool = NULL;
@@ -415,7 +415,7 @@ static void real_environments(void)
     const lmb_model *rows[16];
     size_t count = 0;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
-        const lmb_model *model = lmb_model_find(table[i].name);
+        const lmb_model *model = lmb_model_find(table[i].name, 0);
         if (count == 0 || rows[count - 1] != model) {
             rows[count++] = model;
         }

@@ -39,7 +39,10 @@ enum {
     OUT_SELF_BOUNCE = 24,
     OUT_TEXEL_AT_ONCE = 27,
     OUT_KEY = 30,
-    OUTPUTS = 33
+    OUT_FITTED_LIGHT = 33,
+    OUT_FITTED = 36,
+    OUT_FITTED_HLSH = 39,
+    OUTPUTS = 42
 };
 
 enum { GROUP = 64, GROUPS = 512, ITEMS = GROUP * GROUPS };
@@ -159,6 +162,11 @@ static void item_expect(const float *item, float *expected)
     colour_put(expected + OUT_SELF_BOUNCE, lmb_self_bounce(colour_get(item + IN_ALBEDO), texel.irradiance_z, n_v, n));
     const lmb_key_light key = {texel.direction, texel.irradiance_z};
     colour_put(expected + OUT_KEY, lmb_key_light_irradiance(&key, item[IN_VISIBILITY], n_v, n));
+    const lmb_irradz fitted = lmb_irradz_from_probe(&light, n_v, cone);
+    colour_put(expected + OUT_FITTED_LIGHT, fitted.irradiance_z);
+    colour_put(expected + OUT_FITTED, lmb_irradz_evaluate(&fitted, n_v, n));
+    const lmb_hlsh_rgb fitted_hlsh = lmb_hlsh_rgb_from_probe(&light, n_v, cone);
+    colour_put(expected + OUT_FITTED_HLSH, lmb_hlsh_rgb_evaluate(&fitted_hlsh, n_v, n));
 }
 
 static float largest_of(const float *item)
@@ -179,11 +187,12 @@ static void item_compare(const float *item, const float *got, int index, const c
     const float light = largest_of(item);
     for (int i = 0; i < OUTPUTS; ++i) {
         double tolerance = 2e-6 * (double)light;
-        if (i == OUT_CONE || i == OUT_BENT_CONE || (i >= OUT_SELF_BOUNCE && i < OUT_TEXEL_AT_ONCE) || i >= OUT_KEY) {
+        if (i == OUT_CONE || i == OUT_BENT_CONE || (i >= OUT_SELF_BOUNCE && i < OUT_TEXEL_AT_ONCE) ||
+            (i >= OUT_KEY && i < OUT_FITTED_LIGHT)) {
             tolerance = 2e-6;
         } else if ((i >= OUT_TEXEL && i < OUT_HLSH_LIGHT) || (i >= OUT_TEXEL_AT_ONCE && i < OUT_KEY)) {
             tolerance = 2e-4; /* of a light of 4 from LMB_IRRADZ_MIN_COS above the horizon: of 80 */
-        } else if (i >= OUT_PROBE && i < OUT_TEXEL) {
+        } else if ((i >= OUT_PROBE && i < OUT_TEXEL) || i >= OUT_FITTED_LIGHT) {
             tolerance = 1e-4 * (double)light;
         } else if (i >= OUT_ENCODED_WEIGHT && i < OUT_PROBE) {
             /* The direction of what is hardly directional, or hardly light at all, is that of the rounding. */

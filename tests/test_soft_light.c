@@ -3,26 +3,13 @@
 
 #include <lambent/surface_solve.h>
 
+#include "floor_fixture.h"
 #include "level_fixture.h"
-#include "scenes/level_builder.h"
 #include "variates.h"
 
 #define PI 3.14159265358979323846
 
 static const lmb_vec3 up = {0, 1, 0};
-
-/* A level under construction: a floor of the given albedo at y = 0, and what the case adds. */
-static lmb_level_builder *floor_begin(float albedo)
-{
-    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
-    lmb_level_material grey = lmb_level_material_default();
-    grey.base_color = (lmb_rgb){{albedo, albedo, albedo}};
-    const int floor = lmb_level_builder_add_mesh(builder, "floor");
-    lmb_level_builder_add_quad(builder, floor, lmb_level_builder_add_material(builder, &grey), (lmb_vec3){-50, 0, 50},
-                               (lmb_vec3){100, 0, 0}, (lmb_vec3){0, 0, -100});
-    lmb_level_builder_place(builder, "floor", floor, (lmb_vec3){0, 0, 0});
-    return builder;
-}
 
 /* A light and its extent. */
 typedef struct soft_light {
@@ -95,7 +82,7 @@ static void penumbra_is_a_segment(void)
 {
     static const float angles[] = {0.53f, 10.0f, 60.0f};
     for (size_t a = 0; a < sizeof angles / sizeof angles[0]; ++a) {
-        lmb_level_builder *builder = floor_begin(0.0f);
+        lmb_level_builder *builder = floor_begin(0.0f, 50);
         const soft_light sun = sun_of(7.0f, angles[a]);
         roof_add(builder, 2.0f);
         light_add(builder, &sun, (lmb_vec3){0, 0, 0}, (lmb_vec3){0, -1, 0});
@@ -137,7 +124,7 @@ static void suns_set(void)
         float elevation_deg, angle_deg;
     } suns[] = {{90, 0.53f}, {90, 180}, {30, 20}, {30, 60}, {10, 40}, {0, 20}, {-5, 20}, {-9.5f, 20}, {-10.5f, 20}};
     for (size_t k = 0; k < sizeof suns / sizeof suns[0]; ++k) {
-        lmb_level_builder *builder = floor_begin(0.0f);
+        lmb_level_builder *builder = floor_begin(0.0f, 50);
         const double elevation = (double)suns[k].elevation_deg * PI / 180.0;
         const double half = 0.5 * (double)suns[k].angle_deg * PI / 180.0;
         const soft_light sun = sun_of(10.0f, suns[k].angle_deg);
@@ -168,7 +155,7 @@ static void spheres_give_their_candela(void)
     } lamps[] = {{0.01f, 0, false},   {0.5f, 0, false}, {1.9f, 0, false}, {0.5f, 1.5f, false},
                  {1.5f, 2.0f, false}, {0.3f, 0, true},  {1.0f, 0, true}};
     for (size_t k = 0; k < sizeof lamps / sizeof lamps[0]; ++k) {
-        lmb_level_builder *builder = floor_begin(0.0f);
+        lmb_level_builder *builder = floor_begin(0.0f, 50);
         const soft_light lamp = lamp_of(5.0f, lamps[k].radius);
         light_add(builder, &lamp, (lmb_vec3){0, 2, 0}, (lmb_vec3){0, -1, 0});
         if (lamps[k].roofed) {
@@ -192,7 +179,7 @@ static void lamps_may_be_larger_than_their_distance(void)
 {
     const double radius = 0.5, height = 0.3, candela = 2.0;
     const double radiance = candela / (PI * radius * radius);
-    lmb_level_builder *builder = floor_begin(0.0f);
+    lmb_level_builder *builder = floor_begin(0.0f, 50);
     const soft_light lamp = lamp_of((float)candela, (float)radius);
     light_add(builder, &lamp, (lmb_vec3){0, (float)height, 0}, (lmb_vec3){0, -1, 0});
     level_fixture level;
@@ -226,7 +213,7 @@ static void spots_and_ranges_hold_from_the_middle(void)
     static const struct {
         float x, share;
     } positions[] = {{0, 1}, {0.5f, 1}, {2.2f, 0}};
-    lmb_level_builder *builder = floor_begin(0.0f);
+    lmb_level_builder *builder = floor_begin(0.0f, 50);
     soft_light spot = lamp_of(5.0f, 0.2f);
     spot.light.type = LMB_LEVEL_LIGHT_SPOT;
     spot.light.inner_angle_rad = 0.6f;
@@ -252,7 +239,7 @@ static void soft_lights_add_up(void)
 {
     static const int counts[] = {1, 5, 16, 40};
     for (size_t k = 0; k < sizeof counts / sizeof counts[0]; ++k) {
-        lmb_level_builder *builder = floor_begin(0.0f);
+        lmb_level_builder *builder = floor_begin(0.0f, 50);
         uint64_t state = 5;
         double expected = 0.0;
         for (int i = 0; i < counts[k]; ++i) {
@@ -284,7 +271,7 @@ static void soft_lights_add_up(void)
 static void few_stand_for_all(void)
 {
     enum { TRIES = 100000, LIGHTS = 40 };
-    lmb_level_builder *builder = floor_begin(0.0f);
+    lmb_level_builder *builder = floor_begin(0.0f, 50);
     uint64_t state = 11;
     double expected = 0.0;
     for (int i = 0; i < LIGHTS; ++i) {
@@ -321,7 +308,7 @@ static void few_stand_for_all(void)
 /* A floor in penumbra, seen from above: both estimators find what a sum over it gives. */
 static void both_estimators_reflect_penumbrae(void)
 {
-    lmb_level_builder *builder = floor_begin(0.5f);
+    lmb_level_builder *builder = floor_begin(0.5f, 50);
     const soft_light sun = sun_of(4.0f, 30.0f), lamp = lamp_of(3.0f, 0.4f);
     light_add(builder, &sun, (lmb_vec3){0, 0, 0}, (lmb_vec3){0.5f, -1, 0});
     light_add(builder, &lamp, (lmb_vec3){0.5f, 1, 0}, (lmb_vec3){0, -1, 0});

@@ -49,6 +49,7 @@ static const struct {
                                             "the same with a probe at the very place"},
     [CHECK_COINCIDENT_PROBE_VS_REFERENCE] = {"coincident_probe_vs_reference", false,
                                              "a probe at the very place, beside the truth"},
+    [CHECK_COINCIDENT_GRAM_VS_LIGHTMAP] = {"coincident_gram_vs_lightmap", true, "that probe by the papers' multiply"},
     [CHECK_COINCIDENT_PROBE_VS_TEXEL] = {"coincident_probe_vs_texel", false,
                                          "a probe at the very place, beside a texel of no extent there"},
     [CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP] = {"coincident_texel_vs_lightmap", true, "such a texel, beside the lightmap"},
@@ -220,6 +221,7 @@ static void record(check_work *work, const surface_sample *sample, check_pair pa
     switch (pair) {
     case CHECK_PROBE_VS_LIGHTMAP:
     case CHECK_COINCIDENT_PROBE_VS_LIGHTMAP:
+    case CHECK_COINCIDENT_GRAM_VS_LIGHTMAP:
     case CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP:
     case CHECK_UNOCCLUDED_PROBE_VS_LIGHTMAP:
     case CHECK_PROBE_CONE_VS_LIGHTMAP:
@@ -282,11 +284,13 @@ static void record_coincident(check_work *work, const surface_sample *sample)
     coincident_noise unused;
     const probe_light at_probe = coincident_light(work, &whole, &work->coincident[sample->index]);
     const probe_light at_texel = coincident_light(work, &sample->point, &unused);
-    irradiance_set probe, texel;
+    irradiance_set probe, gram, texel;
     evaluate_probe(LMB_MODEL_FOR_SURFACE, &at_probe, sample->point.normal, 0.0f, sample->normals, &probe);
+    evaluate_probe(LMB_MODEL_FOR_LIGHTMAP, &at_probe, sample->point.normal, 0.0f, sample->normals, &gram);
     evaluate_probe(LMB_MODEL_FOR_LIGHTMAP, &at_texel, sample->point.normal, 0.0f, sample->normals, &texel);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &probe);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, &probe);
+    record(work, sample, CHECK_COINCIDENT_GRAM_VS_LIGHTMAP, &gram);
     record(work, sample, CHECK_COINCIDENT_TEXEL_VS_REFERENCE, &texel);
     record(work, sample, CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP, &texel);
     work->errors[CHECK_COINCIDENT_PROBE_VS_TEXEL][sample->index] =

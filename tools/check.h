@@ -21,6 +21,7 @@ typedef enum check_pair {
     CHECK_PROBE_VS_LIGHTMAP,
     CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, /* as probe, but its SH3 traced at the very point */
     CHECK_COINCIDENT_PROBE_VS_REFERENCE,
+    CHECK_COINCIDENT_GRAM_VS_LIGHTMAP,  /* the same SH3 taken at their word: the default model of lightmaps */
     CHECK_COINCIDENT_PROBE_VS_TEXEL,    /* the same beside SH3 of the hemisphere alone, gathered at the very point as a
                                            texel's is, and encoded like it */
     CHECK_COINCIDENT_TEXEL_VS_LIGHTMAP, /* that beside the stored texels: their size, filtering, noise and seams */

@@ -24,7 +24,7 @@ static const char *usage(void)
     size_t length = (size_t)snprintf(text, sizeof text, "%s", usage_start);
     for (size_t i = 0; i < lmb_model_count(); ++i) {
         const lmb_model *model = lmb_model_at(i);
-        if (!(model->uses & LMB_MODEL_FOR_SURFACE)) {
+        if (!(model->uses & (LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT))) {
             continue;
         }
         length += (size_t)snprintf(text + length, sizeof text - length, "                        %-4s  %s%s\n",
@@ -69,8 +69,8 @@ static int answer_print(const lmb_query *query, const lmb_model *model, const lm
 
 static const lmb_model *model_of_name(lmb_arguments *arguments, const char *name)
 {
-    const lmb_model *model = lmb_model_find(name);
-    if (!model || !(model->uses & LMB_MODEL_FOR_SURFACE)) {
+    const lmb_model *model = lmb_model_find(name, LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT);
+    if (!model || model->uses == 0) {
         arguments_error(arguments, "--model: there is no lighting model", name);
     }
     return model;

@@ -28,8 +28,10 @@ void models_apply(const lmb_model *model, models_input input, const models_turn 
 
 bool models_row_exists(const lmb_model *model, models_input input)
 {
-    return input == MODELS_LIGHTMAP ? !model->unoccluded || (model->uses & LMB_MODEL_FOR_LIGHTMAP)
-                                    : model->encode != NULL;
+    if (input != MODELS_LIGHTMAP) {
+        return model->encode != NULL;
+    }
+    return model->uses != 0 ? (model->uses & LMB_MODEL_FOR_LIGHTMAP) != 0 : !model->unoccluded;
 }
 
 static const lmb_model *model_at(const models_settings *settings, size_t index)

@@ -171,7 +171,7 @@ static bool options_read(lmb_arguments *arguments, stability_options *options)
             arguments_error(arguments, "unexpected argument", next);
         }
     }
-    if (options->model && !lmb_model_find(options->model)) {
+    if (options->model && !lmb_model_find(options->model, 0)) {
         arguments_error(arguments, "no such model:", options->model);
     }
     return !arguments->failed && !arguments->help;
@@ -192,7 +192,7 @@ int main(int count, char **values)
     bool good = true;
     for (size_t i = 0; i < lmb_model_count(); ++i) {
         const lmb_model *row = lmb_model_at(i);
-        if (row->encode && (!options.model || lmb_model_find(options.model) == row)) {
+        if (row->encode && (!options.model || lmb_model_find(options.model, 0) == row)) {
             good = model_report(&options, i, pool) && good;
         }
     }

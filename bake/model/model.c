@@ -7,7 +7,9 @@
 
 static const lmb_model *const table[] = {
     &lmb_model_irradz_hhd,
+    &lmb_model_hhd_closed_fitted,
     &lmb_model_hlsh,
+    &lmb_model_hlsh_fitted,
     &lmb_model_sh3,
     &lmb_model_hhd_closed_gram,
     &lmb_model_hhd_channels_gram,
@@ -20,6 +22,8 @@ static const lmb_model *const table[] = {
     &lmb_model_hlsh_t2,
     &lmb_model_hlsh_light,
     &lmb_model_sh3_gram,
+    &lmb_model_sh3_window,
+    &lmb_model_sh3_kept,
     &lmb_model_sh3_ao,
     &lmb_model_sh3_bent,
     &lmb_model_sh3_halo3,
@@ -78,23 +82,28 @@ static bool is_called(const lmb_model *model, const char *name)
            (model->short_name && strcmp(model->short_name, name) == 0);
 }
 
-const lmb_model *lmb_model_find(const char *name)
+const lmb_model *lmb_model_find(const char *name, unsigned uses)
 {
+    const lmb_model *other = NULL;
     for (size_t i = 0; i < lmb_model_count(); ++i) {
-        if (is_called(table[i], name)) {
+        if (!is_called(table[i], name)) {
+            continue;
+        }
+        if (table[i]->uses & uses) {
             return table[i];
         }
+        other = other ? other : table[i];
     }
-    return NULL;
+    return other;
 }
 
 const lmb_model *lmb_model_for_lightmap(const char *name)
 {
-    const lmb_model *model = lmb_model_find(name);
+    const lmb_model *model = lmb_model_find(name, LMB_MODEL_FOR_LIGHTMAP);
     if (!model || !(model->uses & LMB_MODEL_FOR_LIGHTMAP)) {
         char clipped[64];
         snprintf(clipped, sizeof clipped, "%s.gram", name);
-        model = lmb_model_find(clipped);
+        model = lmb_model_find(clipped, LMB_MODEL_FOR_LIGHTMAP);
     }
     return model && (model->uses & LMB_MODEL_FOR_LIGHTMAP) ? model : NULL;
 }

@@ -1,4 +1,5 @@
-/* HLSH: irradiance over a hemisphere as three numbers and a constraint (lambent/hlsh.h). */
+/* HLSH: irradiance over a hemisphere as three numbers and a constraint (lambent/hlsh.h), of a texel's
+ * SH3 or of a probe's. */
 #include <lambent/hlsh.h>
 
 #include "model/models.h"
@@ -11,17 +12,28 @@ static const char *const names[CHANNELS] = {"R",   "G",   "B",   "a.R", "a.G", "
 
 static const lmb_model_part parts[] = {{"irradiance", 3}, {"ambient", 3}, {"tangential", 9}, {NULL, 0}};
 
-static void encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos, float *channel)
+static void store(const lmb_hlsh_rgb *hlsh, float *channel)
 {
-    const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(radiance, vertex_normal, cone_cos);
     for (int c = 0; c < 3; ++c) {
-        const lmb_hlsh *one = &hlsh.channel[c];
+        const lmb_hlsh *one = &hlsh->channel[c];
         channel[I_Z + c] = one->irradiance_z;
         channel[AMBIENT + c] = one->ambient;
         channel[TANGENTIAL + 3 * c] = one->tangential.x;
         channel[TANGENTIAL + 3 * c + 1] = one->tangential.y;
         channel[TANGENTIAL + 3 * c + 2] = one->tangential.z;
     }
+}
+
+static void encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos, float *channel)
+{
+    const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_sh3(radiance, vertex_normal, cone_cos);
+    store(&hlsh, channel);
+}
+
+static void probe_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos, float *channel)
+{
+    const lmb_hlsh_rgb hlsh = lmb_hlsh_rgb_from_probe(radiance, vertex_normal, cone_cos);
+    store(&hlsh, channel);
 }
 
 static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec3 *normal, int count,
@@ -38,12 +50,34 @@ static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec
     }
 }
 
+static const char convention[] =
+    "irradiance: normalised (integral of L cos / pi), at the vertex normal; a: C_a; R.XYZ and so on: c in world space, "
+    "+Y up; all / lambent:scale, linear Rec. 709";
+
 const lmb_model lmb_model_hlsh = {
     .name = "hlsh",
     .full_name = "hlsh.t1",
     .short_name = "hlsh",
     .title = "HLSH",
-    .uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
+    .uses = LMB_MODEL_FOR_LIGHTMAP,
+    .at_run_time = true,
+    .channel_count = CHANNELS,
+    .channel_name = names,
+    .part = parts,
+    .light_count = CHANNELS,
+    .irradiance_first = true,
+    .bytes = 2 * CHANNELS,
+    .cone = true,
+    .convention = convention,
+    .encode = encode,
+    .evaluate = evaluate,
+};
+
+const lmb_model lmb_model_hlsh_fitted = {
+    .name = "hlsh.fitted",
+    .short_name = "hlsh",
+    .title = "HLSH by the fitted multiply",
+    .uses = LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
     .default_uses = LMB_MODEL_FOR_OBJECT,
     .at_run_time = true,
     .channel_count = CHANNELS,
@@ -53,9 +87,7 @@ const lmb_model lmb_model_hlsh = {
     .irradiance_first = true,
     .bytes = 2 * CHANNELS,
     .cone = true,
-    .convention =
-        "irradiance: normalised (integral of L cos / pi), at the vertex normal; a: C_a; R.XYZ and so on: c in world "
-        "space, +Y up; all / lambent:scale, linear Rec. 709",
-    .encode = encode,
+    .convention = convention,
+    .encode = probe_encode,
     .evaluate = evaluate,
 };

@@ -1,4 +1,4 @@
-/* IrradZ: HHD in the form that lightmaps store (lambent/hhd.h). */
+/* IrradZ: HHD in the form that lightmaps store (lambent/hhd.h), of a texel's SH3 or of a probe's. */
 #include <lambent/hhd.h>
 #include <lambent/vector.h>
 
@@ -17,16 +17,27 @@ static lmb_irradz irradz_of(const float *channel)
                         {channel[DIRECTION], channel[DIRECTION + 1], channel[DIRECTION + 2]}};
 }
 
+static void store(const lmb_irradz *irradz, float *channel)
+{
+    for (int c = 0; c < 3; ++c) {
+        channel[c] = irradz->irradiance_z.c[c];
+    }
+    channel[WEIGHT] = irradz->ambient_weight;
+    channel[DIRECTION] = irradz->direction.x;
+    channel[DIRECTION + 1] = irradz->direction.y;
+    channel[DIRECTION + 2] = irradz->direction.z;
+}
+
 static void encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos, float *channel)
 {
     const lmb_irradz irradz = lmb_irradz_encode(radiance, vertex_normal, cone_cos);
-    for (int c = 0; c < 3; ++c) {
-        channel[c] = irradz.irradiance_z.c[c];
-    }
-    channel[WEIGHT] = irradz.ambient_weight;
-    channel[DIRECTION] = irradz.direction.x;
-    channel[DIRECTION + 1] = irradz.direction.y;
-    channel[DIRECTION + 2] = irradz.direction.z;
+    store(&irradz, channel);
+}
+
+static void probe_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos, float *channel)
+{
+    const lmb_irradz irradz = lmb_irradz_from_probe(radiance, vertex_normal, cone_cos);
+    store(&irradz, channel);
 }
 
 static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec3 *normal, int count,
@@ -65,12 +76,16 @@ static void unit_decode(const float *channel, lmb_vec3 normal, float *ambient, f
 static const lmb_model_direction direction = {
     .weight = WEIGHT, .first = DIRECTION, .min_height = LMB_IRRADZ_MIN_COS, .decode = unit_decode};
 
+static const char convention[] =
+    "irradiance: normalised (integral of L cos / pi), at the vertex normal, linear Rec. 709; d: direction in world "
+    "space, +Y up, filter and decode as it is; w: ambient weight";
+
 const lmb_model lmb_model_irradz_hhd = {
     .name = "irradz-hhd",
     .short_name = "hhd",
     .title = "IrradZ",
-    .uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
-    .default_uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_SURFACE,
+    .uses = LMB_MODEL_FOR_LIGHTMAP,
+    .default_uses = LMB_MODEL_FOR_LIGHTMAP,
     .at_run_time = true,
     .channel_count = CHANNELS,
     .channel_name = names,
@@ -79,10 +94,29 @@ const lmb_model lmb_model_irradz_hhd = {
     .irradiance_first = true,
     .bytes = 2 * CHANNELS,
     .cone = true,
-    .convention =
-        "irradiance: normalised (integral of L cos / pi), at the vertex normal, linear Rec. 709; d: direction in world "
-        "space, +Y up, filter and decode as it is; w: ambient weight",
+    .convention = convention,
     .encode = encode,
+    .evaluate = evaluate,
+    .average = average,
+    .direction = &direction,
+};
+
+const lmb_model lmb_model_hhd_closed_fitted = {
+    .name = "hhd.closed.fitted",
+    .short_name = "hhd",
+    .title = "IrradZ by the fitted multiply",
+    .uses = LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT,
+    .default_uses = LMB_MODEL_FOR_SURFACE,
+    .at_run_time = true,
+    .channel_count = CHANNELS,
+    .channel_name = names,
+    .part = parts,
+    .light_count = 3,
+    .irradiance_first = true,
+    .bytes = 2 * CHANNELS,
+    .cone = true,
+    .convention = convention,
+    .encode = probe_encode,
     .evaluate = evaluate,
     .average = average,
     .direction = &direction,

@@ -13,7 +13,9 @@ extern const char *const lmb_numbered_channels[LMB_MODEL_MOST_CHANNELS];
     .convention = "light / lambent:scale, in the model's own order"
 
 extern const lmb_model lmb_model_irradz_hhd;
+extern const lmb_model lmb_model_hhd_closed_fitted;
 extern const lmb_model lmb_model_hlsh;
+extern const lmb_model lmb_model_hlsh_fitted;
 extern const lmb_model lmb_model_sh3;
 extern const lmb_model lmb_model_hhd_closed_gram;
 extern const lmb_model lmb_model_hhd_channels_gram;
@@ -26,6 +28,8 @@ extern const lmb_model lmb_model_ahd_shipped;
 extern const lmb_model lmb_model_hlsh_t2;
 extern const lmb_model lmb_model_hlsh_light;
 extern const lmb_model lmb_model_sh3_gram;
+extern const lmb_model lmb_model_sh3_window;
+extern const lmb_model lmb_model_sh3_kept;
 extern const lmb_model lmb_model_sh3_ao;
 extern const lmb_model lmb_model_sh3_bent;
 extern const lmb_model lmb_model_sh3_halo3;

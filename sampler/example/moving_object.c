@@ -31,11 +31,11 @@ int main(int count, char **values)
         const bool inside = lmb_volume_sample_with_keys(volume, position, &radiance, seen);
 
         /* Full quality: occlusion by the surface's hemisphere and an AO cone, for each pixel. */
-        const lmb_hlsh_rgb occluded = lmb_hlsh_rgb_from_sh3(&radiance, up, cone);
+        const lmb_hlsh_rgb occluded = lmb_hlsh_rgb_from_probe(&radiance, up, cone);
         const lmb_rgb pixel = lmb_hlsh_rgb_evaluate(&occluded, up, bump);
 
         /* Low end: solve for each vertex to a hemisphere and a highlight direction, as the lightmaps hold it. */
-        const lmb_irradz vertex = lmb_irradz_encode(&radiance, up, cone);
+        const lmb_irradz vertex = lmb_irradz_from_probe(&radiance, up, cone);
         const lmb_hhd_rgb light = lmb_irradz_decode(&vertex, up);
         const lmb_rgb cheap = lmb_hhd_rgb_evaluate(&light, up, bump);
 

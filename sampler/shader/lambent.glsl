@@ -280,10 +280,8 @@ vec3 lmbTiltedAboveHorizon(vec3 d, vec3 nv)
     return lmbUnitOr(flat_ * sqrt(1.0 - LMB_IRRADZ_MIN_COS * LMB_IRRADZ_MIN_COS) + nv * LMB_IRRADZ_MIN_COS, nv);
 }
 
-// What a lightmap would store of a probe's light: probe and texel go through one encoder (lmb_irradz_encode).
-LmbIrradz lmbIrradzEncode(LmbSh3 sh, vec3 nv, float coneCos)
+LmbIrradz lmbIrradzOfMoments(LmbMoments moments, vec3 nv)
 {
-    LmbMoments moments = lmbMomentsInCone(sh, nv, coneCos);
     LmbIrradz irradz;
     irradz.irradianceZ = lmbLight(lmbVectorsDot(moments.b, nv));
     vec3 b = vec3(lmbLuminance(moments.b.x), lmbLuminance(moments.b.y), lmbLuminance(moments.b.z));
@@ -296,6 +294,13 @@ LmbIrradz lmbIrradzEncode(LmbSh3 sh, vec3 nv, float coneCos)
         irradz.ambientWeight = ratio < 1.0 ? 1.0 - ratio : 0.0;
     }
     return irradz;
+}
+
+// What a lightmap would store of that light, by the Gram multiply (lmb_irradz_encode). Nearer to the truth from a probe is
+// lmbIrradzFromProbe of lambent_probe.glsl.
+LmbIrradz lmbIrradzEncode(LmbSh3 sh, vec3 nv, float coneCos)
+{
+    return lmbIrradzOfMoments(lmbMomentsInCone(sh, nv, coneCos), nv);
 }
 
 // A texel, filtered or not, as a light (lmb_irradz_decode).

@@ -1,9 +1,13 @@
-// Lambent's run-time maths for HLSL (shader model 5 or newer): lambent.glsl, which lies beside it, with HLSL's names.
+// Lambent's run-time maths for HLSL (shader model 5 or newer): the .glsl files beside it, with HLSL's names.
 #ifndef LAMBENT_HLSL
 #define LAMBENT_HLSL
 
 #define vec3 float3
+#define vec4 float4
 #include "lambent.glsl"
+#include "lambent_networks.glsl"
+#include "lambent_probe.glsl"
 #undef vec3
+#undef vec4
 
 #endif

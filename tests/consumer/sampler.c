@@ -22,8 +22,8 @@ int main(void)
     }
     const lmb_vec3 up = {0.0f, 1.0f, 0.0f};
     const lmb_rgb open_sky = lmb_sh3_rgb_irradiance(&sky, up);
-    const lmb_irradz irradz = lmb_irradz_encode(&sky, up, 0.0f);
-    const lmb_hlsh hlsh = lmb_hlsh_from_sh3(&sky.channel[0], up, lmb_cone_cos_from_visibility(1.0f));
+    const lmb_irradz irradz = lmb_irradz_from_probe(&sky, up, 0.0f);
+    const lmb_hlsh hlsh = lmb_hlsh_from_probe(&sky.channel[0], up, lmb_cone_cos_from_visibility(1.0f));
     printf("irradiance %g, from its hemisphere %g, HLSH %g\n", (double)open_sky.c[0], (double)irradz.irradiance_z.c[0],
            (double)lmb_hlsh_evaluate(&hlsh, up, up));
     const int is_right = lmb_version() == LMB_VERSION && result == LMB_ERROR_FORMAT && open_sky.c[0] > 0.999f &&

@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 45
-#define OUTPUTS 33
+#define OUTPUTS 42
 
 vec3 lmbRead3(uint at)
 {
@@ -53,4 +53,8 @@ void lmbItem(uint item)
     key.direction = texel.direction;
     key.irradiance = texel.irradianceZ;
     lmbWrite3(to + 30u, lmbKeyLightIrradiance(key, visibility, nv, n));
+    LmbIrradz fitted = lmbIrradzFromProbe(sh, nv, coneCos);
+    lmbWrite3(to + 33u, fitted.irradianceZ);
+    lmbWrite3(to + 36u, lmbIrradzEvaluate(fitted, nv, n));
+    lmbWrite3(to + 39u, lmbHlshEvaluate(lmbHlshFromProbe(sh, nv, coneCos), nv, n));
 }

@@ -2,6 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "lambent.glsl"
+#include "lambent_networks.glsl"
+#include "lambent_probe.glsl"
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Inputs { float inputs[]; };

@@ -90,8 +90,9 @@ typedef struct lmb_model {
 size_t lmb_model_count(void);
 const lmb_model *lmb_model_at(size_t index);
 
-/* The row of that name, full name or short name; NULL: none. */
-const lmb_model *lmb_model_find(const char *name);
+/* The row of that name, full name or short name: one that can be made for one of `uses` (lmb_model_use), or else any;
+ * NULL: none. A lightmap's row and a probe's may share a short name. */
+const lmb_model *lmb_model_find(const char *name, unsigned uses);
 
 /* The row of that name if lightmaps can have it; else the one that clips the same by the hemisphere, NAME.gram: what a
  * texel's SH3 says below its horizon means nothing. NULL: none. */

@@ -7,7 +7,8 @@
  * that C_a = w I_z and C_d = (1 - w) I_z / (n_v.d) (Roughton, Sloan, Silvennoinen and Shirley, SIGGRAPH 2024).
  *
  * Colour: the direction d and the weight w come from Rec. 709 luminance and are shared by the channels; I_z is a
- * colour. Probes and lightmaps go through the same encoder, so that both split colour in the same way.
+ * colour. Probes and lightmaps split colour in the same way; they differ in what their SH3 know, and each has a
+ * function of its own, so that a call says which it has.
  *
  * All functions are pure, allocate nothing, and may be called from any thread. Normals are unit vectors; n_v is the
  * surface (vertex) normal, n the shading normal. Irradiance is normalised (lambent/sh.h). No input, however broken,
@@ -61,6 +62,17 @@ typedef struct lmb_irradz {
 /* Moments of clipped linear SH (lmb_sh3_multiply_cone): b_c = (2/sqrt(pi)) y0, b = 2/sqrt(3 pi) y1. */
 LMB_API lmb_moments lmb_moments_from_sh2(const lmb_sh2 *clipped_radiance);
 
+/* Moments of what a cone about unit `vertex_normal` lets through (cone_cos = 0: the hemisphere; clamped to [0, 1]) of a
+ * PROBE's radiance: SH3 of the whole sphere around a point. Nine numbers do not say what exactly comes from above the
+ * horizon; the Gram multiply (lmb_sh3_multiply_cone) takes them for all there is, and lets light from below leak up and
+ * light from above leak down. This one adds to it what a small network, fitted to procedural skies, makes of their
+ * invariants about the normal: irradiance from them has half of the error near surfaces, two thirds in the open
+ * (docs/testing.md has the figures). Turns and mirrors with the light, scales with it, is continuous in everything, and
+ * goes over into Gram as c[0] goes to 0. Not for SH3 that were fitted over the hemisphere (lmb_sh3_fit_hemisphere), as
+ * a lightmap's texels: what those have below the horizon is no light. May be NaN for broken sets, which lmb_hhd_solve
+ * mends. */
+LMB_API lmb_moments lmb_moments_from_probe(const lmb_sh3 *radiance, lmb_vec3 vertex_normal, float cone_cos);
+
 /* The HHD light that has these moments, by the closed form, robust for every input: no light for b_c <= 0 or NaN;
  * C_a, C_d >= 0; d unit, never below the horizon. Keeps I(n_v) = b.n_v wherever b.n_v is physical
  * (0 <= b.n_v, |b| <= b_c). */
@@ -85,8 +97,13 @@ static inline lmb_rgb lmb_hhd_rgb_evaluate(const lmb_hhd_rgb *hhd, lmb_vec3 vert
     return irradiance;
 }
 
-/* The shared encoder: SH3 radiance (a probe's, or a lightmap texel's hemispherical fit) -> clip by the cone about
- * `vertex_normal` (cone_cos = 0: the hemisphere) -> moments -> HHD of the luminance -> IrradZ. */
+/* IrradZ of a probe's SH3, which knows the whole sphere: lmb_moments_from_probe of each colour (cone_cos = 0: the
+ * hemisphere) -> HHD of the luminance -> IrradZ. What lights an object, or a surface, from a baked volume. */
+LMB_API lmb_irradz lmb_irradz_from_probe(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos);
+
+/* The same of SH3 that are right where the surface can see, as hemispherical least squares makes them
+ * (lmb_sh3_fit_hemisphere): what lightmaps are baked with. They are taken at their word: clipped by the Gram multiply,
+ * which is the papers' for probes too (Roughton et al. 2024). */
 LMB_API lmb_irradz lmb_irradz_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos);
 
 /* IrradZ back to HHD. The direction may be filtered and unnormalised, the weight out of range: both are mended. A

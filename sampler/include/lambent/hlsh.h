@@ -31,8 +31,14 @@ typedef struct lmb_hlsh_rgb {
     lmb_hlsh channel[3];
 } lmb_hlsh_rgb;
 
-/* HLSH of SH3 radiance clipped by a cone about `vertex_normal` (cone_cos = 0: the whole hemisphere; clamped to
- * [0, 1]). The clipped radiance is truncated to SH3, convolved and fitted with I_z held exact. */
+/* HLSH of a probe's SH3, which knows the whole sphere, behind a cone about unit `vertex_normal` (cone_cos = 0: the
+ * whole hemisphere; clamped to [0, 1]): of the HHD light that lmb_moments_from_probe leads to (lambent/hhd.h). I(n) is
+ * never far below 0. No input, however broken, gives NaN or infinity. */
+LMB_API lmb_hlsh lmb_hlsh_from_probe(const lmb_sh3 *radiance, lmb_vec3 vertex_normal, float cone_cos);
+LMB_API lmb_hlsh_rgb lmb_hlsh_rgb_from_probe(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos);
+
+/* The same of SH3 taken at their word, as those that were fitted over the hemisphere may be (lmb_sh3_fit_hemisphere):
+ * the clipped radiance is truncated to SH3, convolved and fitted with I_z held exact. Linear, and half the work. */
 LMB_API lmb_hlsh lmb_hlsh_from_sh3(const lmb_sh3 *radiance, lmb_vec3 vertex_normal, float cone_cos);
 LMB_API lmb_hlsh_rgb lmb_hlsh_rgb_from_sh3(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos);
 
