@@ -5,17 +5,30 @@
 #include <lambent/lattice.h>
 #include <lambent/volume.h>
 
+#include "volume_kernel.h"
+
+/* A cell of the lattice by its first point, and where in it a position is, 0 to 1. */
+typedef struct lmb_cell {
+    uint32_t at[3];
+    float t[4]; /* the last is anything finite */
+} lmb_cell;
+
+/* Fields of three axes have a fourth one, 0, where kernels read four at once. */
 struct lmb_volume {
+    const lmb_volume_kernel *kernel;
     const uint32_t *directory;
     const unsigned char *bricks; /* each with what follows it */
     size_t brick_stride;
     const lmb_volume_keys *keys; /* NULL: none */
     double inverse_spacing;
-    double min[3];        /* lattice coordinates */
-    double last[3];       /* of the box's last point, relative to min */
-    int32_t last_cell[3]; /* >= 0 even where the box is one point thick */
+    double slack;         /* lattice units that a float position near a lattice point may be off it */
+    double min[4];        /* lattice coordinates */
+    double last[4];       /* of the box's last point, relative to min */
+    double nearest[4];    /* that counts as inside: -slack, */
+    double farthest[4];   /* to last + slack */
+    int32_t last_cell[4]; /* >= 0 even where the box is one point thick */
     size_t bricks_along[3];
-    double slack; /* lattice units that a float position near a lattice point may be off it */
+    size_t brick_step[2]; /* directory entries from a brick to the next one along y and z */
     float scale;
     lmb_volume_header header;
     void *mapping;     /* NULL when the caller owns the bytes */

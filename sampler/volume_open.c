@@ -22,6 +22,13 @@ static void derive_constants(lmb_volume *volume)
     volume->scale = header->scale;
     /* Four times the rounding of a float of that size, and never a share of a cell that matters. */
     volume->slack = fmin(farthest * 0x1p-22, 0x1p-6);
+    for (int axis = 0; axis < 4; ++axis) {
+        volume->nearest[axis] = -volume->slack;
+        volume->farthest[axis] = volume->last[axis] + volume->slack;
+    }
+    volume->brick_step[0] = volume->bricks_along[0];
+    volume->brick_step[1] = volume->bricks_along[0] * volume->bricks_along[1];
+    volume->kernel = lmb_volume_kernel_choose();
 }
 
 lmb_result lmb_volume_open_memory_in(lmb_volume_storage *storage, const void *data, size_t size, lmb_volume **volume)

@@ -35,7 +35,9 @@ static void exit_statuses(void)
         {"bake --help", 0, "--spacing"},
         {"bench --help", 0, "--rays"},
         {"bench", 2, "--rays LEVEL"},
-        {"bench " OUTPUT, 2, "only --rays LEVEL"},
+        {"bench " OUTPUT " --spacing 1", 2, "unexpected argument"},
+        {"bench " OUTPUT "/missing", 3, "missing/probes.lmb"},
+        {"bench --rays", 2, "--rays"},
         {"bench --rays " OUTPUT "/missing.glb", 3, "missing.glb"},
         {"check --help", 0, "usage"},
         {"render --help", 0, "--camera"},
@@ -220,6 +222,45 @@ static void scales_are_kept(void)
           "%s", printed);
 }
 
+/* Every sampler gives the light of the same probes: fp16 within its rounding, the others within that of floats. */
+static void bench_times_samplers_that_agree(void)
+{
+    static const char *const keys[] = {"name",          "pattern",  "probes", "bytes_per_probe",
+                                       "ns_per_sample", "rel_rmse", NULL};
+    static const char *const names[] = {"lambent",    "lambent.batch",       "dense.fp32", "dense.fp32.prefetch",
+                                        "dense.fp16", "dense.fp16.prefetch", "openvdb"};
+    enum { NAMES = sizeof names / sizeof names[0] };
+    int found[NAMES][2] = {{0}};
+    char printed[16384];
+    if (!baked(printed, sizeof printed)) {
+        return;
+    }
+    CHECK(run(printed, sizeof printed, LMB_COMMAND " bench --json --repeat 1 --samples 3000 " OUTPUT "/b") == 0, "%s",
+          printed);
+    cJSON *json = cJSON_Parse(printed);
+    CHECK(cJSON_IsString(cJSON_GetObjectItem(json, "machine")), "%s", printed);
+    const cJSON *sampler;
+    cJSON_ArrayForEach(sampler, cJSON_GetObjectItem(json, "samplers"))
+    {
+        CHECK(has_keys(sampler, keys, "sampler"), "%s", printed);
+        const char *name = cJSON_GetStringValue(cJSON_GetObjectItem(sampler, "name"));
+        const char *pattern = cJSON_GetStringValue(cJSON_GetObjectItem(sampler, "pattern"));
+        const double error = cJSON_GetNumberValue(cJSON_GetObjectItem(sampler, "rel_rmse"));
+        CHECK(error >= 0.0 && error < 1e-5, "%s, %s: %g", name, pattern, error);
+        CHECK(cJSON_GetNumberValue(cJSON_GetObjectItem(sampler, "ns_per_sample")) > 0.0, "%s, %s", name, pattern);
+        for (int i = 0; i < NAMES; ++i) {
+            found[i][strcmp(pattern, "random") == 0] += strcmp(name, names[i]) == 0;
+        }
+    }
+    for (int i = 0; i < NAMES; ++i) {
+        CHECK(found[i][0] == 1 && found[i][1] == 1, "%s: %d and %d times", names[i], found[i][0], found[i][1]);
+    }
+    cJSON_Delete(json);
+    CHECK(run(printed, sizeof printed, LMB_COMMAND " bench --repeat 1 --samples 300 " OUTPUT "/b") == 0 &&
+              strstr(printed, "dense.fp16.prefetch"),
+          "%s", printed);
+}
+
 /* The bench traces what the bake does, and bare Embree takes some time for it. */
 static void bench_counts_the_bakes_rays(void)
 {
@@ -390,6 +431,7 @@ static const test_case cases[] = {
     {"threads_give_equal_bytes", threads_give_equal_bytes},
     {"json_outputs", json_outputs},
     {"scales_are_kept", scales_are_kept},
+    {"bench_times_samplers_that_agree", bench_times_samplers_that_agree},
     {"bench_counts_the_bakes_rays", bench_counts_the_bakes_rays},
     {"progress_runs_forward", progress_runs_forward},
     {"many_points_on_standard_input", many_points_on_standard_input},

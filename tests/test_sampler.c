@@ -63,6 +63,36 @@ static void test_three_ways_to_open(void)
     free(data);
 }
 
+/* The public batch is the single calls, also where this build has no other kernel. */
+static void test_batch(void)
+{
+    enum { COUNT = 500 };
+    static const char *const paths[] = {LMB_GOLDEN_DIR "/small.lmb", LMB_GOLDEN_DIR "/small_keys.lmb"};
+    for (int file = 0; file < 2; ++file) {
+        lmb_volume *volume = NULL;
+        CHECK(lmb_volume_open_file(paths[file], &volume) == LMB_OK, "%s", paths[file]);
+        static lmb_vec3d position[COUNT];
+        static lmb_sh3_rgb radiance[COUNT];
+        static float visibility[COUNT][LMB_KEY_LIGHTS_MOST];
+        static bool inside[COUNT];
+        for (int i = 0; i < COUNT; ++i) {
+            position[i] = (lmb_vec3d){0.026 * i - 4.0, 0.01 * (i * 7 % 300) - 0.3, 0.01 * (i * 11 % 500) + 1.0};
+        }
+        if (volume) {
+            lmb_volume_sample_batch(volume, position, COUNT, radiance, visibility, inside);
+            for (int i = 0; i < COUNT; ++i) {
+                lmb_sh3_rgb light;
+                float seen[LMB_KEY_LIGHTS_MOST];
+                const bool single = lmb_volume_sample_with_keys(volume, position[i], &light, seen);
+                CHECK(single == inside[i] && memcmp(&light, &radiance[i], sizeof light) == 0 &&
+                          memcmp(seen, visibility[i], sizeof seen) == 0,
+                      "%s at %d", paths[file], i);
+            }
+        }
+        lmb_volume_close(volume);
+    }
+}
+
 static void test_files_that_are_none(void)
 {
     lmb_volume *volume = NULL;
@@ -132,6 +162,7 @@ static void test_inlined_is_called(void)
 static const test_case cases[] = {
     {"version", test_version},
     {"three ways to open", test_three_ways_to_open},
+    {"a batch is its single calls", test_batch},
     {"files that are none", test_files_that_are_none},
     {"damage is refused", test_damage},
     {"inlined evaluations are the called ones", test_inlined_is_called},

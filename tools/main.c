@@ -17,7 +17,7 @@ static const struct {
     const char *about;
 } commands[] = {
     {"bake", command_bake, "bake a level's probe volume and lightmaps into a folder"},
-    {"bench", command_bench, "measure how fast a bake traces"},
+    {"bench", command_bench, "measure how fast a volume is sampled, or how fast a bake traces"},
     {"check", command_check, "measure a bake against the path-traced truth"},
     {"info", command_info, "say what is in a .vdb, .lmb or .exr of ours"},
     {"models", command_models, "measure every lighting model under environments"},

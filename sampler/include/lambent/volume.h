@@ -20,7 +20,7 @@ extern "C" {
 
 typedef struct lmb_volume lmb_volume;
 
-enum { LMB_VOLUME_STORAGE_WORDS = 48 };
+enum { LMB_VOLUME_STORAGE_WORDS = 64 };
 
 typedef struct lmb_volume_info {
     uint32_t version;     /* of the file format */
@@ -81,6 +81,14 @@ LMB_API bool lmb_volume_sample_at(const lmb_volume *volume, lmb_vec3d position, 
  * there are no probes, and of lights that there are not. */
 LMB_API bool lmb_volume_sample_with_keys(const lmb_volume *volume, lmb_vec3d position, lmb_sh3_rgb *radiance,
                                          float visibility[LMB_KEY_LIGHTS_MOST]);
+
+/* Many at once, in any order: the bits of single calls, sooner, as what later positions need is fetched from memory
+ * while earlier ones are added up. It pays where positions are far apart; nearby ones are in the caches anyway, so that
+ * there is nothing to sort. Nothing is allocated.
+ * `radiance` gets `count` samples; `visibility` and `inside`, what lmb_volume_sample_with_keys gives and returns for
+ * each, or NULL. */
+LMB_API void lmb_volume_sample_batch(const lmb_volume *volume, const lmb_vec3d *position, size_t count,
+                                     lmb_sh3_rgb *radiance, float (*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside);
 
 #ifdef __cplusplus
 }

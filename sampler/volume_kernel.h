@@ -1,0 +1,27 @@
+/* Sampling as it is compiled once for each set of instructions: in plain C, and faster where the processor has more.
+ * All give the same bits. */
+#ifndef LMB_VOLUME_KERNEL_H
+#define LMB_VOLUME_KERNEL_H
+
+#include <lambent/volume.h>
+
+typedef struct lmb_volume_kernel {
+    const char *name;
+    /* The position comes in registers: three doubles in a struct would not. */
+    bool (*sample)(const lmb_volume *volume, double x, double y, double z, lmb_sh3_rgb *radiance);
+    bool (*sample_with_keys)(const lmb_volume *volume, double x, double y, double z, lmb_sh3_rgb *radiance,
+                             float *visibility);
+    /* As lmb_volume_sample_batch. */
+    void (*batch)(const lmb_volume *volume, const lmb_vec3d *position, size_t count, lmb_sh3_rgb *radiance,
+                  float (*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside);
+} lmb_volume_kernel;
+
+extern const lmb_volume_kernel lmb_volume_kernel_scalar;
+
+/* AVX2 and F16C. NULL: the library was built without it. */
+extern const lmb_volume_kernel *const lmb_volume_kernel_avx2;
+
+/* The fastest that this processor runs. Asks the processor each time. */
+const lmb_volume_kernel *lmb_volume_kernel_choose(void);
+
+#endif

@@ -1,0 +1,182 @@
+/* Samples by every kernel that the library has here, and in batches, are the same bits: at all kinds of positions, with
+ * probes missing and without, with key lights and without. */
+#include "probes_fixture.h"
+#include "harness.h"
+
+#include <lambent/pack.h>
+
+#include "volume_internal.h"
+
+#include <float.h>
+
+enum { MOST_POSITIONS = 4000 };
+
+typedef struct opened {
+    unsigned char *data;
+    lmb_volume *volume;
+    lmb_vec3d position[MOST_POSITIONS];
+} opened;
+
+/* Half of them anywhere about the box, the others on its points and faces, just off them, far outside, or no numbers.
+ */
+static void positions_make(const lmb_lattice *lattice, uint64_t seed, lmb_vec3d *position)
+{
+    static const double odd[] = {
+        0.0, -0.0, 1e-320, -1e-9, 1e-9, 1e30, -1e30, DBL_MAX, (double)INFINITY, -(double)INFINITY, (double)NAN};
+    enum { ODD = sizeof odd / sizeof odd[0] };
+    uint64_t state = seed;
+    for (int i = 0; i < MOST_POSITIONS; ++i) {
+        double at[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const double spread = fixture_random(&state) * (lattice->size[axis] + 1.0) - 1.0;
+            const double on_point = floor(spread) + (i % 3 == 0 ? 1e-7 * (fixture_random(&state) - 0.5) : 0.0);
+            at[axis] = (lattice->min[axis] + (i % 2 ? spread : on_point)) * (double)lattice->spacing;
+        }
+        if (i % 16 == 0) {
+            at[i / 16 % 3] = odd[i / 48 % ODD];
+        }
+        position[i] = (lmb_vec3d){at[0], at[1], at[2]};
+    }
+}
+
+static opened volume_make(const lmb_lattice *lattice, double density, double magnitude, uint32_t keys, uint64_t seed)
+{
+    opened made = {.data = NULL};
+    lmb_probes *const probes = fixture_random_probes(lattice, density, 0.9, magnitude, seed);
+    probes->key_light_count = keys;
+    uint64_t state = seed + 17;
+    for (uint32_t key = 0; key < keys; ++key) {
+        probes->key_light[key] = (lmb_key_light){{0.0f, 1.0f, 0.0f}, {{1.0f, 2.0f, 3.0f}}};
+        for (int32_t probe = 0; probe < probes->count; ++probe) {
+            probes->key_visibility[probe][key] = (float)fixture_random(&state);
+        }
+    }
+    size_t size;
+    const lmb_result result = lmb_pack(probes, &made.data, &size, NULL);
+    CHECK(result == LMB_OK && lmb_volume_open_memory(made.data, size, &made.volume) == LMB_OK, "pack: %d", result);
+    if (!made.volume) {
+        abort();
+    }
+    positions_make(lattice, seed + 5, made.position);
+    lmb_probes_destroy(probes);
+    return made;
+}
+
+static void volume_free(opened *made)
+{
+    lmb_volume_close(made->volume);
+    free(made->data);
+}
+
+static const struct {
+    lmb_lattice lattice;
+    double density, magnitude;
+    uint32_t keys;
+} cases[] = {
+    {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {2, 2, 2}}, 1.0, 1.0, 0},
+    {{.spacing = 0.3f, .min = {-5, -6, -7}, .size = {13, 6, 10}}, 1.0, 100.0, 4},
+    {{.spacing = 1.7f, .min = {3, 3, 3}, .size = {12, 11, 7}}, 0.8, 5.0, 1},
+    {{.spacing = 0.25f, .min = {0, 0, 0}, .size = {30, 3, 17}}, 0.05, 5.0, 2},
+    {{.spacing = 2.0f, .min = {0, 0, 0}, .size = {1, 9, 1}}, 1.0, 5.0, 0},
+    {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {6, 6, 6}}, 0.9, 1e7, 0},
+    {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {6, 6, 6}}, 0.9, 1e-9, 0},
+    {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {9, 9, 9}}, 1.0, 1e-5, 3},
+    {{.spacing = 0.5f, .min = {20000, -30000, 7}, .size = {6, 7, 8}}, 0.8, 2.0, 1},
+};
+enum { CASES = sizeof cases / sizeof cases[0] };
+
+/* What a call leaves. */
+typedef struct sampled {
+    lmb_sh3_rgb radiance;
+    float visibility[LMB_KEY_LIGHTS_MOST];
+    bool inside;
+} sampled;
+
+static bool equal(const sampled *a, const sampled *b)
+{
+    return memcmp(&a->radiance, &b->radiance, sizeof a->radiance) == 0 &&
+           memcmp(a->visibility, b->visibility, sizeof a->visibility) == 0 && a->inside == b->inside;
+}
+
+static sampled sample_by(const lmb_volume_kernel *kernel, const lmb_volume *volume, lmb_vec3d at)
+{
+    sampled got;
+    memset(&got, 0x5a, sizeof got);
+    got.inside = kernel->sample_with_keys(volume, at.x, at.y, at.z, &got.radiance, got.visibility);
+    return got;
+}
+
+static void kernels_give_the_same_bits(void)
+{
+    const lmb_volume_kernel *const chosen = lmb_volume_kernel_choose();
+    printf("     this processor: %s\n", chosen->name);
+    if (chosen == &lmb_volume_kernel_scalar) {
+        test_skip("plain C is all that runs here");
+        return;
+    }
+    for (int k = 0; k < CASES; ++k) {
+        opened made =
+            volume_make(&cases[k].lattice, cases[k].density, cases[k].magnitude, cases[k].keys, 1 + (uint64_t)k);
+        CHECK(made.volume->kernel == chosen, "a volume is opened with it");
+        for (int i = 0; i < MOST_POSITIONS; ++i) {
+            const lmb_vec3d at = made.position[i];
+            const sampled plain = sample_by(&lmb_volume_kernel_scalar, made.volume, at);
+            const sampled fast = sample_by(chosen, made.volume, at);
+            sampled without = fast;
+            without.inside = chosen->sample(made.volume, at.x, at.y, at.z, &without.radiance);
+            CHECK(equal(&plain, &fast), "case %d at (%.9g, %.9g, %.9g)", k, at.x, at.y, at.z);
+            CHECK(equal(&plain, &without), "without keys, case %d at (%.9g, %.9g, %.9g)", k, at.x, at.y, at.z);
+        }
+        volume_free(&made);
+    }
+}
+
+/* Of any length, around what is asked for ahead; with what may be left out, and without. */
+static void batch_check(const lmb_volume_kernel *kernel, const opened *made, size_t first, size_t count)
+{
+    static lmb_sh3_rgb radiance[MOST_POSITIONS + 1];
+    static float visibility[MOST_POSITIONS + 1][LMB_KEY_LIGHTS_MOST];
+    static bool inside[MOST_POSITIONS + 1];
+    const lmb_vec3d *const position = made->position + first;
+    for (int outputs = 0; outputs < 4; ++outputs) {
+        const bool with_visibility = outputs & 1, with_inside = outputs & 2;
+        memset(radiance, 0x5a, sizeof radiance);
+        memset(visibility, 0x5a, sizeof visibility);
+        kernel->batch(made->volume, position, count, radiance, with_visibility ? visibility : NULL,
+                      with_inside ? inside : NULL);
+        for (size_t i = 0; i < count; ++i) {
+            const sampled single = sample_by(kernel, made->volume, position[i]);
+            sampled got = single;
+            got.radiance = radiance[i];
+            if (with_visibility) {
+                memcpy(got.visibility, visibility[i], sizeof got.visibility);
+            }
+            got.inside = with_inside ? inside[i] : single.inside;
+            CHECK(equal(&single, &got), "%s, %zu of %zu, outputs %d", kernel->name, i, count, outputs);
+        }
+        const unsigned char *const beyond = (const unsigned char *)&radiance[count];
+        CHECK(beyond[0] == 0x5a && ((const unsigned char *)visibility[count])[0] == 0x5a, "%zu: one too many", count);
+    }
+}
+
+static void batches_give_the_bits_of_single_calls(void)
+{
+    static const size_t counts[] = {0, 1, 2, 11, 12, 13, 15, 16, 17, 31, 32, 100, MOST_POSITIONS};
+    const lmb_volume_kernel *const kernels[2] = {&lmb_volume_kernel_scalar, lmb_volume_kernel_choose()};
+    for (int k = 0; k < CASES; ++k) {
+        opened made =
+            volume_make(&cases[k].lattice, cases[k].density, cases[k].magnitude, cases[k].keys, 50 + (uint64_t)k);
+        for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+            const size_t first = (i * 37) % (MOST_POSITIONS - counts[i] + 1);
+            batch_check(kernels[0], &made, first, counts[i]);
+            batch_check(kernels[1], &made, first, counts[i]);
+        }
+        volume_free(&made);
+    }
+}
+
+static const test_case table[] = {
+    {"kernels_give_the_same_bits", kernels_give_the_same_bits},
+    {"batches_give_the_bits_of_single_calls", batches_give_the_bits_of_single_calls},
+};
+TEST_MAIN(table)
