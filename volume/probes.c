@@ -200,21 +200,27 @@ static bool arrays_grow(lmb_probes *probes, int32_t added)
         probes->radiance[set] = radiance ? radiance : probes->radiance[set];
         good = good && radiance;
     }
+    return good;
+}
+
+static bool levels_grow(lmb_probes *probes)
+{
     lmb_probe_level *const level = array_grow(probes->level, sizeof *level, probes->level_count, 1);
     probes->level = level ? level : probes->level;
-    return good && level;
+    return level != NULL;
 }
 
 lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, const int32_t (*point)[3],
                                 int32_t count)
 {
     assert(probes && lattice && (point || count == 0));
-    if (!box_is_valid(lattice) || !axes_are_valid(lattice) || count < 0 || count > INT32_MAX - probes->count) {
+    if (!box_is_valid(lattice) || !axes_are_valid(lattice) || count < 0 || count > INT32_MAX - probes->count ||
+        probes->ghost_count > 0) {
         return LMB_ERROR_ARGUMENT;
     }
     lmb_probe_level added = {.lattice = *lattice, .first = probes->count, .count = count};
     lmb_result result = index_make(lattice, point, probes->count, count, &added.index);
-    if (result == LMB_OK && !arrays_grow(probes, count)) {
+    if (result == LMB_OK && !(levels_grow(probes) && arrays_grow(probes, count))) {
         result = LMB_ERROR_MEMORY;
     }
     if (result != LMB_OK) {
@@ -226,6 +232,32 @@ lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, 
     }
     probes->count += count;
     probes->level[probes->level_count++] = added;
+    return LMB_OK;
+}
+
+lmb_result lmb_probes_add_ghosts(lmb_probes *probes, uint32_t level, const int32_t (*point)[3], int32_t count,
+                                 int32_t *first)
+{
+    assert(probes && level < probes->level_count && (point || count == 0) && first);
+    lmb_probe_level *const own = &probes->level[level];
+    if (own->ghost_count > 0 || count < 0 || count > INT32_MAX - probes->count) {
+        return LMB_ERROR_ARGUMENT;
+    }
+    for (int32_t i = 0; i < count; ++i) {
+        if (!lmb_lattice_has(&own->lattice, point[i])) {
+            return LMB_ERROR_ARGUMENT;
+        }
+    }
+    if (!arrays_grow(probes, count)) {
+        return LMB_ERROR_MEMORY;
+    }
+    if (count > 0) {
+        memcpy(probes->point + probes->count, point, (size_t)count * sizeof *point);
+    }
+    own->ghost_first = *first = probes->count;
+    own->ghost_count = count;
+    probes->ghost_count += count;
+    probes->count += count;
     return LMB_OK;
 }
 
@@ -255,7 +287,11 @@ void lmb_probes_destroy(lmb_probes *probes)
     }
     for (uint32_t i = 0; i < probes->level_count; ++i) {
         lmb_probe_index_free(&probes->level[i].index);
+        lmb_probe_index_free(&probes->level[i].cut);
     }
+    free(probes->cut.cell);
+    free(probes->cut.plane);
+    free(probes->cut.corner);
     for (uint32_t set = 0; set < probes->set_count; ++set) {
         free(probes->radiance[set]);
     }
@@ -277,7 +313,9 @@ const lmb_probe_level *lmb_probes_level_of(const lmb_probes *probes, int32_t pro
 {
     assert(probes && probe >= 0 && probe < probes->count);
     const lmb_probe_level *level = probes->level;
-    while (probe >= level->first + level->count) {
+    const bool is_ghost = probe >= probes->count - probes->ghost_count;
+    while (is_ghost ? probe < level->ghost_first || probe >= level->ghost_first + level->ghost_count
+                    : probe >= level->first + level->count) {
         ++level;
     }
     return level;
@@ -426,7 +464,7 @@ lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error)
     int64_t next = 0;
     for (uint32_t i = 0; i < probes->level_count; ++i) {
         const lmb_probe_level *level = &probes->level[i];
-        if (level->first != next || level->count < 0 || next + level->count > probes->count) {
+        if (level->first != next || level->count < 0 || next + level->count > probes->count - probes->ghost_count) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: level %u has probes %d to %lld of %d", i,
                                  level->first, (long long)level->first + level->count - 1, probes->count);
         }
@@ -436,8 +474,12 @@ lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error)
         }
         next += level->count;
     }
+    next += probes->ghost_count;
     if (next != probes->count) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: %d, but %lld of levels", probes->count, (long long)next);
+    }
+    if (!lmb_probes_cuts_are_sane(probes)) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: a cut cell names probes or planes that are not its own");
     }
     if (!lmb_probes_key_lights_are_sane(probes)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT,

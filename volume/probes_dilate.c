@@ -6,6 +6,7 @@
 #include "volume_internal.h"
 
 #include <assert.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,7 +35,8 @@ void lmb_probes_dilation_passes(const lmb_probes *probes, int32_t *pass, int32_t
 {
     int32_t count = 0;
     for (int32_t probe = 0; probe < probes->count; ++probe) {
-        pass[probe] = probes->validity[probe] >= LMB_PROBES_MIN_VALIDITY ? 0 : -1;
+        const bool is_ghost = probe >= probes->count - probes->ghost_count;
+        pass[probe] = !is_ghost && probes->validity[probe] >= LMB_PROBES_MIN_VALIDITY ? 0 : -1;
         if (pass[probe] == 0) {
             order[count++] = probe;
         }
@@ -108,7 +110,7 @@ static void dilate_visibility(lmb_probes *probes, const int32_t *pass, const int
             fill_visibility(probes, pass, order[i]);
         }
     }
-    for (int32_t probe = 0; probe < probes->count; ++probe) {
+    for (int32_t probe = 0; probe < probes->count - probes->ghost_count; ++probe) {
         if (pass[probe] < 0) {
             memset(probes->key_visibility[probe], 0, sizeof *probes->key_visibility);
         }
@@ -117,7 +119,7 @@ static void dilate_visibility(lmb_probes *probes, const int32_t *pass, const int
 
 static void clear_unreached(const lmb_probes *probes, lmb_sh3_rgb *light, const int32_t *pass)
 {
-    for (int32_t probe = 0; probe < probes->count; ++probe) {
+    for (int32_t probe = 0; probe < probes->count - probes->ghost_count; ++probe) {
         if (pass[probe] < 0) {
             light[probe] = (lmb_sh3_rgb){{{{0.0f}}}};
         }

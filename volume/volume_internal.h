@@ -18,8 +18,12 @@ float lmb_probes_scale(const lmb_probes *probes);
 /* Whether they are few enough, each with a unit direction and an irradiance that is finite and not negative. */
 bool lmb_probes_key_lights_are_sane(const lmb_probes *probes);
 
+/* Whether ghosts are of points of their levels, and cut cells as lmb_probes_cut takes them. */
+bool lmb_probes_cuts_are_sane(const lmb_probes *probes);
+
 /* Which pass of the dilation fills a probe: `pass[probe]` is 0 for a valid probe, -1 for one that is never reached.
- * `order` lists the reached ones by rising pass, `*reached` says how many. Both arrays hold `count` elements. */
+ * `order` lists the reached ones by rising pass, `*reached` says how many. Both arrays hold `count` elements.
+ * Ghosts are left out: theirs is -1. */
 void lmb_probes_dilation_passes(const lmb_probes *probes, int32_t *pass, int32_t *order, int32_t *reached);
 
 #ifdef __cplusplus

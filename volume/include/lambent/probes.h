@@ -3,14 +3,19 @@
  * They are flat arrays. Levels, each a lattice of one spacing, turned or not, are indices over them: a level's probes
  * follow each other in the arrays, and it finds the one at any of its points. Nothing is held for points without a
  * probe. Light is one array for each set of lights, in the world's axes, also on a lattice that is turned. Key lights
- * (lambent/key_light.h) are kept apart from it: once, with what is seen of them at each probe. Files hold one level
- * that is not turned, and one set: writers refuse others. */
+ * (lambent/key_light.h) are kept apart from it: once, with what is seen of them at each probe.
+ *
+ * Light is interpolated in the finest level's cell that is there: one whose eight corners hold probes, or one that is
+ * cut. Cut cells (lambent/cell.h) have eight probes for each region of theirs: those at their corners, or ghosts, which
+ * stand for a corner as a region that does not hold it needs it. Ghosts follow the levels' probes in the arrays. */
 #ifndef LAMBENT_PROBES_H
 #define LAMBENT_PROBES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include <lambent/cell.h>
 #include <lambent/error.h>
 #include <lambent/key_light.h>
 #include <lambent/lattice.h>
@@ -48,7 +53,24 @@ typedef struct lmb_probe_level {
     lmb_lattice lattice;
     int32_t first, count; /* of its probes */
     lmb_probe_index index;
+    int32_t ghost_first, ghost_count;
+    lmb_probe_index cut; /* its cut cells, by their first points */
 } lmb_probe_level;
+
+typedef struct lmb_cut_cell {
+    int32_t point[3]; /* its first, on its level's lattice */
+    uint32_t level;
+    uint32_t plane_first, plane_count;
+    uint32_t region_first, region_count; /* >= 1 */
+} lmb_cut_cell;
+
+typedef struct lmb_cut_cells {
+    uint32_t count, plane_count, region_count;
+    lmb_cut_cell *cell;
+    lmb_cell_plane *plane;
+    int32_t (*corner)[8]; /* [region][corner, bit 0 is x, 1 is y, 2 is z] the probe: its level's at that point, or a
+                             ghost of that point */
+} lmb_cut_cells;
 
 typedef struct lmb_probes {
     int32_t count;
@@ -61,8 +83,10 @@ typedef struct lmb_probes {
     lmb_key_light key_light[LMB_KEY_LIGHTS_MOST];
     float (*key_visibility)[LMB_KEY_LIGHTS_MOST]; /* [probe][light] 0 to 1; 0 beyond the count */
     uint32_t level_count;
-    lmb_probe_level *level; /* the finest first */
-    lmb_vec3d origin;       /* world position that lmb_probes_position counts from; no file holds it */
+    lmb_probe_level *level; /* the finest first, each next one of twice the spacing */
+    int32_t ghost_count;    /* the last ones of all */
+    lmb_cut_cells cut;
+    lmb_vec3d origin; /* world position that lmb_probes_position counts from; no file holds it */
 } lmb_probes;
 
 #define LMB_PROBES_MIN_VALIDITY 0.5f
@@ -73,9 +97,22 @@ lmb_result lmb_probes_create(lmb_probes **probes);
 /* Adds a level with probes at these points of its lattice, each once, with validity 0, zero radiance in every set and
  * no key light seen, in that order. Earlier probes keep what they have; the arrays move.
  * @return LMB_ERROR_ARGUMENT (spacing, box or axes out of range, a point outside of the box or given twice, more than
- * 2^31 - 1 probes), _MEMORY; then nothing has changed */
+ * 2^31 - 1 probes, or there are ghosts), _MEMORY; then nothing has changed */
 lmb_result lmb_probes_add_level(lmb_probes *probes, const lmb_lattice *lattice, const int32_t (*point)[3],
                                 int32_t count);
+
+/* Adds ghosts of these points of a level, in that order, dark as a level's probes are: once for each level, after all
+ * levels were added. `*first` is the first one's index.
+ * @return LMB_ERROR_ARGUMENT (a point outside of the level's box, or it has ghosts), _MEMORY; then nothing has changed
+ */
+lmb_result lmb_probes_add_ghosts(lmb_probes *probes, uint32_t level, const int32_t (*point)[3], int32_t count,
+                                 int32_t *first);
+
+/* Cuts a cell of a level. `plane` may be NULL where there are none: then there is one region.
+ * @return LMB_ERROR_ARGUMENT (it is cut already, or not of the level's box; a plane leads backwards or nowhere; a
+ * corner is neither the probe of that point nor a ghost of it), _MEMORY; then nothing has changed */
+lmb_result lmb_probes_cut(lmb_probes *probes, uint32_t level, const int32_t point[3], const lmb_cell_plane *plane,
+                          uint32_t plane_count, const int32_t (*corner)[8], uint32_t region_count);
 
 /* Adds a set of lights, in which every probe has zero radiance. `*set` is its number: the first is 0, others follow.
  * `radiance` moves, the sets' arrays do not.
@@ -88,7 +125,15 @@ void lmb_probes_destroy(lmb_probes *probes);
 /* The probe at a point of a level's lattice, or -1. */
 int32_t lmb_probes_find(const lmb_probes *probes, uint32_t level, int32_t x, int32_t y, int32_t z);
 
-/* The level that a probe belongs to. */
+/* The eight probes around a place in its cell, and where in it that is, 0 to 1 along each axis.
+ * @return false, and nothing is set, where no level has a cell */
+bool lmb_probes_around(const lmb_probes *probes, lmb_vec3d position, int32_t probe[8], double fraction[3]);
+
+/* Their light there, by trilinear weights: what a file packed of these probes gives, up to rounding. All zero where
+ * there is no cell. */
+lmb_sh3_rgb lmb_probes_light(const lmb_probes *probes, uint32_t set, lmb_vec3d position);
+
+/* The level that a probe, or a ghost, belongs to. */
 const lmb_probe_level *lmb_probes_level_of(const lmb_probes *probes, int32_t probe);
 
 /* World position of a probe less `origin`, metres: found in double, rounded last. */
