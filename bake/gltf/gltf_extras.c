@@ -213,7 +213,7 @@ void lmb_gltf_material_light_set(const lmb_gltf_file *file, const lmb_warnings *
         } else {
             char key[LMB_GLTF_WHERE_SIZE];
             lmb_gltf_where(key, "lambent.%s", item->string);
-            doubt(&reader, where, key, "is ignored: of a material light_set alone is read");
+            doubt(&reader, where, key, "is ignored: only light_set is read of a material");
         }
     }
     cJSON_Delete(parsed);
