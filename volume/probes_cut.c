@@ -53,28 +53,39 @@ static bool cell_is_sane(const lmb_probes *probes, uint32_t level, const int32_t
     return sane && lmb_lattice_has(lattice, point);
 }
 
+static bool ghosts_are_sane(const lmb_probes *probes)
+{
+    int64_t ghosts = 0;
+    bool sane = true;
+    for (uint32_t level = 0; sane && level < probes->level_count; ++level) {
+        const lmb_probe_level *const own = &probes->level[level];
+        ghosts += own->ghost_count;
+        sane =
+            own->ghost_count == 0 || (own->ghost_count > 0 && own->ghost_first >= probes->count - probes->ghost_count &&
+                                      (int64_t)own->ghost_first + own->ghost_count <= probes->count);
+        for (int32_t i = 0; sane && i < own->ghost_count; ++i) {
+            sane = lmb_lattice_has(&own->lattice, probes->point[own->ghost_first + i]);
+        }
+    }
+    return sane && ghosts == probes->ghost_count;
+}
+
 bool lmb_probes_cuts_are_sane(const lmb_probes *probes)
 {
     const lmb_cut_cells *const cut = &probes->cut;
-    int64_t ghosts = 0;
-    bool sane = true;
-    for (uint32_t level = 0; level < probes->level_count; ++level) {
-        const lmb_probe_level *const own = &probes->level[level];
-        ghosts += own->ghost_count;
-        for (int32_t ghost = own->ghost_first; ghost < own->ghost_first + own->ghost_count; ++ghost) {
-            sane = sane && lmb_lattice_has(&own->lattice, probes->point[ghost]);
-        }
-    }
+    bool sane = ghosts_are_sane(probes);
     for (uint32_t i = 0; sane && i < cut->count; ++i) {
         const lmb_cut_cell *const cell = &cut->cell[i];
-        sane = cell->level < probes->level_count && cell_is_sane(probes, cell->level, cell->point) &&
+        sane = (uint64_t)cell->plane_first + cell->plane_count <= cut->plane_count &&
+               (uint64_t)cell->region_first + cell->region_count <= cut->region_count &&
+               cell->level < probes->level_count && cell_is_sane(probes, cell->level, cell->point) &&
                lmb_probe_index_find(&probes->level[cell->level].cut, cell->point) == (int32_t)i &&
                planes_are_sane(&cut->plane[cell->plane_first], cell->plane_count, cell->region_count);
         for (uint32_t region = 0; sane && region < cell->region_count; ++region) {
             sane = corners_are_sane(probes, cell->level, cell->point, cut->corner[cell->region_first + region]);
         }
     }
-    return sane && ghosts == probes->ghost_count;
+    return sane;
 }
 
 /* Room for `added` more elements; it doubles with every power of two. */
