@@ -334,6 +334,40 @@ static void test_light(void)
     lmb_probes_destroy(probes);
 }
 
+/* Which cell, region and probes a place has. */
+static void test_cells(void)
+{
+    static const struct {
+        lmb_vec3d at;
+        uint32_t level;
+        int32_t point[3];
+        int32_t cut; /* -1: a plain cell */
+        uint32_t region;
+    } cases[] = {
+        {{-0.9, 0.1, 0.1}, 0, {-2, 0, 0}, 0, 0},    {{-0.6, 0.1, 0.1}, 0, {-2, 0, 0}, 0, 1},
+        {{-0.25, 0.25, 0.25}, 0, {-1, 0, 0}, 1, 0}, {{0.1, 0.4, 0.1}, 0, {0, 0, 0}, 2, 0},
+        {{0.4, 0.1, 0.1}, 0, {0, 0, 0}, 2, 1},      {{0.4, 0.4, 0.1}, 0, {0, 0, 0}, 2, 2},
+        {{0.6, 0.2, 0.2}, 0, {1, 0, 0}, -1, 0},     {{0.6, 0.2, 0.7}, 1, {0, 0, 0}, -1, 0},
+        {{1.8, 0.8, 0.1}, 1, {1, 0, 0}, 4, 1},      {{1.8, 1.8, 0.1}, 1, {1, 1, 0}, -1, 0},
+    };
+    lmb_probes *const probes = cut_fixture_probes();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        lmb_probe_cell cell = {0};
+        CHECK(lmb_probes_cell(probes, cases[i].at, &cell), "case %zu: no cell", i);
+        CHECK(cell.level == cases[i].level && memcmp(cell.point, cases[i].point, sizeof cell.point) == 0 &&
+                  cell.cut == cases[i].cut && cell.region == cases[i].region,
+              "case %zu: level %u, (%d, %d, %d), cut %d, region %u", i, cell.level, cell.point[0], cell.point[1],
+              cell.point[2], cell.cut, cell.region);
+        const double spacing = (double)probes->level[cell.level].lattice.spacing;
+        CHECK_NEAR((cell.point[2] + cell.fraction[2]) * spacing, cases[i].at.z, 1e-12, "case %zu", i);
+        CHECK(probes->point[cell.probe[5]][0] == cell.point[0] + 1 &&
+                  probes->point[cell.probe[5]][1] == cell.point[1] &&
+                  probes->point[cell.probe[5]][2] == cell.point[2] + 1,
+              "case %zu: corner 5 is elsewhere", i);
+    }
+    lmb_probes_destroy(probes);
+}
+
 static void test_no_light(void)
 {
     lmb_probes *const probes = cut_fixture_probes();
@@ -370,6 +404,7 @@ static const test_case cases[] = {
     {"cutting cells", test_cutting},
     {"every broken invariant is found", test_validate},
     {"light in cut cells and levels", test_light},
+    {"the cell of a place", test_cells},
     {"no light where there is no cell", test_no_light},
     {"each set has its light", test_light_of_sets},
 };
