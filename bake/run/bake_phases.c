@@ -63,6 +63,26 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
     return bake;
 }
 
+/* Placement said that it was done; it can still be stopped. */
+static bool report_placed(void *context, const char *phase, double done)
+{
+    const lmb_progress *progress = context;
+    (void)phase;
+    (void)done;
+    return progress->report(progress->context, lmb_bake_phase_name(LMB_PHASE_PLACE), 1.0);
+}
+
+static lmb_result regions_make(lmb_bake *bake, lmb_error *error)
+{
+    lmb_bake_record *record = &bake->record;
+    lmb_progress placed = bake->progress ? *bake->progress : (lmb_progress){.report = NULL};
+    const lmb_progress progress = {placed.report ? report_placed : NULL, &placed};
+    const lmb_result result = lmb_regions_make(bake->level->tracer, bake->level->pool, &progress, bake->probes,
+                                               &bake->regions, &record->regions);
+    record->rays[LMB_PHASE_PLACE] += record->regions.rays;
+    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "regions: %s", lmb_result_text(result));
+}
+
 /* What placement made of the settings: the spacing that it chose, seeds rounded to where floats are. */
 static void record_placed(lmb_bake *bake)
 {
@@ -100,13 +120,16 @@ lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
                                              .seed_count = record->settings.seed_count,
                                              .warnings = *warnings,
                                              .progress = bake->progress};
-    const lmb_result result =
+    lmb_result result =
         lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, &bake->probes, &record->placement, error);
+    if (result == LMB_OK) {
+        record_placed(bake);
+        result = regions_make(bake, error);
+    }
     record->seconds[LMB_PHASE_PLACE] = lmb_clock_seconds() - start;
     if (result != LMB_OK) {
         return result;
     }
-    record_placed(bake);
     if (record->placement.everything_solid) {
         lmb_warn(warnings, "%s: all faces look away from all free space; baking everywhere in its bounds",
                  bake->level->scene->path);
@@ -220,7 +243,7 @@ static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list)
         lmb_gather_stats_renew(&record->gathered, gathered, list->count);
     }
     if (result == LMB_OK) {
-        result = lmb_probe_list_finish(list, gathered, bake->probes);
+        result = lmb_probe_list_finish(list, gathered, bake->level->pool, bake->probes);
     }
     free(gathered);
     return result;
@@ -231,7 +254,7 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     lmb_probe_list list;
-    lmb_result result = lmb_probe_list_create(bake->probes, bake->level->transport.tracer, &list);
+    lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, bake->level->transport.tracer, &list);
     if (result == LMB_OK) {
         result = probes_gather(bake, &list);
         lmb_probe_list_free(&list);
@@ -296,7 +319,9 @@ void lmb_bake_end(lmb_bake *bake)
 {
     lmb_texel_list_destroy(bake->texels);
     lmb_lightmap_destroy(bake->lightmap);
+    lmb_regions_destroy(bake->regions);
     lmb_probes_destroy(bake->probes);
+    bake->regions = NULL;
     bake->texels = NULL;
     bake->lightmap = NULL;
     bake->probes = NULL;

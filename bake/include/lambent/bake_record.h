@@ -44,6 +44,7 @@ typedef struct lmb_bake_record {
     lmb_key_light key_light[LMB_KEY_LIGHTS_MOST];
     int32_t probes; /* with those that are dilated */
     lmb_placement_stats placement;
+    lmb_regions_stats regions;
     lmb_gather_stats gathered; /* of probes */
     lmb_gather_stats lightmap; /* of texels */
     int32_t images;
