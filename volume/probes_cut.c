@@ -142,9 +142,8 @@ lmb_result lmb_probes_cut(lmb_probes *probes, uint32_t level, const int32_t poin
     return LMB_OK;
 }
 
-/* The probes of a level's cell for a place in it. */
-static bool cell_probes(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
-                        int32_t probe[8])
+bool lmb_probes_cell_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
+                             int32_t probe[8])
 {
     const lmb_probe_level *const own = &probes->level[level];
     const int32_t cut = lmb_probe_index_find(&own->cut, cell);
@@ -172,7 +171,7 @@ bool lmb_probes_around(const lmb_probes *probes, lmb_vec3d position, int32_t pro
         int32_t cell[3], around[8];
         double within[3];
         if (lmb_lattice_cell(&probes->level[level].lattice, position, cell, within) &&
-            cell_probes(probes, level, cell, within, around)) {
+            lmb_probes_leaf_corners(probes, level, cell, within, around)) {
             memcpy(probe, around, sizeof around);
             memcpy(fraction, within, sizeof within);
             return true;

@@ -18,7 +18,8 @@ lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_tracer *tra
         return LMB_ERROR_MEMORY;
     }
     for (int32_t i = 0; i < probes->count; ++i) {
-        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
+        lmb_probe_parents parents;
+        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY && !lmb_probes_hangs(probes, i, &parents)) {
             list->probe[list->count++] = i;
         }
     }

@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-/* The probes that light is gathered at: those of which `validity` says that they are worth it, relocated out
- * of geometry nearby. Probes and tracer must outlive them. */
+/* The probes that light is gathered at: those of which `validity` says that they are worth it, and that do not hang,
+ * relocated out of geometry nearby. Probes and tracer must outlive them. */
 typedef struct lmb_probe_list {
     const lmb_probes *probes;
     const lmb_tracer *tracer;
