@@ -82,6 +82,13 @@ LMB_API bool lmb_volume_sample_at(const lmb_volume *volume, lmb_vec3d position, 
 LMB_API bool lmb_volume_sample_with_keys(const lmb_volume *volume, lmb_vec3d position, lmb_sh3_rgb *radiance,
                                          float visibility[LMB_KEY_LIGHTS_MOST]);
 
+/* Several volumes of one level, each with a weight: sets of lights that are dimmed, switched and, from two bakes,
+ * blended. Harmonics are added before anything is made of them: the sum is exact, which that of solved models is not.
+ * Weights are finite and not negative. Key lights are not in it: each volume has its own, of its weight.
+ * @return true inside of all of them; never NaN */
+LMB_API bool lmb_volume_blend(const lmb_volume *const *volume, const float *weight, uint32_t count, lmb_vec3d position,
+                              lmb_sh3_rgb *radiance);
+
 /* Many at once, in any order: the bits of single calls, sooner, as what later positions need is fetched from memory
  * while earlier ones are added up. It pays where positions are far apart; nearby ones are in the caches anyway, so that
  * there is nothing to sort. Nothing is allocated.
