@@ -257,7 +257,7 @@ static void errors_measure(const levels_work *work, const lmb_probes *probes, ru
 static lmb_result probes_gather(lmb_bake *bake)
 {
     lmb_probe_list list;
-    lmb_result result = lmb_probe_list_create(bake->probes, bake->level->tracer, &list);
+    lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, bake->level->tracer, &list);
     if (result != LMB_OK) {
         return result;
     }
@@ -268,7 +268,7 @@ static lmb_result probes_gather(lmb_bake *bake)
     result = gathered ? lmb_gather_elements(&job, bake->level->pool, NULL, gathered, &bake->record.gathered)
                       : LMB_ERROR_MEMORY;
     if (result == LMB_OK) {
-        result = lmb_probe_list_finish(&list, gathered, bake->probes);
+        result = lmb_probe_list_finish(&list, gathered, bake->level->pool, bake->probes);
     }
     if (result == LMB_OK) {
         result = lmb_probes_add_set(bake->probes, &list.set);
@@ -277,7 +277,7 @@ static lmb_result probes_gather(lmb_bake *bake)
         for (size_t i = 0; i < list.count; ++i) {
             gathered[i].moments = gathered[i].difference;
         }
-        result = lmb_probe_list_finish(&list, gathered, bake->probes);
+        result = lmb_probe_list_finish(&list, gathered, bake->level->pool, bake->probes);
     }
     free(gathered);
     lmb_probe_list_free(&list);

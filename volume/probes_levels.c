@@ -55,6 +55,20 @@ bool lmb_probes_leaf_corners(const lmb_probes *probes, uint32_t level, const int
     return level == 0 || !brick_has_cell(probes, level - 1, cube);
 }
 
+bool lmb_probes_level_has(const lmb_probes *probes, uint32_t level, const int32_t cell[3])
+{
+    assert(probes && level < probes->level_count && cell);
+    bool has = true;
+    int32_t cube[3] = {divided(cell[0], 2), divided(cell[1], 2), divided(cell[2], 2)};
+    for (uint32_t at = level; at < probes->level_count && has; ++at) {
+        has = at == 0 || brick_has_cell(probes, at - 1, cube) == (at > level);
+        for (int axis = 0; axis < 3; ++axis) {
+            cube[axis] = divided(cube[axis], 2);
+        }
+    }
+    return has;
+}
+
 bool lmb_probes_cell_is_leaf(const lmb_probes *probes, uint32_t level, const int32_t cell[3])
 {
     assert(probes && level < probes->level_count && cell);

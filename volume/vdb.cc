@@ -185,7 +185,7 @@ FloatGrid::Ptr make_validity_grid(const lmb_probes &probes)
     validity->setTransform(
         openvdb::math::Transform::createLinearTransform(static_cast<double>(probes.level[0].lattice.spacing)));
     FloatGrid::Accessor accessor = validity->getAccessor();
-    for (int32_t probe = 0; probe < probes.count; ++probe) {
+    for (int32_t probe = 0; probe < probes.count - probes.ghost_count; ++probe) {
         accessor.setValue(Coord(probes.point[probe]), probes.validity[probe]);
     }
     return validity;
@@ -200,7 +200,7 @@ Vec3SGrid::Ptr make_coefficient_grid(const lmb_probes &probes, const FloatGrid &
     coefficient->setSaveFloatAsHalf(true);
     coefficient->setVectorType(openvdb::VEC_INVARIANT);
     Vec3SGrid::Accessor accessor = coefficient->getAccessor();
-    for (int32_t probe = 0; probe < probes.count; ++probe) {
+    for (int32_t probe = 0; probe < probes.count - probes.ghost_count; ++probe) {
         const lmb_sh3 *const channel = probes.radiance[0][probe].channel;
         accessor.setValueOnly(Coord(probes.point[probe]),
                               openvdb::Vec3s(channel[0].c[i], channel[1].c[i], channel[2].c[i]) / scale);
@@ -215,7 +215,7 @@ FloatGrid::Ptr make_visibility_grid(const lmb_probes &probes, const FloatGrid &v
     visibility->setName(visibility_name(key));
     visibility->setTransform(validity.transform().copy());
     FloatGrid::Accessor accessor = visibility->getAccessor();
-    for (int32_t probe = 0; probe < probes.count; ++probe) {
+    for (int32_t probe = 0; probe < probes.count - probes.ghost_count; ++probe) {
         accessor.setValueOnly(Coord(probes.point[probe]), probes.key_visibility[probe][key]);
     }
     return visibility;
@@ -223,7 +223,7 @@ FloatGrid::Ptr make_visibility_grid(const lmb_probes &probes, const FloatGrid &v
 
 void check_magnitudes(const lmb_probes &probes, float scale)
 {
-    for (int32_t probe = 0; probe < probes.count; ++probe) {
+    for (int32_t probe = 0; probe < probes.count - probes.ghost_count; ++probe) {
         for (const lmb_sh3 &channel : probes.radiance[0][probe].channel) {
             for (const float value : channel.c) {
                 if (!(std::fabs(value / scale) <= LMB_HALF_MAX)) {
@@ -484,7 +484,7 @@ void read_coefficient(const Vec3SGrid &coefficient, int i, lmb_probes &probes)
     check_version(coefficient);
     const float scale = read_scale(coefficient);
     const Vec3SGrid::ConstAccessor accessor = coefficient.getConstAccessor();
-    for (int32_t probe = 0; probe < probes.count; ++probe) {
+    for (int32_t probe = 0; probe < probes.count - probes.ghost_count; ++probe) {
         openvdb::Vec3s value;
         if (!accessor.probeValue(Coord(probes.point[probe]), value)) {
             fail(LMB_ERROR_FORMAT, "grids " + coefficient.getName() + " and validity differ in active voxels");
@@ -508,7 +508,7 @@ void read_key_light(const Contents &contents, uint32_t key, lmb_probes &probes)
     probes.key_light[key] = {{to_light[0], to_light[1], to_light[2]}, {{light[0], light[1], light[2]}}};
     probes.key_light_count = key + 1;
     const FloatGrid::ConstAccessor accessor = visibility.getConstAccessor();
-    for (int32_t probe = 0; probe < probes.count; ++probe) {
+    for (int32_t probe = 0; probe < probes.count - probes.ghost_count; ++probe) {
         float seen = 0.0f;
         if (!accessor.probeValue(Coord(probes.point[probe]), seen)) {
             fail(LMB_ERROR_FORMAT, "grids " + visibility.getName() + " and validity differ in active voxels");
@@ -521,7 +521,7 @@ ProbesHandle read_probes(const Contents &contents)
 {
     ProbesHandle probes = make_probes(contents);
     const FloatGrid::ConstAccessor accessor = contents.validity->getConstAccessor();
-    for (int32_t probe = 0; probe < probes->count; ++probe) {
+    for (int32_t probe = 0; probe < probes->count - probes->ghost_count; ++probe) {
         probes->validity[probe] = accessor.getValue(Coord(probes->point[probe]));
     }
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {

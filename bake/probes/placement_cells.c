@@ -7,9 +7,9 @@
 #include <lambent/surface.h>
 #include <lambent/vector.h>
 
-/* Whether a triangle, given relative to the centre of a cube of half side 1, touches the cube: separating axes after
- * Akenine-Moeller 2001 (three cube normals, the triangle's normal, nine cross products of edges). */
-static bool triangle_touches_cube(const lmb_vec3 corner[3])
+/* Separating axes after Akenine-Moeller 2001: three cube normals, the triangle's normal, nine cross products of edges.
+ */
+bool lmb_triangle_touches_cube(const lmb_vec3 corner[3])
 {
     const lmb_vec3 edge[3] = {lmb_vec3_sub(corner[1], corner[0]), lmb_vec3_sub(corner[2], corner[1]),
                               lmb_vec3_sub(corner[0], corner[2])};
@@ -96,7 +96,7 @@ static void cell_mark(const lmb_probes *probes, const lmb_lattice *lattice, int3
     for (int k = 0; k < 3; ++k) {
         local[k] = lmb_vec3_scale(vector_to_lattice(lattice, lmb_vec3_sub(corner[k], centre)), 1.0f / half);
     }
-    crossed[probe] = triangle_touches_cube(local);
+    crossed[probe] = lmb_triangle_touches_cube(local);
 }
 
 static double range_cells(const cell_range *range)

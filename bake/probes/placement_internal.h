@@ -84,6 +84,9 @@ typedef struct lmb_seed_list {
  * @return LMB_ERROR_UNSUPPORTED (too many points), _MEMORY, _INTERRUPTED */
 lmb_result lmb_survey_flood(lmb_survey *survey, const lmb_seed_list *seeds, bool *any);
 
+/* Whether a triangle, given relative to the centre of a cube of half side 1, touches the cube. */
+bool lmb_triangle_touches_cube(const lmb_vec3 corner[3]);
+
 /* Number of a level's leaf cells, and how many of them a static triangle passes through. */
 lmb_result lmb_placement_count_cells(const lmb_probes *probes, uint32_t level, const lmb_tracer *tracer, int64_t *cells,
                                      int64_t *crossed);

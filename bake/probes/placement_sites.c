@@ -174,7 +174,8 @@ static void look_task(void *context, size_t task, int worker)
 static bool share_report(void *context, const char *phase, double done)
 {
     const lmb_sites *sites = context;
-    return sites->progress->report(sites->progress->context, phase, sites->done + sites->share * done);
+    (void)phase; /* of a list that bakes have, too */
+    return sites->progress->report(sites->progress->context, "levels", sites->done + sites->share * done);
 }
 
 lmb_result lmb_sites_look(lmb_sites *sites)
@@ -211,21 +212,26 @@ static void light_site(const void *context, size_t element, lmb_gather_site *sit
     site->count = 1;
 }
 
+lmb_result lmb_sites_gather(lmb_sites *sites, const lmb_gather_list *list, lmb_gathered *gathered)
+{
+    const lmb_gather_job job = lmb_gather_job_all(sites->transport, list, &sites->effort);
+    const bool reports = sites->progress && sites->progress->report;
+    const lmb_progress progress = {reports ? share_report : NULL, sites};
+    lmb_gather_stats stats;
+    const lmb_result result = lmb_gather_elements(&job, sites->pool, &progress, gathered, &stats);
+    sites->rays += result == LMB_OK ? stats.rays : 0;
+    return result;
+}
+
 static lmb_result light_some(lmb_sites *sites, const int32_t *number, size_t count, lmb_gathered *gathered)
 {
     const light_list context = {sites, number};
     const lmb_gather_list list = {
         .name = "levels", .count = count, .most_points = 1, .find_site = light_site, .context = &context};
-    const lmb_gather_job job = lmb_gather_job_all(sites->transport, &list, &sites->effort);
-    const bool reports = sites->progress && sites->progress->report;
-    const lmb_progress progress = {reports ? share_report : NULL, sites};
-    lmb_gather_stats stats;
-    const lmb_result result = lmb_gather_elements(&job, sites->pool, &progress, gathered, &stats);
+    const lmb_result result = lmb_sites_gather(sites, &list, gathered);
     if (result != LMB_OK) {
         return result;
     }
-    sites->rays += stats.rays;
-    sites->samples += stats.samples;
     for (size_t i = 0; i < count; ++i) {
         lmb_site *const site = &sites->site[number[i]];
         site->light = gathered[i].moments;

@@ -33,7 +33,7 @@ typedef struct lmb_sites {
     lmb_point_set points;
     int32_t known; /* the first ones, of which `site` says all but light */
     lmb_site *site;
-    uint64_t rays, samples;
+    uint64_t rays;
 } lmb_sites;
 
 /* Of the fields before. @return LMB_ERROR_UNSUPPORTED: the finest spacing is too fine for the level's size */
@@ -56,6 +56,9 @@ lmb_result lmb_sites_look(lmb_sites *sites);
 
 /* The site of a level's point, or NULL. */
 lmb_site *lmb_sites_find(const lmb_sites *sites, uint32_t level, const int32_t point[3]);
+
+/* Gathers at a list, as for sites. @return LMB_ERROR_MEMORY, _INTERRUPTED */
+lmb_result lmb_sites_gather(lmb_sites *sites, const lmb_gather_list *list, lmb_gathered *gathered);
 
 /* Gathers light at those of the `count` sites, by number and in this order, that are free and have none.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */

@@ -5,11 +5,15 @@
 #include <string.h>
 
 #include <lambent/key_lights.h>
+#include <lambent/probes_bake.h>
 
 /* Where a cell is tried, in halves of it. */
 enum { TRIAL_POINTS = 7 };
 static const int trial_point[TRIAL_POINTS][3] = {{1, 1, 1}, {0, 1, 1}, {2, 1, 1}, {1, 0, 1},
                                                  {1, 2, 1}, {1, 1, 0}, {1, 1, 2}};
+
+/* How far within its cell a face is looked at. */
+#define WITHIN_SPACINGS 1e-3
 
 void lmb_level_cubes_free(lmb_level_cubes *cubes)
 {
@@ -159,59 +163,59 @@ static double key_weight(const lmb_key_light *light)
 
 /* A level's corners with their light in set 0 and its noise in set 1, as they would be baked. */
 typedef struct trial_level {
-    lmb_probes *corners;
+    lmb_probes *corners; /* with regions cut */
     uint32_t key_count;
     double key_weight[LMB_KEY_LIGHTS_MOST];
     double floor_squared;
 } trial_level;
 
-/* The squared error at a place where the light is known, from the mean of some corners: the product of what the two
+/* The squared error at a place where the light is known, of what is interpolated there: the product of what the two
  * halves of all samples make of it, so that noise adds nothing on average. */
-static double site_error(const trial_level *trial, const lmb_site *site, const int32_t *corner, int count)
+static double site_error(const trial_level *trial, const lmb_site *site, const int32_t corner[8],
+                         const double weight[8])
 {
     double squared_error = 0.0, squared_light = 0.0;
     for (int i = 0; i < 3 * LMB_SH3_COUNT; ++i) {
         const int channel = i / LMB_SH3_COUNT, k = i % LMB_SH3_COUNT;
-        double light = 0.0, difference = 0.0;
-        for (int n = 0; n < count; ++n) {
-            light += (double)trial->corners->radiance[0][corner[n]].channel[channel].c[k] / count;
-            difference += (double)trial->corners->radiance[1][corner[n]].channel[channel].c[k] / count;
-        }
         const double there = (double)site->light.channel[channel].c[k];
-        const double off = there - light, noise = (double)site->difference.channel[channel].c[k] - difference;
+        double off = there, noise = (double)site->difference.channel[channel].c[k];
+        for (int n = 0; n < 8; ++n) {
+            off -= weight[n] * (double)trial->corners->radiance[0][corner[n]].channel[channel].c[k];
+            noise -= weight[n] * (double)trial->corners->radiance[1][corner[n]].channel[channel].c[k];
+        }
         squared_error += band_weight(k) * (off * off - noise * noise);
         squared_light += band_weight(k) * there * there;
     }
     for (uint32_t key = 0; key < trial->key_count; ++key) {
-        double seen = 0.0;
-        for (int n = 0; n < count; ++n) {
-            seen += (double)trial->corners->key_visibility[corner[n]][key] / count;
-        }
         const double there = (double)site->key_visibility[key];
-        squared_error += trial->key_weight[key] * (there - seen) * (there - seen);
+        double off = there;
+        for (int n = 0; n < 8; ++n) {
+            off -= weight[n] * (double)trial->corners->key_visibility[corner[n]][key];
+        }
+        squared_error += trial->key_weight[key] * off * off;
         squared_light += trial->key_weight[key] * there * there;
     }
     const double scale = fmax(squared_light, trial->floor_squared);
     return scale > 0.0 ? squared_error / scale : 0.0;
 }
 
-/* The corners that the mean is over at a trial point; their number. */
-static int trial_corners(const lmb_probes *corners, const int32_t cell[3], const int offset[3], int32_t corner[8])
+/* The probes around a trial point, a little within its cell, as the other side of a face may be another region.
+ * @return false where the cell has none */
+static bool trial_corners(const lmb_probes *corners, const int32_t cell[3], const int offset[3], int32_t corner[8],
+                          double weight[8])
 {
-    int count = 0;
-    for (int i = 0; i < 8; ++i) {
-        int32_t point[3];
-        bool counts = true;
-        for (int axis = 0; axis < 3; ++axis) {
-            const int side = i >> axis & 1;
-            point[axis] = cell[axis] + side;
-            counts = counts && (offset[axis] == 1 || offset[axis] == 2 * side);
-        }
-        if (counts) {
-            corner[count++] = lmb_probe_index_find(&corners->level[0].index, point);
-        }
+    const double spacing = (double)corners->level[0].lattice.spacing;
+    double at[3], t[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        at[axis] = spacing * (cell[axis] + 0.5 + (0.5 - WITHIN_SPACINGS) * (offset[axis] - 1));
     }
-    return count;
+    if (!lmb_probes_around(corners, (lmb_vec3d){at[0], at[1], at[2]}, corner, t)) {
+        return false;
+    }
+    for (int i = 0; i < 8; ++i) {
+        weight[i] = (i & 1 ? t[0] : 1.0 - t[0]) * (i & 2 ? t[1] : 1.0 - t[1]) * (i & 4 ? t[2] : 1.0 - t[2]);
+    }
+    return true;
 }
 
 static void trial_site_point(const int32_t cell[3], int i, int32_t point[3])
@@ -228,11 +232,11 @@ static double cell_error(const lmb_sites *sites, const trial_level *trial, uint3
     int places = 0;
     for (int i = 0; i < TRIAL_POINTS; ++i) {
         int32_t point[3], corner[8];
+        double weight[8];
         trial_site_point(cell, i, point);
         const lmb_site *const site = lmb_sites_find(sites, level - 1, point);
-        if (site && site->free) {
-            const int count = trial_corners(trial->corners, cell, trial_point[i], corner);
-            sum += site_error(trial, site, corner, count);
+        if (site && site->free && trial_corners(trial->corners, cell, trial_point[i], corner, weight)) {
+            sum += site_error(trial, site, corner, weight);
             ++places;
         }
     }
@@ -308,7 +312,43 @@ static void corners_fill(const lmb_sites *sites, uint32_t level, lmb_probes *cor
     }
 }
 
-static lmb_result corners_make(const lmb_sites *sites, const lmb_level_cubes *cubes, lmb_probes **made)
+/* Cuts the cells that geometry cuts, gathers light for their regions, and fits both sets. */
+static lmb_result corners_cut(lmb_sites *sites, lmb_probes *corners)
+{
+    const lmb_tracer *tracer = sites->transport->tracer;
+    lmb_regions *regions = NULL;
+    lmb_regions_stats stats;
+    lmb_probe_list list = {.probe = NULL};
+    lmb_gathered *gathered = NULL;
+    lmb_result result = lmb_regions_make(tracer, sites->pool, NULL, corners, &regions, &stats);
+    if (result == LMB_OK) {
+        sites->rays += stats.rays;
+        result = lmb_probe_list_create(corners, regions, tracer, &list);
+    }
+    if (result == LMB_OK) {
+        /* Corners have theirs. */
+        list.count -= list.probe_count;
+        list.probe_count = 0;
+        gathered = malloc((list.count + 1) * sizeof *gathered);
+        const lmb_gather_list elements = lmb_probe_list_elements(&list);
+        result = gathered ? lmb_sites_gather(sites, &elements, gathered) : LMB_ERROR_MEMORY;
+    }
+    if (result == LMB_OK) {
+        result = lmb_regions_fit(regions, gathered, 0, sites->pool, corners);
+    }
+    if (result == LMB_OK) {
+        for (size_t i = 0; i < list.count; ++i) {
+            gathered[i].moments = gathered[i].difference;
+        }
+        result = lmb_regions_fit(regions, gathered, 1, sites->pool, corners);
+    }
+    free(gathered);
+    lmb_probe_list_free(&list);
+    lmb_regions_destroy(regions);
+    return result;
+}
+
+static lmb_result corners_make(lmb_sites *sites, const lmb_level_cubes *cubes, lmb_probes **made)
 {
     lmb_point_set points = {0};
     lmb_probes *corners = NULL;
@@ -325,9 +365,13 @@ static lmb_result corners_make(const lmb_sites *sites, const lmb_level_cubes *cu
         result = lmb_probes_add_set(corners, &noise);
     }
     if (result == LMB_OK) {
+        corners->origin = sites->even->origin;
         corners->key_light_count = lmb_scene_key_lights(lmb_tracer_scene(sites->transport->tracer), corners->key_light);
         corners_fill(sites, cubes->level, corners);
         result = lmb_probes_dilate(corners);
+    }
+    if (result == LMB_OK) {
+        result = corners_cut(sites, corners);
     }
     lmb_point_set_free(&points);
     if (result != LMB_OK) {

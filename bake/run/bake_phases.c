@@ -64,6 +64,31 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
     return bake;
 }
 
+/* The phase before said that it was done; it can still be stopped. */
+typedef struct regions_report {
+    const lmb_progress *progress;
+    lmb_bake_phase phase;
+} regions_report;
+
+static bool report_regions(void *context, const char *name, double done)
+{
+    const regions_report *report = context;
+    (void)name;
+    (void)done;
+    return report->progress->report(report->progress->context, lmb_bake_phase_name(report->phase), 1.0);
+}
+
+lmb_result lmb_bake_regions(lmb_bake *bake, lmb_bake_phase phase, lmb_error *error)
+{
+    lmb_bake_record *record = &bake->record;
+    regions_report report = {bake->progress, phase};
+    const lmb_progress progress = {bake->progress && bake->progress->report ? report_regions : NULL, &report};
+    const lmb_result result = lmb_regions_make(bake->level->tracer, bake->level->pool, &progress, bake->probes,
+                                               &bake->regions, &record->regions);
+    record->rays[phase] += record->regions.rays;
+    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "regions: %s", lmb_result_text(result));
+}
+
 /* What placement made of the settings: the spacing that it chose, seeds rounded to where floats are. */
 static void record_placed(lmb_bake *bake)
 {
@@ -97,13 +122,16 @@ lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
                                              .seed_count = record->settings.seed_count,
                                              .warnings = *warnings,
                                              .progress = bake->progress};
-    const lmb_result result =
+    lmb_result result =
         lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, &bake->probes, &record->placement, error);
+    if (result == LMB_OK) {
+        record_placed(bake);
+        result = plan.coarser + plan.finer == 0 ? lmb_bake_regions(bake, LMB_PHASE_PLACE, error) : LMB_OK;
+    }
     record->seconds[LMB_PHASE_PLACE] = lmb_clock_seconds() - start;
     if (result != LMB_OK) {
         return result;
     }
-    record_placed(bake);
     if (record->placement.everything_solid) {
         lmb_warn(warnings, "%s: all faces look away from all free space; baking everywhere in its bounds",
                  bake->level->scene->path);
@@ -217,7 +245,7 @@ static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list)
         lmb_gather_stats_renew(&record->gathered, gathered, list->count);
     }
     if (result == LMB_OK) {
-        result = lmb_probe_list_finish(list, gathered, bake->probes);
+        result = lmb_probe_list_finish(list, gathered, bake->level->pool, bake->probes);
     }
     free(gathered);
     return result;
@@ -228,7 +256,7 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     lmb_probe_list list;
-    lmb_result result = lmb_probe_list_create(bake->probes, bake->level->transport.tracer, &list);
+    lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, bake->level->transport.tracer, &list);
     if (result == LMB_OK) {
         result = probes_gather(bake, &list);
         lmb_probe_list_free(&list);
@@ -293,7 +321,9 @@ void lmb_bake_end(lmb_bake *bake)
 {
     lmb_texel_list_destroy(bake->texels);
     lmb_lightmap_destroy(bake->lightmap);
+    lmb_regions_destroy(bake->regions);
     lmb_probes_destroy(bake->probes);
+    bake->regions = NULL;
     bake->texels = NULL;
     bake->lightmap = NULL;
     bake->probes = NULL;

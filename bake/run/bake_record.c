@@ -70,6 +70,9 @@ static void json_add_elements(cJSON *json, const lmb_bake_record *record)
     cJSON_AddNumberToObject(json, "probes_hanging", record->placement.probes_hanging);
     cJSON_AddNumberToObject(json, "cells", (double)record->placement.cells);
     cJSON_AddNumberToObject(json, "cells_crossed", (double)record->placement.cells_crossed);
+    cJSON_AddNumberToObject(json, "cells_cut", (double)record->regions.cells_cut);
+    cJSON_AddNumberToObject(json, "ghosts", (double)record->regions.ghosts);
+    cJSON_AddNumberToObject(json, "region_points", (double)record->regions.points);
     cJSON_AddNumberToObject(json, "texels", (double)record->lightmap.elements);
     cJSON_AddNumberToObject(json, "texels_pushed_out", (double)record->lightmap.moved);
     cJSON_AddNumberToObject(json, "texels_used", record->texels_used);

@@ -14,6 +14,7 @@ typedef struct lmb_bake {
     lmb_level *level;
     const lmb_progress *progress; /* NULL: silent */
     lmb_probes *probes;           /* once placed */
+    lmb_regions *regions;         /* likewise */
     lmb_lightmap *lightmap;       /* once laid out, if wanted */
     lmb_texel_list *texels;       /* its texels, likewise */
     lmb_bake_record record;       /* of the phases that have run */

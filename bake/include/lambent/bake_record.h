@@ -55,6 +55,7 @@ typedef struct lmb_bake_record {
     uint32_t level_count;
     lmb_level_record level[LMB_BAKE_LEVELS_MOST]; /* the finest first */
     lmb_placement_stats placement;
+    lmb_regions_stats regions;
     lmb_gather_stats gathered; /* of probes */
     lmb_gather_stats lightmap; /* of texels */
     int32_t images;

@@ -150,6 +150,10 @@ float lmb_probes_footprint(const lmb_probes *probes, int32_t probe);
  * `error` */
 lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error);
 
+/* Whether the place of a level's cell is the level's, wherever it has cells: coarser levels give way there, and no
+ * finer one's cell is in its cube of 2 x 2 x 2. What no level has cells near is the coarsest's. */
+bool lmb_probes_level_has(const lmb_probes *probes, uint32_t level, const int32_t cell[3]);
+
 /* Whether light is interpolated in a level's cell: it is there, and no finer cell is in its cube of 2 x 2 x 2. */
 bool lmb_probes_cell_is_leaf(const lmb_probes *probes, uint32_t level, const int32_t cell[3]);
 
