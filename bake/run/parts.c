@@ -131,20 +131,27 @@ static lmb_result part_write(parts_work *work, size_t part, lmb_error *error)
     return result;
 }
 
-/* Writes what is not written yet. */
+static lmb_result folder_make(const char *folder, lmb_error *error)
+{
+    return mkdir(folder, 0777) == 0 || errno == EEXIST
+               ? LMB_OK
+               : lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot be made: %s", folder, strerror(errno));
+}
+
+/* Writes what is not written yet. What cannot be written is only not kept, unless it is a shard's. */
 static lmb_result parts_write(parts_work *work, lmb_error *error)
 {
+    lmb_error reason;
     lmb_result result = LMB_OK;
-    if (work->parts->write_to && mkdir(work->parts->write_to, 0777) != 0 && errno != EEXIST) {
-        return lmb_error_set(error, LMB_ERROR_WRITE, "%s: cannot be made: %s", work->parts->write_to, strerror(errno));
-    }
     for (size_t part = 0; work->parts->write_to && part < work->part_count && result == LMB_OK; ++part) {
         if (work->state[part] == PART_GATHERED) {
-            result = part_write(work, part, error);
+            result = folder_make(work->parts->write_to, &reason);
+            result = result == LMB_OK ? part_write(work, part, &reason) : result;
         }
     }
     work->written = lmb_clock_seconds();
-    return result;
+    return result == LMB_OK || !lmb_parts_are_a_shard(work->parts) ? LMB_OK
+                                                                   : lmb_error_set(error, result, "%s", reason.message);
 }
 
 /* The progress of the parts at work as that of the list. */
@@ -165,8 +172,6 @@ static lmb_result parts_run(parts_work *work, size_t part, size_t count, lmb_poo
     const lmb_result result =
         lmb_gather_elements_by_group(&job, pool, &progress, &work->gathered[job_first(&job)], work->group);
     if (result != LMB_OK) {
-        lmb_error kept;
-        parts_write(work, &kept);
         return lmb_error_set(error, result, "%s: %s", job.list->name, lmb_result_text(result));
     }
     for (size_t i = 0; i < count; ++i) {

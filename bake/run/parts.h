@@ -22,9 +22,15 @@ typedef struct lmb_parts {
     bool read_only;               /* gathers nothing: a part that is missing is an error */
 } lmb_parts;
 
+/* Whether others gather the rest. NULL: no. */
+static inline bool lmb_parts_are_a_shard(const lmb_parts *parts)
+{
+    return parts && parts->shard_count > 1;
+}
+
 /* Gathers all of a list as lmb_gather_elements does, or takes parts of it from files; the bytes are the same. What is
  * not of the shard is zero. `parts` NULL: no files.
- * @return LMB_ERROR_MEMORY, _INTERRUPTED (what was gathered is kept), _WRITE, _UNSUPPORTED (a part is missing) */
+ * @return LMB_ERROR_MEMORY, _INTERRUPTED, _WRITE (of a shard), _UNSUPPORTED (a part is missing) */
 lmb_result lmb_parts_gather(const lmb_parts *parts, const lmb_gather_job *job, lmb_pool *pool,
                             const lmb_progress *progress, lmb_gathered *gathered, lmb_gather_stats *stats,
                             lmb_error *error);
