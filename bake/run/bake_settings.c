@@ -124,6 +124,10 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
         }
     }
     cJSON_AddBoolToObject(json, "denoise", settings->denoise);
+    const bool is_open = settings->spacing <= 0.0f || (settings->lightmaps && settings->texels_per_m <= 0.0f);
+    if (is_open && settings->detail > 0.0f && settings->detail != 1.0f) { /* what a record of a bake never has */
+        cJSON_AddNumberToObject(json, "detail", (double)settings->detail);
+    }
     return json;
 }
 
@@ -254,6 +258,7 @@ bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
     read.max_image_size = integer_or(json, "max_image_size", 0);
     read.padding = integer_or(json, "padding", 1);
     read.texel_error = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "texel_error"));
+    read.detail = (float)number_or(json, "detail", 1.0);
     read.denoise = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "denoise"));
     *settings = read;
     return true;
