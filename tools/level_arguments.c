@@ -35,6 +35,8 @@ bool level_argument(lmb_level_settings *settings, lmb_arguments *arguments, cons
         settings->bounces = (int)arguments_integer(arguments, option, 0, 1000000);
     } else if (strcmp(option, "--seed") == 0) {
         settings->seed = (uint64_t)arguments_integer(arguments, option, 0, INT64_MAX);
+    } else if (strcmp(option, "--light-set") == 0) {
+        settings->light_set = arguments_text(arguments, option);
     } else if (strcmp(option, "--key-lights") == 0) {
         settings->key_lights = (uint32_t)arguments_integer(arguments, option, 0, LMB_KEY_LIGHTS_MOST);
     } else if (strcmp(option, "--quiet") == 0) {

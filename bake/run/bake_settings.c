@@ -75,6 +75,9 @@ static void json_add_level(cJSON *json, const lmb_level_settings *level, uint64_
     cJSON_AddItemToObject(json, "isa", text_or_null(level->isa));
     cJSON_AddNumberToObject(json, "bounces", level->bounces);
     cJSON_AddNumberToObject(json, "seed", (double)level->seed);
+    if (level->light_set) {
+        cJSON_AddStringToObject(json, "light_set", level->light_set);
+    }
     if (level->key_lights != 0) { /* what a record without it has */
         cJSON_AddNumberToObject(json, "key_lights", level->key_lights);
     }
@@ -179,6 +182,7 @@ static bool level_read(const cJSON *json, lmb_level_settings *level)
     level->path = text_of(json, "level");
     level->environment = text_of(json, "env");
     level->isa = text_of(json, "isa");
+    level->light_set = text_of(json, "light_set");
     level->allow_outside_uris = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "allow_outside_uris"));
     level->light_scale = number_or(json, "light_scale", level->light_scale);
     level->emission_scale = number_or(json, "emission_scale", level->emission_scale);
