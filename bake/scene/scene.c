@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <lambent/vector.h>
 
@@ -82,6 +83,25 @@ void lmb_scene_destroy(lmb_scene *scene)
     free(scene->environment.taken);
     free(scene->path);
     free(scene);
+}
+
+lmb_result lmb_scene_add_sun(lmb_scene *scene, const lmb_environment_sun *sun)
+{
+    static const char SUN_NAME[] = "the environment's sun";
+    lmb_light *const lights = realloc(scene->lights, (scene->light_count + 1u) * sizeof *lights);
+    char *const name = malloc(sizeof SUN_NAME);
+    scene->lights = lights ? lights : scene->lights;
+    if (!lights || !name) {
+        free(name);
+        return LMB_ERROR_MEMORY;
+    }
+    memcpy(name, SUN_NAME, sizeof SUN_NAME);
+    lights[scene->light_count++] = (lmb_light){.name = name,
+                                               .type = LMB_LIGHT_DIRECTIONAL,
+                                               .direction = lmb_vec3_scale(sun->direction, -1.0f),
+                                               .intensity = sun->irradiance,
+                                               .angle_rad = sun->angle_rad};
+    return LMB_OK;
 }
 
 lmb_vec3 lmb_scene_from_world(const lmb_scene *scene, lmb_vec3d world)

@@ -141,6 +141,7 @@ typedef struct lmb_environment {
     float strength;
     lmb_environment_pixel *taken; /* ascending; who looks at the picture sees these */
     uint32_t taken_count;
+    bool has_sun; /* the scene's last light is this sky's sun, which is not in the picture */
 } lmb_environment;
 
 /* A camera of the level, or a node that a picture is to be taken from (lmb_gltf_options.view_node). */
