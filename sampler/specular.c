@@ -6,6 +6,9 @@
 /* Of the table's numbers. */
 #define VALUE_STEP (1.0f / 16384.0f)
 
+/* Of what the mean radiance gives, in the environment layer. */
+#define ENVIRONMENT_LEAST 0.5f
+
 /* The angles of a surface lit from one direction, and the view that goes with them. */
 typedef struct facing {
     float light;      /* N.L > 0 */
@@ -173,7 +176,9 @@ static void light_in_frame(const lmb_sh3 *radiance, const view_frame *frame, flo
     light[5] = (2.0f * lmb_vec3_dot(by_aside, frame->aside) + frame->sine2 * along) * (float)(0.5 / LMB_SH_N22);
 }
 
-lmb_rgb lmb_specular_area(const lmb_sh3_rgb *radiance, const lmb_specular *specular, lmb_vec3 normal, lmb_vec3 view)
+/* The area layer, which counts no less than a share of what the mean radiance gives. */
+static lmb_rgb area_reflected(const lmb_sh3_rgb *radiance, const lmb_specular *specular, lmb_vec3 normal, lmb_vec3 view,
+                              float least_share)
 {
     const lmb_vec3 aside = lmb_vec3_mad(view, normal, -lmb_vec3_dot(normal, view));
     const view_frame frame = {normal, aside, lmb_vec3_dot(aside, aside)};
@@ -187,9 +192,32 @@ lmb_rgb lmb_specular_area(const lmb_sh3_rgb *radiance, const lmb_specular *specu
             schlick += lobe.value[LMB_SPECULAR_BASES + i] * light[i];
         }
         const float f0 = lmb_saturate(specular->f0.c[c]);
-        reflected.c[c] = lmb_light_clamped(f0 * constant + (1.0f - f0) * schlick);
+        const float mean = (f0 * lobe.value[0] + (1.0f - f0) * lobe.value[LMB_SPECULAR_BASES]) * light[0];
+        const float sum = f0 * constant + (1.0f - f0) * schlick;
+        reflected.c[c] = lmb_light_clamped(lmb_larger(sum, least_share * mean));
     }
     return reflected;
+}
+
+lmb_rgb lmb_specular_area(const lmb_sh3_rgb *radiance, const lmb_specular *specular, lmb_vec3 normal, lmb_vec3 view)
+{
+    return area_reflected(radiance, specular, normal, view, 0.0f);
+}
+
+lmb_rgb lmb_specular_environment(lmb_rgb map, const lmb_sh3_rgb *radiance, const lmb_specular *specular,
+                                 lmb_vec3 normal, lmb_vec3 view)
+{
+    lmb_rgb reflected = area_reflected(radiance, specular, normal, view, ENVIRONMENT_LEAST);
+    for (int c = 0; c < 3; ++c) {
+        reflected.c[c] = lmb_light_clamped(reflected.c[c] * map.c[c]);
+    }
+    return reflected;
+}
+
+lmb_rgb lmb_specular_environment_divisor(const lmb_sh3_rgb *radiance, float roughness, lmb_vec3 direction)
+{
+    const lmb_specular mirror = {roughness, {{1.0f, 1.0f, 1.0f}}};
+    return area_reflected(radiance, &mirror, direction, direction, ENVIRONMENT_LEAST);
 }
 
 void lmb_specular_textures(float rgba[LMB_SPECULAR_TEXTURES][LMB_SPECULAR_ROWS][LMB_SPECULAR_COLUMNS][4])

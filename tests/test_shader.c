@@ -52,7 +52,8 @@ enum {
     OUT_WITHOUT_DOMINANT = 48,
     OUT_HIGHLIGHT = 51,
     OUT_COORDINATES = 54,
-    OUTPUTS = 56
+    OUT_ENVIRONMENT = 56,
+    OUTPUTS = 59
 };
 
 enum { GROUP = 64, GROUPS = 512, ITEMS = GROUP * GROUPS };
@@ -220,6 +221,8 @@ static void item_expect_specular(const float *item, float *expected)
     const lmb_vec3 view = vector_get(item + IN_VIEW);
     const lmb_specular specular = {item[IN_ROUGHNESS], colour_get(item + IN_F0)};
     colour_put(expected + OUT_SPECULAR_AREA, lmb_specular_area(&light, &specular, n, view));
+    colour_put(expected + OUT_ENVIRONMENT,
+               lmb_specular_environment(colour_get(item + IN_ALBEDO), &light, &specular, n, view));
     const lmb_key_light dominant = lmb_sh3_rgb_dominant_light(&light);
     colour_put(expected + OUT_DOMINANT, dominant.irradiance);
     lmb_key_light_add_to_sh3(&dominant, -1.0f, &light);
@@ -249,7 +252,9 @@ static void item_compare(const float *item, const float *got, int index, const c
     const float light = largest_of(item);
     for (int i = 0; i < OUTPUTS; ++i) {
         double tolerance = 2e-6 * (double)light;
-        if (i >= OUT_COORDINATES) {
+        if (i >= OUT_ENVIRONMENT) {
+            tolerance = 4e-6 * (double)light;
+        } else if (i >= OUT_COORDINATES) {
             tolerance = 2e-6;
         } else if (i >= OUT_HIGHLIGHT) {
             tolerance = 1e-4 * (1.0 + (double)expected[i]); /* a narrow lobe's exponential */

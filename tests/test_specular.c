@@ -289,6 +289,36 @@ static void area_is_monte_carlo(void)
     CHECK(sqrt(errors / squares) < 0.015, "rel. RMSE %g", sqrt(errors / squares));
 }
 
+/* At the place of a map, along its own directions, its picture comes back; half the light there gives half of it. */
+static void environment_maps_come_back(void)
+{
+    uint64_t state = 63;
+    for (int i = 0; i < 200; ++i) {
+        lmb_sh3_rgb light = {{{{1.0f}}, {{1.0f}}, {{1.0f}}}}; /* rings */
+        lmb_sh3_rgb_add_light(&light, direction_any(&state), lmb_rgb_of(3.0f, 2.0f, 1.0f));
+        const lmb_vec3 direction = direction_any(&state);
+        const lmb_specular mirror = {(float)variate_next(&state), grey(1.0f)};
+        const lmb_rgb divisor = lmb_specular_environment_divisor(&light, mirror.roughness, direction);
+        const lmb_rgb picture = lmb_rgb_of(0.5f, 0.7f, 4.0f);
+        lmb_rgb map;
+        for (int c = 0; c < 3; ++c) {
+            CHECK(divisor.c[c] > 0.02f, "channel %d is divided by %g", c, (double)divisor.c[c]);
+            map.c[c] = picture.c[c] / divisor.c[c];
+        }
+        const lmb_rgb back = lmb_specular_environment(map, &light, &mirror, direction, direction);
+        for (int c = 0; c < 3; ++c) {
+            for (int k = 0; k < LMB_SH3_COUNT; ++k) {
+                light.channel[c].c[k] *= 0.5f;
+            }
+        }
+        const lmb_rgb dim = lmb_specular_environment(map, &light, &mirror, direction, direction);
+        for (int c = 0; c < 3; ++c) {
+            CHECK_NEAR(back.c[c], picture.c[c], 1e-5, "channel %d", c);
+            CHECK_NEAR(dim.c[c], 0.5f * picture.c[c], 1e-5, "channel %d, half", c);
+        }
+    }
+}
+
 /* The view may pass the normal: nothing jumps, and all azimuths agree there. */
 static void nothing_jumps_at_the_normal(void)
 {
@@ -358,6 +388,7 @@ static void nothing_breaks_it(void)
         CHECK(is_light(lmb_specular_light(&key, 1.0f, &specular, n, n, view)), "light, %d", i);
         CHECK(is_light(lmb_specular_light_phong(&key, 1.0f, &specular, n, n, view)), "Phong, %d", i);
         CHECK(is_light(lmb_specular_area(&light, &specular, n, view)), "area, %d", i);
+        CHECK(is_light(lmb_specular_environment(key.irradiance, &light, &specular, n, view)), "environment, %d", i);
         CHECK(is_light(lmb_sh3_rgb_dominant_light(&light).irradiance), "dominant, %d", i);
     }
 }
@@ -369,6 +400,7 @@ static const test_case CASES[] = {
     {"fresnel is Snell's", fresnel_is_snells},
     {"furnaces lose light", furnaces_lose_light},
     {"area is Monte Carlo", area_is_monte_carlo},
+    {"environment maps come back", environment_maps_come_back},
     {"nothing jumps at the normal", nothing_jumps_at_the_normal},
     {"dominant light is the nearest", dominant_light_is_the_nearest},
     {"nothing breaks it", nothing_breaks_it},

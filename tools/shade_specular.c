@@ -35,9 +35,8 @@ lmb_rgb shade_specular_of_probes(const lmb_shader *shader, const specular_place 
                           lmb_specular_area(&radiance, shader->specular, place->normal, place->view));
 }
 
-/* Radiance from a direction, without a sun that was taken out of the environment's picture. */
-static lmb_rgb radiance_without_keys(const lmb_transport *transport, lmb_vec3 origin, lmb_vec3 direction,
-                                     uint64_t stream, uint32_t sample)
+lmb_rgb radiance_without_keys(const lmb_transport *transport, lmb_vec3 origin, lmb_vec3 direction, uint64_t stream,
+                              uint32_t sample)
 {
     lmb_hit hit;
     uint64_t rays = 0;

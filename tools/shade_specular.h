@@ -18,4 +18,8 @@ lmb_rgb shade_specular_of_probes(const lmb_shader *shader, const specular_place 
 /* By rays, and key lights as they are seen from there. */
 lmb_rgb shade_specular_of_reference(const lmb_shader *shader, const specular_place *place);
 
+/* Radiance from a direction, without a sun that was taken out of the environment's picture. */
+lmb_rgb radiance_without_keys(const lmb_transport *transport, lmb_vec3 origin, lmb_vec3 direction, uint64_t stream,
+                              uint32_t sample);
+
 #endif

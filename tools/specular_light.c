@@ -159,29 +159,34 @@ static lmb_rgb mirrored_picture(const specular_light *light, float roughness, lm
     return specular_traced(light, &mirror, mirrored, mirrored, samples, stream);
 }
 
-/* That over its own area layer, which is not taken below a tenth of the mean radiance: harmonics ring. */
+/* As it is stored in a map, and taken from there. */
 static lmb_rgb environment_layer(const specular_light *light, const lmb_specular *specular, lmb_vec3 normal,
                                  lmb_vec3 view, lmb_vec3 mirrored, lmb_rgb picture)
 {
-    const lmb_specular mirror = {specular->roughness, {{1.0f, 1.0f, 1.0f}}};
-    const lmb_rgb own = lmb_specular_area(&light->radiance, &mirror, mirrored, mirrored);
-    lmb_rgb layer = lmb_specular_area(&light->radiance, specular, normal, view);
+    const lmb_rgb divisor = lmb_specular_environment_divisor(&light->radiance, specular->roughness, mirrored);
     for (int c = 0; c < 3; ++c) {
-        const float least = 0.1f * 0.2820948f * light->radiance.channel[c].c[0];
-        layer.c[c] *= picture.c[c] / lmb_larger(own.c[c], lmb_larger(least, 1e-20f));
+        picture.c[c] /= lmb_larger(divisor.c[c], 1e-20f);
     }
-    return layer;
+    return lmb_specular_environment(picture, &light->radiance, specular, normal, view);
+}
+
+/* That as a mean of the light that it sees, times what a white sky sends on. */
+static lmb_rgb split_layer(const lmb_specular *specular, lmb_vec3 normal, lmb_vec3 view, lmb_rgb picture)
+{
+    const lmb_sh3_rgb white = {{{{3.5449077f}}, {{3.5449077f}}, {{3.5449077f}}}};
+    const lmb_specular mirror = {specular->roughness, {{1.0f, 1.0f, 1.0f}}};
+    const float kept = lmb_specular_area(&white, &mirror, normal, normal).c[0];
+    return lmb_rgb_scale(lmb_rgb_mul(picture, lmb_specular_area(&white, specular, normal, view)), 1.0f / kept);
 }
 
 static lmb_rgb picture_layer(const specular_light *light, specular_layer layer, const lmb_specular *specular,
                              lmb_vec3 normal, lmb_vec3 view, uint32_t samples, uint64_t stream)
 {
-    const lmb_sh3_rgb white = {{{{3.5449077f}}, {{3.5449077f}}, {{3.5449077f}}}};
     const lmb_vec3 mirrored =
         lmb_vec3_unit_or(lmb_vec3_mad(lmb_vec3_scale(view, -1.0f), normal, 2.0f * lmb_vec3_dot(normal, view)), normal);
     const lmb_rgb picture = mirrored_picture(light, specular->roughness, mirrored, samples, stream);
     return layer == SPECULAR_ENVIRONMENT ? environment_layer(light, specular, normal, view, mirrored, picture)
-                                         : lmb_rgb_mul(picture, lmb_specular_area(&white, specular, normal, view));
+                                         : split_layer(specular, normal, view, picture);
 }
 
 lmb_rgb specular_layer_of(const specular_light *light, specular_layer layer, const lmb_specular *specular,

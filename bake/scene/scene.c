@@ -42,6 +42,9 @@ void lmb_scene_clear_nodes(lmb_scene *scene)
     for (uint32_t i = 0; scene->seed_names && i < scene->seed_point_count; ++i) {
         free(scene->seed_names[i]);
     }
+    for (uint32_t i = 0; i < scene->cube_point_count; ++i) {
+        free(scene->cube_names[i]);
+    }
     for (uint32_t i = 0; i < scene->camera_count; ++i) {
         free(scene->cameras[i].name);
     }
@@ -51,6 +54,8 @@ void lmb_scene_clear_nodes(lmb_scene *scene)
     free(scene->seed_points);
     free(scene->seed_names);
     free(scene->path_points);
+    free(scene->cube_points);
+    free(scene->cube_names);
     free(scene->cameras);
     scene->meshes = NULL;
     scene->instances = NULL;
@@ -59,6 +64,9 @@ void lmb_scene_clear_nodes(lmb_scene *scene)
     scene->seed_names = NULL;
     scene->path_points = NULL;
     scene->cameras = NULL;
+    scene->cube_points = NULL;
+    scene->cube_names = NULL;
+    scene->cube_point_count = 0;
     scene->mesh_count = scene->instance_count = scene->light_count = scene->key_light_count = 0;
     scene->seed_point_count = scene->path_point_count = scene->camera_count = 0;
     scene->dropped_triangle_count = 0;
@@ -320,6 +328,11 @@ static lmb_result validate_points(const lmb_scene *scene, lmb_error *error)
     for (uint32_t i = 0; i < scene->path_point_count; ++i) {
         if (!is_finite3(scene->path_points[i])) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: path point %u: not finite", scene->path, i);
+        }
+    }
+    for (uint32_t i = 0; i < scene->cube_point_count; ++i) {
+        if (!is_finite3(scene->cube_points[i])) {
+            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: cube map %u: not finite", scene->path, i);
         }
     }
     if (!is_finite3(scene->bounds_min) || !is_finite3(scene->bounds_max)) {

@@ -22,8 +22,8 @@ vec2 lmbSpecularCoordinates(float roughness, vec3 n, vec3 view)
     return vec2((0.5 + 3.5 * (c + sqrt(c))) / 8.0, (0.5 + 15.0 * sqrt(lmbSaturate(roughness))) / 16.0);
 }
 
-// Radiance of the reflection of harmonics (lmb_specular_area).
-vec3 lmbSpecularArea(LmbSh3 sh, LmbSpecularLobe lobe, vec3 f0, vec3 n, vec3 view)
+// The area layer, not below a share of what the mean radiance gives.
+vec3 lmbSpecularAtLeast(LmbSh3 sh, LmbSpecularLobe lobe, vec3 f0, vec3 n, vec3 view, float leastShare)
 {
     LmbVectors v;
     v.x = -sh.c[3];
@@ -52,7 +52,27 @@ vec3 lmbSpecularArea(LmbSh3 sh, LmbSpecularLobe lobe, vec3 f0, vec3 n, vec3 view
                     lobe.constant0236.w * l6 + lobe.both78.x * l7 + lobe.both78.y * l8;
     vec3 schlick = lobe.schlick0236.x * sh.c[0] + lobe.schlick0236.y * l1 + lobe.schlick0236.z * l3 +
                    lobe.schlick0236.w * l6 + lobe.both78.z * l7 + lobe.both78.w * l8;
-    return lmbLight(f0 * constant + (vec3(1.0, 1.0, 1.0) - f0) * schlick);
+    vec3 rest = vec3(1.0, 1.0, 1.0) - f0;
+    vec3 mean = (f0 * lobe.constant0236.x + rest * lobe.schlick0236.x) * sh.c[0];
+    return lmbLight(max(f0 * constant + rest * schlick, leastShare * mean));
+}
+
+// Radiance of the reflection of harmonics (lmb_specular_area).
+vec3 lmbSpecularArea(LmbSh3 sh, LmbSpecularLobe lobe, vec3 f0, vec3 n, vec3 view)
+{
+    return lmbSpecularAtLeast(sh, lobe, f0, n, view, 0.0);
+}
+
+// The same by an environment map's texel in the mirrored direction (lmb_specular_environment), which is at the level
+// lmbSpecularLevel of a map that `lambent cube` wrote.
+vec3 lmbSpecularEnvironment(vec3 map, LmbSh3 sh, LmbSpecularLobe lobe, vec3 f0, vec3 n, vec3 view)
+{
+    return lmbLight(map * lmbSpecularAtLeast(sh, lobe, f0, n, view, 0.5));
+}
+
+float lmbSpecularLevel(float roughness)
+{
+    return log2(max(roughness, 0.05) / 0.05);
 }
 
 // The directional light that is nearest to harmonics (lmb_sh3_rgb_dominant_light).

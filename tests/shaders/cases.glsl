@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 64
-#define OUTPUTS 56
+#define OUTPUTS 59
 
 vec3 lmbRead3(uint at)
 {
@@ -74,4 +74,5 @@ void lmbItem(uint item)
     lmbWrite3(to + 51u, lmbSpecularLight(key, visibility, roughness, f0, nv, n, view));
     lmbWrite(to + 54u, lmbSpecularCoordinates(roughness, n, view).x);
     lmbWrite(to + 55u, lmbSpecularCoordinates(roughness, n, view).y);
+    lmbWrite3(to + 56u, lmbSpecularEnvironment(albedo, sh, lobe, f0, n, view));
 }

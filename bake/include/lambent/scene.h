@@ -173,6 +173,9 @@ typedef struct lmb_scene {
     lmb_vec3 *seed_points; /* nodes marked by extras {"lambent": {"seed": true}}, world space */
     char **seed_names;     /* [seed point] name of its node; NULL: they have none */
     uint32_t seed_point_count;
+    lmb_vec3 *cube_points; /* nodes marked by extras {"lambent": {"cube_map": true}}, world space */
+    char **cube_names;     /* [cube point] name of its node */
+    uint32_t cube_point_count;
     lmb_scene_camera *cameras;
     uint32_t camera_count;
     lmb_vec3 *path_points; /* nodes marked by extras {"lambent": {"path": n}}, in the order of n */

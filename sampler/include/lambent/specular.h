@@ -1,7 +1,8 @@
-/* Specular reflection of baked light, after Chen and Liu, "Lighting and Material of Halo 3" (2008), in two layers:
+/* Specular reflection of baked light, after Chen and Liu, "Lighting and Material of Halo 3" (2008), in three layers:
  *
- *     analytic    one direction: a key light, or the dominant light of harmonics, through the reflectance itself
- *     area        harmonics, through lobes integrated beforehand (3 KB of tables)
+ *     analytic     one direction: a key light, or the dominant light of harmonics, through the reflectance itself
+ *     area         harmonics, through lobes integrated beforehand (3 KB of tables)
+ *     environment  in place of area, for smooth surfaces: a cube map of some place, as bright as the area layer says
  *
  * The reflectance is Cook and Torrance's (1981) with Beckmann's slopes,
  *
@@ -56,6 +57,17 @@ LMB_API lmb_rgb lmb_specular_light_phong(const lmb_key_light *light, float visib
  * factor. Harmonics are blurred light: below a roughness of about 0.4 reflections are blurred with it. */
 LMB_API lmb_rgb lmb_specular_area(const lmb_sh3_rgb *radiance, const lmb_specular *specular, lmb_vec3 normal,
                                   lmb_vec3 view);
+
+/* Radiance of the reflection by an environment map: `map` is its texel in the mirrored direction, at the level of the
+ * surface's roughness, as `lambent cube` writes it: over lmb_specular_environment_divisor of its own place, direction
+ * and roughness. `radiance` is of the surface's place, so that a map goes dark in a shadow and takes on the light
+ * around. */
+LMB_API lmb_rgb lmb_specular_environment(lmb_rgb map, const lmb_sh3_rgb *radiance, const lmb_specular *specular,
+                                         lmb_vec3 normal, lmb_vec3 view);
+
+/* What a map's texel is divided by: the area layer of a mirror that is looked at along its normal `direction`. As in
+ * lmb_specular_environment it counts no less than half of the mean radiance does, since harmonics ring. */
+LMB_API lmb_rgb lmb_specular_environment_divisor(const lmb_sh3_rgb *radiance, float roughness, lmb_vec3 direction);
 
 enum { LMB_SPECULAR_TEXTURES = 3, LMB_SPECULAR_ROWS = 16, LMB_SPECULAR_COLUMNS = 8 };
 
