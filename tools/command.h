@@ -101,6 +101,7 @@ double seconds_now(void);
 int command_bake(int count, char **values);
 int command_bench(int count, char **values);
 int command_check(int count, char **values);
+int command_cube(int count, char **values);
 int command_info(int count, char **values);
 int command_models(int count, char **values);
 int command_merge(int count, char **values);

@@ -34,6 +34,7 @@ static const char usage[] =
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
     "                        sphere is put there\n"
+    "  --specular M[,F0]     objects also reflect: roughness M from 0 to 1, F0 of it along the normal (default 0.04)\n"
     "  --samples N           light samples a pixel of reference and difference (default 32)\n"
     "  --exposure EV         brighten by 2^EV (default: by the picture's log-average)\n"
     "  --threads N           default: all processors\n"
@@ -66,6 +67,8 @@ typedef struct render_options {
     uint32_t samples;
     object_option objects[MAX_OBJECTS];
     int object_count;
+    bool has_specular;
+    lmb_specular specular;
     int threads;
     bool quiet;
 } render_options;
@@ -106,6 +109,23 @@ static void size_read(lmb_arguments *arguments, const char *option, render_optio
     }
     options->width = (int32_t)width;
     options->height = (int32_t)height;
+}
+
+static void specular_read(lmb_arguments *arguments, const char *option, render_options *options)
+{
+    const char *text = arguments_text(arguments, option);
+    if (arguments->failed) {
+        return;
+    }
+    char *end;
+    const float roughness = strtof(text, &end);
+    const float f0 = end != text && *end == ',' ? strtof(end + 1, &end) : 0.04f;
+    if (end == text || *end != '\0' || !(roughness >= 0.0f && roughness <= 1.0f && f0 >= 0.0f && f0 <= 1.0f)) {
+        arguments_error(arguments, "--specular takes ROUGHNESS[,F0], both from 0 to 1, not", text);
+        return;
+    }
+    options->has_specular = true;
+    options->specular = (lmb_specular){roughness, {{f0, f0, f0}}};
 }
 
 /* "--object FILE" adds an object; "--object-at" places the one just added, or a sphere. */
@@ -151,6 +171,8 @@ static bool view_option(lmb_arguments *arguments, const char *option, render_opt
     } else if (strcmp(option, "--exposure") == 0) {
         options->exposure_ev = (float)arguments_number(arguments, option, -100.0, 100.0);
         options->has_exposure = true;
+    } else if (strcmp(option, "--specular") == 0) {
+        specular_read(arguments, option, options);
     } else if (strcmp(option, "--object") == 0 || strcmp(option, "--object-at") == 0) {
         object_read(arguments, option, options);
     } else {
@@ -418,6 +440,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
             .lightmap = baked->lightmap,
             .objects = objects,
             .object_count = object_count,
+            .specular = options->has_specular ? &options->specular : NULL,
             .default_texel = 1.0f / lmb_lightmap_settings_default(baked->level.scene).texels_per_m,
         };
         result = picture_make(options, &shader, &camera, baked->level.pool, error);

@@ -11,6 +11,9 @@ bool level_argument(lmb_level_settings *settings, lmb_arguments *arguments, cons
 #define LEVEL_USAGE                                                                                                    \
     "  --env FILE|#rrggbb[,rotation=DEG][,strength=X][,set=NAME]\n"                                                    \
     "                        environment: an equirectangular .hdr or .exr, or a constant colour\n"                     \
+    "  --env preetham:sun=AZIMUTH/ELEVATION[,turbidity=T][,ground=ALBEDO]\n"                                           \
+    "  --env preetham:time=HOURS,latitude=DEG[,day=N]...\n"                                                            \
+    "                        a clear sky and its sun, in kcd/m2\n"                                                     \
     "  --exclude PATTERN     leave out nodes by name, with their children (* and ?; repeatable)\n"                     \
     "  --light-scale X       multiply lamps (KHR_lights_punctual) by this\n"                                           \
     "  --emission-scale X    multiply what materials emit by this\n"                                                   \

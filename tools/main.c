@@ -19,6 +19,7 @@ static const struct {
     {"bake", command_bake, "bake a level's probe volume and lightmaps into a folder"},
     {"bench", command_bench, "measure how fast a volume is sampled, or how fast a bake traces"},
     {"check", command_check, "measure a bake against the path-traced truth"},
+    {"cube", command_cube, "trace environment maps of a baked level for specular reflection"},
     {"info", command_info, "say what is in a .vdb, .lmb or .exr of ours"},
     {"merge", command_merge, "put the shares of a bake together"},
     {"models", command_models, "measure every lighting model under environments"},

@@ -4,10 +4,13 @@
 
 #define vec3 float3
 #define vec4 float4
+#define vec2 float2
 #include "lambent.glsl"
 #include "lambent_networks.glsl"
 #include "lambent_probe.glsl"
+#include "lambent_specular.glsl"
 #undef vec3
 #undef vec4
+#undef vec2
 
 #endif

@@ -14,6 +14,7 @@ void lmbWrite(uint index, float value)
 }
 
 #define vec3 float3
+#define vec4 float4
 #include "cases.glsl"
 
 [numthreads(64, 1, 1)] void main(uint3 id : SV_DispatchThreadID)
