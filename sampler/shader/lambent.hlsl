@@ -7,6 +7,7 @@
 #include "lambent.glsl"
 #include "lambent_networks.glsl"
 #include "lambent_probe.glsl"
+#include "lambent_rnm.glsl"
 #undef vec3
 #undef vec4
 

@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 45
-#define OUTPUTS 42
+#define OUTPUTS 51
 
 vec3 lmbRead3(uint at)
 {
@@ -57,4 +57,11 @@ void lmbItem(uint item)
     lmbWrite3(to + 33u, fitted.irradianceZ);
     lmbWrite3(to + 36u, lmbIrradzEvaluate(fitted, nv, n));
     lmbWrite3(to + 39u, lmbHlshEvaluate(lmbHlshFromProbe(sh, nv, coneCos), nv, n));
+    LmbRnm rnm;
+    rnm.light1 = texel.irradianceZ;
+    rnm.light2 = albedo;
+    rnm.light3 = max(sh.c[0], vec3(0.0, 0.0, 0.0));
+    lmbWrite3(to + 42u, lmbRnmEvaluate(rnm, lmbRnmSlopes(nv), n));
+    lmbWrite3(to + 45u, lmbSsbumpEvaluate(rnm, albedo));
+    lmbWrite3(to + 48u, lmbSh2Irradiance(sh.c[0], sh.c[1], sh.c[2], sh.c[3], n));
 }
