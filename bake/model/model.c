@@ -46,6 +46,7 @@ static const lmb_model *const table[] = {
     &lmb_model_rnm,
     &lmb_model_rnm_light,
     &lmb_model_scalar,
+    &lmb_model_dominant,
 };
 
 const char *const lmb_numbered_channels[LMB_MODEL_MOST_CHANNELS] = {

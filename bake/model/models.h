@@ -52,5 +52,6 @@ extern const lmb_model lmb_model_cube_unoccluded;
 extern const lmb_model lmb_model_rnm;
 extern const lmb_model lmb_model_rnm_light;
 extern const lmb_model lmb_model_scalar;
+extern const lmb_model lmb_model_dominant;
 
 #endif
