@@ -4,7 +4,7 @@
  *     lambent_gradients LEVEL DIR
  *
  * takes the bake in DIR, whose lattice should be fine, for the truth, and leaves probes out of it. At its own points,
- * each in cells 2, 3, 4 and 6 times as large that lie about it by chance, it interpolates the radiance of the eight
+ * each in cells 2, 3, 4, 5 and 8 times as large that lie about it by chance, it interpolates the radiance of the eight
  * corners:
  *
  *     plain       sum of w_i L_i, trilinear
@@ -32,8 +32,8 @@
 
 static const char usage[] = "usage: lambent_gradients LEVEL DIR\n";
 
-enum { SIZES = 4, CORNERS = 8, METHODS = 3, NUMBERS = 3 * LMB_SH3_COUNT };
-static const int32_t sizes[SIZES] = {2, 3, 4, 6};
+enum { SIZES = 5, CORNERS = 8, METHODS = 3, NUMBERS = 3 * LMB_SH3_COUNT };
+static const int32_t sizes[SIZES] = {2, 3, 4, 5, 8};
 
 /* A cell about a point: its corners' probes, and for each those before and behind along the axes. */
 typedef struct cell {
