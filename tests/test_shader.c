@@ -11,6 +11,7 @@
 #include <lambent/hlsh.h>
 #include <lambent/key_light.h>
 #include <lambent/occlusion.h>
+#include <lambent/rnm.h>
 #include <lambent/specular.h>
 
 /* What an item reads and writes, in tests/shaders/cases.glsl. */
@@ -53,7 +54,10 @@ enum {
     OUT_HIGHLIGHT = 51,
     OUT_COORDINATES = 54,
     OUT_ENVIRONMENT = 56,
-    OUTPUTS = 59
+    OUT_RNM = 59,
+    OUT_SSBUMP = 62,
+    OUT_SH2 = 65,
+    OUTPUTS = 68
 };
 
 enum { GROUP = 64, GROUPS = 512, ITEMS = GROUP * GROUPS };
@@ -211,6 +215,19 @@ static void item_expect(const float *item, float *expected)
     colour_put(expected + OUT_FITTED, lmb_irradz_evaluate(&fitted, n_v, n));
     const lmb_hlsh_rgb fitted_hlsh = lmb_hlsh_rgb_from_probe(&light, n_v, cone);
     colour_put(expected + OUT_FITTED_HLSH, lmb_hlsh_rgb_evaluate(&fitted_hlsh, n_v, n));
+    const lmb_rnm rnm = {
+        {texel.irradiance_z,
+         colour_get(item + IN_ALBEDO),
+         {{lmb_larger(item[IN_SH], 0.0f), lmb_larger(item[IN_SH + 1], 0.0f), lmb_larger(item[IN_SH + 2], 0.0f)}}}};
+    lmb_vec3 slope[LMB_RNM_SLOPES];
+    lmb_rnm_slopes(n_v, slope);
+    colour_put(expected + OUT_RNM, lmb_rnm_evaluate(&rnm, slope, n));
+    colour_put(expected + OUT_SSBUMP, lmb_ssbump_evaluate(&rnm, colour_get(item + IN_ALBEDO)));
+    lmb_sh2_rgb sh2;
+    for (int c = 0; c < 3; ++c) {
+        memcpy(sh2.channel[c].c, light.channel[c].c, sizeof sh2.channel[c].c);
+    }
+    colour_put(expected + OUT_SH2, lmb_sh2_rgb_irradiance(&sh2, n));
 }
 
 /* And of it for the eye. */
@@ -265,6 +282,11 @@ static void item_compare(const float *item, const float *got, int index, const c
             tolerance = 2e-6;
         } else if ((i >= OUT_TEXEL && i < OUT_HLSH_LIGHT) || (i >= OUT_TEXEL_AT_ONCE && i < OUT_KEY)) {
             tolerance = 2e-4; /* of a light of 4 from LMB_IRRADZ_MIN_COS above the horizon: of 80 */
+        } else if (i >= OUT_RNM && i < OUT_SH2) {
+            /* Where no slope is faced by much, a rounding of 1e-7 is a larger share of the squared cosines. */
+            tolerance = 1e-3 * (double)fmaxf(light, 4.0f);
+        } else if (i >= OUT_SH2) {
+            tolerance = 2e-6 * (double)light;
         } else if ((i >= OUT_PROBE && i < OUT_TEXEL) || i >= OUT_FITTED_LIGHT) {
             tolerance = 1e-4 * (double)light;
         } else if (i >= OUT_ENCODED_WEIGHT && i < OUT_PROBE) {

@@ -38,6 +38,16 @@ static void models_add(lmb_bake_settings *settings, lmb_arguments *arguments, co
     }
 }
 
+const lmb_model *lightmap_model_argument(lmb_arguments *arguments, const char *option)
+{
+    const char *name = arguments_text(arguments, option);
+    const lmb_model *model = arguments->failed ? NULL : lmb_model_for_lightmap(name);
+    if (!arguments->failed && !model) {
+        arguments_error(arguments, "--model: no lightmap has the model", name);
+    }
+    return model;
+}
+
 bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument)
 {
     if (level_argument(&settings->level, arguments, argument) ||

@@ -3,8 +3,12 @@
 #define LMB_TOOLS_BAKE_ARGUMENTS_H
 
 #include <lambent/bake_settings.h>
+#include <lambent/model.h>
 
 #include "level_arguments.h"
+
+/* The model that the value names, of those that lightmaps can have. */
+const lmb_model *lightmap_model_argument(lmb_arguments *arguments, const char *option);
 
 /* Takes `argument` when it is the level, one of level_argument's options, or one of those of BAKE_USAGE. */
 bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument);

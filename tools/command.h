@@ -109,5 +109,6 @@ int command_pack(int count, char **values);
 int command_probe(int count, char **values);
 int command_render(int count, char **values);
 int command_sample(int count, char **values);
+int command_ssbump(int count, char **values);
 
 #endif

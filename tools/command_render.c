@@ -8,7 +8,7 @@
 #include <lambent/exr.h>
 #include <lambent/vector.h>
 
-#include "command.h"
+#include "bake_arguments.h"
 #include "output_file.h"
 #include "render.h"
 #include "tonemap.h"
@@ -31,6 +31,8 @@ static const char usage[] =
     "                        difference  final - reference: red is too bright, blue too dark\n"
     "                        mismatch    irradiance by probes - by lightmaps, as a share of the latter: likewise\n"
     "                        density     a checker of lightmap texels; red where there is no lightmap\n"
+    "  --model NAME          light surfaces by the lightmaps of that model, which the bake wrote beside its own\n"
+    "                        (bake --models)\n"
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
     "                        sphere is put there\n"
@@ -64,6 +66,7 @@ typedef struct render_options {
     float exposure_ev;
     int32_t width, height;
     lmb_render_mode mode;
+    const lmb_model *model; /* NULL: the bake's own */
     uint32_t samples;
     object_option objects[MAX_OBJECTS];
     int object_count;
@@ -189,6 +192,8 @@ static void options_read(lmb_arguments *arguments, render_options *options)
         }
         if (strcmp(next, "-o") == 0) {
             options->output = arguments_text(arguments, next);
+        } else if (strcmp(next, "--model") == 0) {
+            options->model = lightmap_model_argument(arguments, next);
         } else if (strcmp(next, "--samples") == 0) {
             options->samples = (uint32_t)arguments_integer(arguments, next, 1, 100000000);
         } else if (strcmp(next, "--threads") == 0) {
@@ -471,7 +476,12 @@ int command_render(int count, char **values)
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    result = render_run(&options, &baked, &error);
+    if (options.model) {
+        result = lmb_baked_read_model(&baked, options.directory, options.model, &error);
+    }
+    if (result == LMB_OK) {
+        result = render_run(&options, &baked, &error);
+    }
     lmb_baked_close(&baked);
     return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
 }

@@ -27,6 +27,7 @@ static const struct {
     {"probe", command_probe, "trace one probe of a level on the spot"},
     {"render", command_render, "draw a picture of a baked level"},
     {"sample", command_sample, "look up the light at a point of a .lmb"},
+    {"ssbump", command_ssbump, "make a self-shadowed bump map of a height map"},
 };
 
 static void usage_print(FILE *stream)

@@ -102,6 +102,14 @@ static void json_sides_take(const cJSON *root, lmb_lightmap *lightmap)
     }
 }
 
+/* Whether the folder has the lightmap's model, as its own or as another one. */
+static bool json_has_model(const cJSON *root, const lmb_lightmap *lightmap)
+{
+    const cJSON *channels = cJSON_GetObjectItemCaseSensitive(root, "channels");
+    return json_text_is(root, "encoding", lightmap->model->name) ||
+           cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(channels, lightmap->model->name));
+}
+
 static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error *error)
 {
     unsigned char *data = NULL;
@@ -115,10 +123,11 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error
     lmb_result result = LMB_OK;
     if (!root || !json_text_is(root, "format", LMB_LIGHTMAP_FORMAT_NAME)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not a lightmap's description", path);
-    } else if (!json_number_is(root, "version", lmb_lightmap_format_version(lightmap)) ||
-               !json_text_is(root, "encoding", lightmap->model->name)) {
-        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: neither version %d nor encoding '%s'", path,
-                               lmb_lightmap_format_version(lightmap), lightmap->model->name);
+    } else if (!json_number_is(root, "version", lmb_lightmap_format_version(lightmap))) {
+        result =
+            lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not version %d", path, lmb_lightmap_format_version(lightmap));
+    } else if (!json_has_model(root, lightmap)) {
+        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no texels of the model '%s'", path, lightmap->model->name);
     } else if (!json_layout_matches(root, lightmap) || !json_key_lights_match(root, lightmap)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT,
                                "%s: describes another layout than this level and these settings have", path);
@@ -221,5 +230,17 @@ lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_
     }
     free(plane);
     free(path);
+    return result;
+}
+
+lmb_result lmb_lightmap_read_model(lmb_lightmap *lightmap, const lmb_model *model, const char *directory,
+                                   lmb_error *error)
+{
+    const lmb_model *const own = lightmap->model;
+    lightmap->model = model;
+    const lmb_result result = lmb_lightmap_read(lightmap, directory, error);
+    if (result != LMB_OK) {
+        lightmap->model = own;
+    }
     return result;
 }

@@ -28,6 +28,7 @@ extern const lmb_model lmb_model_ahd_shipped;
 extern const lmb_model lmb_model_hlsh_t2;
 extern const lmb_model lmb_model_hlsh_light;
 extern const lmb_model lmb_model_sh3_gram;
+extern const lmb_model lmb_model_sh3_fit;
 extern const lmb_model lmb_model_sh3_window;
 extern const lmb_model lmb_model_sh3_kept;
 extern const lmb_model lmb_model_sh3_ao;
@@ -40,6 +41,7 @@ extern const lmb_model lmb_model_zh3_hallucinated_unoccluded;
 extern const lmb_model lmb_model_geomerics_gram;
 extern const lmb_model lmb_model_geomerics_unoccluded;
 extern const lmb_model lmb_model_sh2;
+extern const lmb_model lmb_model_sh2_fit;
 extern const lmb_model lmb_model_sh2_linear;
 extern const lmb_model lmb_model_sh2_unoccluded;
 extern const lmb_model lmb_model_h6_gram;
@@ -48,6 +50,8 @@ extern const lmb_model lmb_model_sg5_gram;
 extern const lmb_model lmb_model_cube_gram;
 extern const lmb_model lmb_model_cube_unoccluded;
 extern const lmb_model lmb_model_rnm;
+extern const lmb_model lmb_model_rnm_light;
 extern const lmb_model lmb_model_scalar;
+extern const lmb_model lmb_model_dominant;
 
 #endif

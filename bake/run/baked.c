@@ -124,6 +124,22 @@ lmb_result lmb_baked_open(const char *level_path, const char *directory, int thr
     return result;
 }
 
+lmb_result lmb_baked_read_model(lmb_baked *baked, const char *directory, const lmb_model *model, lmb_error *error)
+{
+    if (!baked->lightmap) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: has no lightmaps, of model '%s' or any", directory,
+                             model->name);
+    }
+    if (baked->lightmap->model == model) {
+        return LMB_OK;
+    }
+    char *path = lmb_file_in(directory, "lightmap");
+    const lmb_result result = path ? lmb_lightmap_read_model(baked->lightmap, model, path, error)
+                                   : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    free(path);
+    return result;
+}
+
 void lmb_baked_close(lmb_baked *closed)
 {
     lmb_lightmap_destroy(closed->lightmap);

@@ -143,6 +143,12 @@ vec3 lmbSh3Irradiance(LmbSh3 sh, vec3 n)
     return lmbLight(sum);
 }
 
+// The same of linear SH, the first four coefficients, as lightmaps of that model store it (lmb_sh2_rgb_irradiance).
+vec3 lmbSh2Irradiance(vec3 c0, vec3 c1, vec3 c2, vec3 c3, vec3 n)
+{
+    return lmbLight(0.28209479177 * c0 + 0.66666666667 * 0.4886025119 * (n.z * c2 - n.y * c1 - n.x * c3));
+}
+
 // The parts of an SH3 that a cone about an axis turns into linear SH (docs/maths.md).
 struct LmbAxial {
     vec3 l0;

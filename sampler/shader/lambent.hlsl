@@ -9,6 +9,7 @@
 #include "lambent_networks.glsl"
 #include "lambent_probe.glsl"
 #include "lambent_specular.glsl"
+#include "lambent_rnm.glsl"
 #undef vec3
 #undef vec4
 #undef vec2

@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 64
-#define OUTPUTS 59
+#define OUTPUTS 68
 
 vec3 lmbRead3(uint at)
 {
@@ -75,4 +75,11 @@ void lmbItem(uint item)
     lmbWrite(to + 54u, lmbSpecularCoordinates(roughness, n, view).x);
     lmbWrite(to + 55u, lmbSpecularCoordinates(roughness, n, view).y);
     lmbWrite3(to + 56u, lmbSpecularEnvironment(albedo, sh, lobe, f0, n, view));
+    LmbRnm rnm;
+    rnm.light1 = texel.irradianceZ;
+    rnm.light2 = albedo;
+    rnm.light3 = max(sh.c[0], vec3(0.0, 0.0, 0.0));
+    lmbWrite3(to + 59u, lmbRnmEvaluate(rnm, lmbRnmSlopes(nv), n));
+    lmbWrite3(to + 62u, lmbSsbumpEvaluate(rnm, albedo));
+    lmbWrite3(to + 65u, lmbSh2Irradiance(sh.c[0], sh.c[1], sh.c[2], sh.c[3], n));
 }

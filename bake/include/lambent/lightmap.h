@@ -168,6 +168,11 @@ lmb_result lmb_lightmap_write(const lmb_lightmap *lightmap, const char *director
  * must describe the same layout. @return LMB_ERROR_IO, _FORMAT (another layout), _MEMORY */
 lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_error *error);
 
+/* The same of another model that was written beside its own, which becomes the lightmap's. @return LMB_ERROR_FORMAT,
+ * too, where it was not; the lightmap is then as it was */
+lmb_result lmb_lightmap_read_model(lmb_lightmap *lightmap, const lmb_model *model, const char *directory,
+                                   lmb_error *error);
+
 #ifdef __cplusplus
 }
 #endif
