@@ -215,9 +215,8 @@ static void language_agrees(const char *path, const char *language)
     for (int i = 0; i < ITEMS && input; ++i) {
         item_make(input + (size_t)i * INPUTS, i, &state);
     }
-    const shader_run_result result =
-        input && output ? shader_run(path, GROUPS, input, (size_t)ITEMS * INPUTS, output, (size_t)ITEMS * OUTPUTS)
-                        : SHADER_FAILED;
+    const shader_floats in = {input, (size_t)ITEMS * INPUTS}, out = {output, (size_t)ITEMS * OUTPUTS};
+    const shader_run_result result = input && output ? shader_run(path, GROUPS, NULL, &in, &out) : SHADER_FAILED;
     CHECK(result != SHADER_FAILED, "%s runs", path);
     if (result == SHADER_NO_DEVICE) {
         test_skip("no Vulkan device (Debian: mesa-vulkan-drivers)");
