@@ -26,8 +26,8 @@ static const struct {
     double turn, edge, allowed;
 } lights[] = {{"constant", 0.0, 1.0, 0.0003},
               {"gradient", 0.1, 1.0, 0.003},
-              {"turning", 0.2, 1.0, 0.008},
-              {"edge", 0.1, 4.0, 0.013},
+              {"turning", 0.2, 1.0, 0.01},
+              {"edge", 0.1, 4.0, 0.018},
               {"deep edge", 0.0, 300.0, 0.012}};
 enum { LIGHTS = sizeof lights / sizeof lights[0] };
 

@@ -7,6 +7,7 @@
 
 static const lmb_model *const table[] = {
     &lmb_model_irradz_hhd,
+    &lmb_model_irradz_disc,
     &lmb_model_hhd_closed_fitted,
     &lmb_model_hlsh,
     &lmb_model_hlsh_fitted,
