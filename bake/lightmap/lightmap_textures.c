@@ -110,12 +110,20 @@ void lmb_lightmap_textures_keys_name(const lmb_lightmap *lightmap, int32_t image
     lmb_lightmap_textures_name(lightmap, lightmap->model, &part, image, name);
 }
 
+/* Along a side: a level's texels, each s = side / (side >> level) long, are read up to s from a surface and made of
+ * what is up to 1.5 s from it, less half a texel; that must be its padding. */
+static bool level_is_apart(int32_t side, int32_t level, int32_t padding)
+{
+    const int64_t texels = side >> level;
+    return texels >= 4 && 3 * (int64_t)side <= (2 * (int64_t)padding + 1) * texels;
+}
+
 int32_t lmb_lightmap_textures_levels(const lmb_lightmap *lightmap, int32_t image)
 {
     const lmb_lightmap_image *of = &lightmap->image[image];
-    const int32_t shortest = of->width < of->height ? of->width : of->height;
     int32_t levels = 1;
-    while (1 << levels <= lightmap->settings.padding && shortest >> levels >= 4) {
+    while (level_is_apart(of->width, levels, lightmap->settings.padding) &&
+           level_is_apart(of->height, levels, lightmap->settings.padding)) {
         ++levels;
     }
     return levels;

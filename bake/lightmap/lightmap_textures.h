@@ -35,7 +35,7 @@ void lmb_lightmap_textures_name(const lmb_lightmap *lightmap, const lmb_model *m
 void lmb_lightmap_textures_picture(const lmb_lightmap *lightmap, int32_t image, char name[LMB_LIGHTMAP_FILE_NAME]);
 void lmb_lightmap_textures_keys_name(const lmb_lightmap *lightmap, int32_t image, char name[LMB_LIGHTMAP_FILE_NAME]);
 
-/* Levels that the padding keeps apart: bilinear filtering of level k reads what is up to 2^k texels from a surface. */
+/* Levels that the padding keeps apart: 1, 2, 3, 4 of paddings of 1, 3, 6, 12, where sides are divided evenly. */
 int32_t lmb_lightmap_textures_levels(const lmb_lightmap *lightmap, int32_t image);
 
 /* The power of two that a part's light is divided by; 1 for the others. `plane` is of all channels. */

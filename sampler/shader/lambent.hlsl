@@ -2,11 +2,13 @@
 #ifndef LAMBENT_HLSL
 #define LAMBENT_HLSL
 
+#define vec2 float2
 #define vec3 float3
 #define vec4 float4
 #include "lambent.glsl"
 #include "lambent_networks.glsl"
 #include "lambent_probe.glsl"
+#undef vec2
 #undef vec3
 #undef vec4
 

@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 45
-#define OUTPUTS 42
+#define OUTPUTS 45
 
 vec3 lmbRead3(uint at)
 {
@@ -57,4 +57,8 @@ void lmbItem(uint item)
     lmbWrite3(to + 33u, fitted.irradianceZ);
     lmbWrite3(to + 36u, lmbIrradzEvaluate(fitted, nv, n));
     lmbWrite3(to + 39u, lmbHlshEvaluate(lmbHlshFromProbe(sh, nv, coneCos), nv, n));
+    vec2 disc;
+    disc.x = texel.direction.x;
+    disc.y = texel.direction.y;
+    lmbWrite3(to + 42u, lmbDiscToDirection(disc, nv));
 }
