@@ -122,7 +122,7 @@ static void threads_make_no_difference(void)
     }
 }
 
-/* Instances in turn get red and green light. */
+/* Instances in turn get reddish and greenish light: 1 and 1/4. */
 static void regions_paint(lmb_lightmap *lightmap)
 {
     for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
@@ -132,15 +132,15 @@ static void regions_paint(lmb_lightmap *lightmap)
             for (int32_t x = -padding; x < region->width + padding; ++x) {
                 const lmb_lightmap_image *image = &lightmap->image[region->image];
                 const size_t at = (size_t)(region->y + y) * (size_t)image->width + (size_t)(region->x + x);
-                lmb_lightmap_plane(image, 0)[at] = i % 2 == 0 ? 1.0f : 0.0f;
-                lmb_lightmap_plane(image, 1)[at] = i % 2 == 0 ? 0.0f : 1.0f;
-                lmb_lightmap_plane(image, 2)[at] = 0.0f;
+                lmb_lightmap_plane(image, 0)[at] = i % 2 == 0 ? 1.0f : 0.25f;
+                lmb_lightmap_plane(image, 1)[at] = i % 2 == 0 ? 0.25f : 1.0f;
+                lmb_lightmap_plane(image, 2)[at] = 0.25f;
             }
         }
     }
 }
 
-/* The largest share of the wrong colour that filtering a level reads anywhere on the regions' surfaces. */
+/* How far what filtering a level reads anywhere on the regions' surfaces is from their own colour, at most. */
 static double foreign_light(const lmb_lightmap *lightmap, const lmb_block_texture *texture, int32_t level,
                             float *const *plane)
 {
@@ -162,7 +162,8 @@ static double foreign_light(const lmb_lightmap *lightmap, const lmb_block_textur
                 seen[0] += weight * (double)plane[0][at];
                 seen[1] += weight * (double)plane[1][at];
             }
-            worst = fmax(worst, seen[i % 2 == 0 ? 1 : 0] / (seen[0] + seen[1]));
+            const double own = seen[i % 2], other = seen[1 - i % 2];
+            worst = fmax(worst, fmax(fabs(own - 1.0), fabs(other - 0.25)));
         }
     }
     return worst;
@@ -199,7 +200,8 @@ static void charts_do_not_bleed(void)
         for (int32_t level = 0; level < texture.levels; ++level) {
             lmb_block_texture_decode(&texture, level, 0, plane);
             const double worst = foreign_light(bake.lightmap, &texture, level, plane);
-            CHECK(worst < 1e-3, "padding of %d, level %d: %g of the light is a neighbour's", paddings[p], level, worst);
+            /* A neighbour's light would be some tenths; blocks of three colours are off by some hundredths. */
+            CHECK(worst < 0.03, "padding of %d, level %d: off by %g", paddings[p], level, worst);
         }
         free(values);
         lmb_block_texture_free(&texture);

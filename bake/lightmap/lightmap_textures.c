@@ -9,8 +9,10 @@
 
 #include "texture/mip_level.h"
 
-/* How much a texel around the surface counts in a block beside those on it, which filtering reads more of. */
-#define DILATED_WEIGHT 0.25f
+/* How much a texel beside the surface counts in a block, which filtering reads less of than of those on it; and one
+ * that lies farther off, which it never reads. */
+#define BESIDE_WEIGHT 0.25f
+#define FAR_WEIGHT 0x1p-10f
 
 /* How much it counts in a mip level: where there is nothing else. */
 #define DILATED_COVERAGE 0x1p-10f
@@ -175,6 +177,25 @@ static float level_mean(const mip_level *level)
     return total > 0.0 ? (float)(sum / total) : 0.0f;
 }
 
+/* The largest coverage of a texel and the eight around it. */
+static float coverage_around(const mip_level *level, int32_t x, int32_t y)
+{
+    float largest = 0.0f;
+    for (int k = 0; k < 9; ++k) {
+        const int32_t column = x + k % 3 - 1, row = y + k / 3 - 1;
+        if (column >= 0 && row >= 0 && column < level->width && row < level->height) {
+            largest = fmaxf(largest, level->coverage[(size_t)row * (size_t)level->width + (size_t)column]);
+        }
+    }
+    return largest;
+}
+
+static float texel_weight(const mip_level *level, int32_t x, int32_t y)
+{
+    const float coverage = level->coverage[(size_t)y * (size_t)level->width + (size_t)x];
+    return coverage > 0.0f ? fmaxf(coverage, BESIDE_WEIGHT * coverage_around(level, x, y)) : 0.0f;
+}
+
 static bool level_encode(const mip_level *level, int32_t number, float floor, lmb_pool *pool,
                          lmb_block_texture *texture)
 {
@@ -185,8 +206,7 @@ static bool level_encode(const mip_level *level, int32_t number, float floor, lm
         plane[p] = level->value + (size_t)p * texels;
     }
     for (size_t i = 0; weight && i < texels; ++i) {
-        const float coverage = level->coverage[i];
-        weight[i] = coverage > 0.0f ? fmaxf(coverage, DILATED_WEIGHT) : 0.0f;
+        weight[i] = texel_weight(level, (int32_t)(i % (size_t)level->width), (int32_t)(i / (size_t)level->width));
     }
     if (weight) {
         const lmb_block_pixels pixels = {.plane = plane, .weight = weight, .floor = floor};
@@ -196,18 +216,16 @@ static bool level_encode(const mip_level *level, int32_t number, float floor, lm
     return weight != NULL;
 }
 
-/* Encodes all levels, each made of the one before. */
-static bool levels_encode(mip_level *level, lmb_pool *pool, lmb_block_texture *texture)
+static bool levels_encode(const mip_level *image, lmb_pool *pool, lmb_block_texture *texture)
 {
-    const float floor = fmaxf((float)(DARK_SHARE * (double)level_mean(level)), 0x1p-24f);
-    bool good = level_encode(level, 0, floor, pool, texture);
+    const float floor = fmaxf((float)(DARK_SHARE * (double)level_mean(image)), 0x1p-24f);
+    bool good = level_encode(image, 0, floor, pool, texture);
     for (int32_t number = 1; number < texture->levels && good; ++number) {
-        mip_level next;
-        good = lmb_mip_level_halve(level, &next);
+        mip_level level;
+        good = lmb_mip_level_reduce(image, number, &level);
         if (good) {
-            lmb_mip_level_free(level);
-            *level = next;
-            good = level_encode(level, number, floor, pool, texture);
+            good = level_encode(&level, number, floor, pool, texture);
+            lmb_mip_level_free(&level);
         }
     }
     return good;

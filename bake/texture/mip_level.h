@@ -21,10 +21,11 @@ static inline size_t mip_level_texels(const mip_level *level)
 /* All 0. False: out of memory; then nothing is to be freed. */
 bool lmb_mip_level_create(int32_t width, int32_t height, int planes, mip_level *level);
 
-/* The next level, half as wide and high, rounded down. A texel is the mean of what it covers of the texels before it,
- * by area and coverage, or 0 where none of that is covered. Odd sides are divided evenly: a texel then takes a part of
- * a row or column. False: out of memory. */
-bool lmb_mip_level_halve(const mip_level *from, mip_level *to);
+/* Level `number` of an image, its sides halved so often and rounded down. A texel is the mean of what it covers of the
+ * image's texels, by area and coverage, or 0 where none of that is covered; sides that do not halve evenly are divided
+ * evenly all the same. Made of the image itself: of the level before, a texel would take in what lies beside it.
+ * False: out of memory. */
+bool lmb_mip_level_reduce(const mip_level *image, int32_t number, mip_level *level);
 
 void lmb_mip_level_free(mip_level *level);
 
