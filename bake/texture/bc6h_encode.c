@@ -10,7 +10,7 @@
 
 /* Partitions that are tried, of those whose lines fit best; modes of each, the finest whose differences fit; rounds of
  * choosing indices and then ends for them. */
-enum { PARTITIONS_TRIED = 4, MODES_TRIED = 2, ROUNDS = 3, NUDGES = 2 };
+enum { PARTITIONS_TRIED = 8, MODES_TRIED = 2, ROUNDS = 3, NUDGES = 2 };
 
 /* Two lines are tried where one leaves more than this of the light as error, root mean square. */
 #define GOOD_ENOUGH 0.002f
