@@ -27,17 +27,19 @@
 #include "lightmap/lightmap_textures.h"
 #include "textures_eight_bits.h"
 
-static const char usage[] = "usage: textures LEVEL -o DIR [options]\n"
-                            "\n"
-                            "  -o DIR                a folder that is there, for the files\n"
-                            "  --texels-per-m N      lightmap density (default: from the level's size)\n"
-                            "  --samples N           at each texel at most (default 512)\n"
-                            "  --points N            on surfaces (default 8000)\n" LEVEL_USAGE;
+static const char usage[] =
+    "usage: textures LEVEL -o DIR [options]\n"
+    "\n"
+    "  -o DIR                a folder that is there, for the files\n"
+    "  --texels-per-m N      lightmap density (default: from the level's size)\n"
+    "  --samples N           at each texel at most (default 512)\n"
+    "  --points N            on surfaces (default 8000)\n"
+    "  --model NAME          measure this one too, in textures if they hold it (repeatable)\n" LEVEL_USAGE;
 
 enum { NORMALS = 8, STREAM_POINTS = 1, STREAM_NORMALS };
 
 /* Which of the lightmap's models a way stores: its own, the format's, SH3 to compare with. */
-enum { OWN = -1, DISC, TRUTH };
+enum { OWN = -1, DISC, TRUTH, OTHERS };
 
 typedef struct textures {
     lmb_level level;
@@ -45,6 +47,8 @@ typedef struct textures {
     const char *directory;
     float texels_per_m;
     uint32_t samples, points;
+    const lmb_model *asked[LMB_LIGHTMAP_MOST_MODELS - OTHERS];
+    int asked_count;
     lmb_rgb (*own)[NORMALS];   /* [point] by floats of the lightmap's own model */
     lmb_rgb (*truth)[NORMALS]; /* and by SH3 */
     bool *mapped;
@@ -53,7 +57,7 @@ typedef struct textures {
 /* A way of storing: makes of an image's planes what comes back, in new ones, and counts bytes. */
 typedef struct storing_way {
     const char *name;
-    int model;
+    int model; /* OTHERS on: those that are named on the command line */
     lmb_result (*store)(const textures *work, int32_t image, const struct storing_way *way, float *plane,
                         uint64_t *bytes, lmb_error *error);
     eight_bits colour;
@@ -250,6 +254,9 @@ static lmb_result texels_bake(textures *work, lmb_error *error)
     settings.texels_per_m = work->texels_per_m > 0.0f ? work->texels_per_m : settings.texels_per_m;
     settings.other[DISC] = lmb_model_default(LMB_MODEL_FOR_TEXTURE);
     settings.other[TRUTH] = lmb_model_for_lightmap("sh3");
+    for (int i = 0; i < work->asked_count; ++i) {
+        settings.other[OTHERS + i] = work->asked[i];
+    }
     settings.pool = work->level.pool;
     lmb_result result = lmb_lightmap_create(work->level.scene, &settings, &work->lightmap, error);
     if (result != LMB_OK) {
@@ -307,9 +314,27 @@ static lmb_result run(textures *work, const lmb_level_settings *settings, lmb_er
     for (size_t i = 0; i < sizeof ways / sizeof ways[0] && result == LMB_OK; ++i) {
         result = way_measure(work, &ways[i], error);
     }
+    for (int i = 0; i < work->asked_count && result == LMB_OK; ++i) {
+        char name[96];
+        const lmb_model *model = work->asked[i];
+        const bool fits = lmb_lightmap_textures_hold(model);
+        snprintf(name, sizeof name, "%s%s", model->name, fits ? ", textures" : ", halfs");
+        const storing_way way = {name, OTHERS + i, fits ? store_textures : store_halfs, EIGHT_BITS_SHARED_EXPONENT};
+        result = way_measure(work, &way, error);
+    }
     lmb_lightmap_destroy(work->lightmap);
     lmb_level_close(&work->level);
     return result;
+}
+
+static void model_add(textures *work, lmb_arguments *arguments, const char *name)
+{
+    const lmb_model *model = arguments->failed ? NULL : lmb_model_for_lightmap(name);
+    if (!model || work->asked_count == (int)(sizeof work->asked / sizeof work->asked[0])) {
+        arguments_error(arguments, "no lightmap has the model", name);
+        return;
+    }
+    work->asked[work->asked_count++] = model;
 }
 
 int main(int count, char **values)
@@ -326,6 +351,8 @@ int main(int count, char **values)
             work.samples = (uint32_t)arguments_integer(&arguments, next, 64, 1 << 20);
         } else if (strcmp(next, "--points") == 0) {
             work.points = (uint32_t)arguments_integer(&arguments, next, 1, 1000000);
+        } else if (strcmp(next, "--model") == 0) {
+            model_add(&work, &arguments, arguments_text(&arguments, next));
         } else if (next[0] != '-' && !settings.path) {
             settings.path = next;
         } else if (!level_argument(&settings, &arguments, next)) {

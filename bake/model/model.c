@@ -23,6 +23,8 @@ static const lmb_model *const table[] = {
     &lmb_model_hlsh_t2,
     &lmb_model_hlsh_light,
     &lmb_model_sh3_gram,
+    &lmb_model_sh3_ratios,
+    &lmb_model_sh3_shared_ratios,
     &lmb_model_sh3_window,
     &lmb_model_sh3_kept,
     &lmb_model_sh3_ao,

@@ -29,6 +29,8 @@ extern const lmb_model lmb_model_ahd_shipped;
 extern const lmb_model lmb_model_hlsh_t2;
 extern const lmb_model lmb_model_hlsh_light;
 extern const lmb_model lmb_model_sh3_gram;
+extern const lmb_model lmb_model_sh3_ratios;
+extern const lmb_model lmb_model_sh3_shared_ratios;
 extern const lmb_model lmb_model_sh3_window;
 extern const lmb_model lmb_model_sh3_kept;
 extern const lmb_model lmb_model_sh3_ao;
