@@ -16,6 +16,9 @@ enum {
 #define LMB_LIGHTMAP_JSON_NAME "lightmap.json"
 #define LMB_LIGHTMAP_KEYS_KIND "keys"
 
+/* Of a format whose settings name none. */
+const lmb_model *lmb_lightmap_default_model(lmb_lightmap_format format);
+
 /* Of a lightmap's files. */
 int lmb_lightmap_format_version(const lmb_lightmap *lightmap);
 

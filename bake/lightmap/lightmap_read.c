@@ -1,5 +1,5 @@
 /* Lightmaps from disk, into a layout that was made again (docs/formats.md). */
-#include "lightmap/lightmap_files.h"
+#include "lightmap/lightmap_textures.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -62,7 +62,7 @@ static bool json_layout_matches(const cJSON *root, const lmb_lightmap *lightmap)
     const cJSON *item = images->child;
     for (int32_t i = 0; i < lightmap->image_count; ++i, item = item->next) {
         char name[LMB_LIGHTMAP_FILE_NAME];
-        lmb_lightmap_file_name(i, NULL, name);
+        lmb_lightmap_textures_picture(lightmap, i, name);
         if (!item || (lightmap->model->irradiance_first && !json_text_is(item, "file", name)) ||
             !json_number_is(item, "width", lightmap->image[i].width) ||
             !json_number_is(item, "height", lightmap->image[i].height)) {
@@ -110,7 +110,21 @@ static bool json_has_model(const cJSON *root, const lmb_lightmap *lightmap)
            cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(channels, lightmap->model->name));
 }
 
-static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error *error)
+/* The scales of the light in textures of the lightmap's own model, which no texture says itself: [image]. False where
+ * one is missing or broken. */
+static bool json_scales_take(const cJSON *root, const lmb_lightmap *lightmap, float *scale)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(root, "images")->child;
+    bool good = true;
+    for (int32_t i = 0; i < lightmap->image_count; ++i, item = item->next) {
+        const cJSON *number = cJSON_GetObjectItemCaseSensitive(item, "scale");
+        scale[i] = cJSON_IsNumber(number) ? (float)number->valuedouble : 0.0f;
+        good = good && scale[i] > 0.0f && isfinite(scale[i]);
+    }
+    return good;
+}
+
+static lmb_result json_check(lmb_lightmap *lightmap, const char *path, float *scale, lmb_error *error)
 {
     unsigned char *data = NULL;
     size_t size = 0;
@@ -131,6 +145,8 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error
     } else if (!json_layout_matches(root, lightmap) || !json_key_lights_match(root, lightmap)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT,
                                "%s: describes another layout than this level and these settings have", path);
+    } else if (!json_scales_take(root, lightmap, scale)) {
+        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: a broken scale", path);
     } else {
         json_sides_take(root, lightmap);
     }
@@ -187,24 +203,55 @@ static lmb_result file_read(const lmb_lightmap *lightmap, int32_t number, const 
     return result;
 }
 
-static lmb_result images_read(const lmb_lightmap *lightmap, const char *directory, float **plane, lmb_error *error)
+static lmb_result pictures_read(const lmb_lightmap *lightmap, int32_t number, const char *directory, float *plane,
+                                lmb_error *error)
 {
     const lmb_model *model = lightmap->model;
+    lmb_result result = LMB_OK;
+    if (model->irradiance_first) {
+        result = file_read(lightmap, number, NULL, directory, plane, error);
+    }
+    if (result == LMB_OK && lmb_lightmap_model_channels(model).count > 0) {
+        result = file_read(lightmap, number, lmb_lightmap_kind(model), directory, plane, error);
+    }
+    if (result == LMB_OK && lightmap->key_light_count > 0) {
+        result = file_read(lightmap, number, LMB_LIGHTMAP_KEYS_KIND, directory, plane, error);
+    }
+    return result;
+}
+
+static lmb_result textures_read(const lmb_lightmap *lightmap, int32_t number, float scale, const char *directory,
+                                float *plane, lmb_error *error)
+{
+    lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS + 1];
+    int count = lmb_lightmap_textures_parts(lightmap->model, parts);
+    if (lightmap->key_light_count > 0) {
+        parts[count++] = lmb_lightmap_textures_keys(lightmap);
+    }
+    lmb_result result = LMB_OK;
+    for (int i = 0; i < count && result == LMB_OK; ++i) {
+        char name[LMB_LIGHTMAP_FILE_NAME];
+        lmb_lightmap_textures_name(lightmap, lightmap->model, &parts[i], number, name);
+        char *path = lmb_file_in(directory, name);
+        result = path ? lmb_lightmap_textures_read(&lightmap->image[number], scale, &parts[i], path, plane, error)
+                      : out_of_memory(error);
+        free(path);
+    }
+    return result;
+}
+
+static lmb_result images_read(const lmb_lightmap *lightmap, const char *directory, const float *scale, float **plane,
+                              lmb_error *error)
+{
     const size_t planes = (size_t)lmb_lightmap_plane_count(lightmap);
     lmb_result result = LMB_OK;
     for (int32_t i = 0; i < lightmap->image_count && result == LMB_OK; ++i) {
         const lmb_lightmap_image *image = &lightmap->image[i];
         plane[i] = calloc((size_t)image->width * (size_t)image->height * planes, sizeof **plane);
-        result = plane[i] ? LMB_OK : out_of_memory(error);
-        if (result == LMB_OK && model->irradiance_first) {
-            result = file_read(lightmap, i, NULL, directory, plane[i], error);
-        }
-        if (result == LMB_OK && lmb_lightmap_model_channels(model).count > 0) {
-            result = file_read(lightmap, i, lmb_lightmap_kind(model), directory, plane[i], error);
-        }
-        if (result == LMB_OK && lightmap->key_light_count > 0) {
-            result = file_read(lightmap, i, LMB_LIGHTMAP_KEYS_KIND, directory, plane[i], error);
-        }
+        result = !plane[i] ? out_of_memory(error)
+                 : lightmap->settings.format == LMB_LIGHTMAP_EXR
+                     ? pictures_read(lightmap, i, directory, plane[i], error)
+                     : textures_read(lightmap, i, scale[i], directory, plane[i], error);
     }
     return result;
 }
@@ -213,9 +260,10 @@ lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_
 {
     char *path = lmb_file_in(directory, LMB_LIGHTMAP_JSON_NAME);
     float **plane = calloc((size_t)lightmap->image_count + 1u, sizeof *plane);
-    lmb_result result = path && plane ? json_check(lightmap, path, error) : out_of_memory(error);
+    float *scale = calloc((size_t)lightmap->image_count + 1u, sizeof *scale);
+    lmb_result result = path && plane && scale ? json_check(lightmap, path, scale, error) : out_of_memory(error);
     if (result == LMB_OK) {
-        result = images_read(lightmap, directory, plane, error);
+        result = images_read(lightmap, directory, scale, plane, error);
     }
     if (result == LMB_OK && lmb_lightmap_mark(lightmap) != LMB_OK) {
         result = out_of_memory(error);
@@ -228,6 +276,7 @@ lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_
             free(plane[i]);
         }
     }
+    free(scale);
     free(plane);
     free(path);
     return result;

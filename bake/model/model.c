@@ -7,6 +7,7 @@
 
 static const lmb_model *const table[] = {
     &lmb_model_irradz_hhd,
+    &lmb_model_irradz_disc,
     &lmb_model_hhd_closed_fitted,
     &lmb_model_hlsh,
     &lmb_model_hlsh_fitted,
@@ -23,6 +24,8 @@ static const lmb_model *const table[] = {
     &lmb_model_hlsh_light,
     &lmb_model_sh3_gram,
     &lmb_model_sh3_fit,
+    &lmb_model_sh3_ratios,
+    &lmb_model_sh3_shared_ratios,
     &lmb_model_sh3_window,
     &lmb_model_sh3_kept,
     &lmb_model_sh3_ao,

@@ -246,6 +246,8 @@ static lmb_result targets_check(const lmb_bake_folder *folder, lmb_error *error)
         LIGHTMAP_NAME "/lightmap.json",
         LIGHTMAP_NAME "/level_uv2.glb",
         LIGHTMAP_NAME "/lightmap_0.exr",
+        LIGHTMAP_NAME "/lightmap_0.ktx2",
+        LIGHTMAP_NAME "/lightmap_0.dds",
     };
     lmb_result result = LMB_OK;
     const size_t count = folder->lightmaps ? sizeof names / sizeof names[0] : 3;

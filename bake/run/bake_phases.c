@@ -151,6 +151,7 @@ static lmb_lightmap_settings lightmap_settings(const lmb_bake *bake)
     settings.max_image_size = wanted->max_image_size > 0 ? wanted->max_image_size : settings.max_image_size;
     settings.padding = wanted->padding > 0 ? wanted->padding : settings.padding;
     settings.warnings = bake->level->warnings;
+    settings.format = wanted->lightmap_format;
     memcpy(settings.other, wanted->models, sizeof settings.other);
     settings.error = wanted->texel_error;
     settings.pool = bake->level->pool;

@@ -83,12 +83,18 @@ static void json_add_level(cJSON *json, const lmb_level_settings *level, uint64_
     }
 }
 
+const lmb_model *lmb_bake_settings_model(const lmb_bake_settings *settings)
+{
+    return lmb_model_default(settings->lightmap_format == LMB_LIGHTMAP_EXR ? LMB_MODEL_FOR_LIGHTMAP
+                                                                           : LMB_MODEL_FOR_TEXTURE);
+}
+
 /* The default model first; nothing where there is no other. */
 static void json_add_models(cJSON *json, const lmb_bake_settings *settings)
 {
     if (settings->models[0]) {
         cJSON *models = cJSON_AddArrayToObject(json, "models");
-        cJSON_AddItemToArray(models, cJSON_CreateString(lmb_model_default(LMB_MODEL_FOR_LIGHTMAP)->name));
+        cJSON_AddItemToArray(models, cJSON_CreateString(lmb_bake_settings_model(settings)->name));
         for (int i = 0; i < LMB_LIGHTMAP_MOST_MODELS && settings->models[i]; ++i) {
             cJSON_AddItemToArray(models, cJSON_CreateString(settings->models[i]->name));
         }
@@ -120,6 +126,9 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
         cJSON_AddNumberToObject(json, "max_image_size", settings->max_image_size);
         if (settings->padding != 1) { /* what a record without it has */
             cJSON_AddNumberToObject(json, "padding", settings->padding);
+        }
+        if (settings->lightmap_format != LMB_LIGHTMAP_EXR) {
+            cJSON_AddStringToObject(json, "lightmap_format", lmb_lightmap_format_name(settings->lightmap_format));
         }
         json_add_models(json, settings);
         if (settings->texel_error) {
@@ -221,10 +230,35 @@ bool lmb_bake_settings_add_model(lmb_bake_settings *settings, const char *name)
     while (count < LMB_LIGHTMAP_MOST_MODELS && settings->models[count] && settings->models[count] != model) {
         ++count;
     }
-    if (model != lmb_model_default(LMB_MODEL_FOR_LIGHTMAP) && count < LMB_LIGHTMAP_MOST_MODELS) {
+    if (model != lmb_bake_settings_model(settings) && count < LMB_LIGHTMAP_MOST_MODELS) {
         settings->models[count] = model;
     }
     return count < LMB_LIGHTMAP_MOST_MODELS;
+}
+
+/* Takes the model that the format brings out of the others. */
+static void models_trim(lmb_bake_settings *settings)
+{
+    int kept = 0;
+    for (int i = 0; i < LMB_LIGHTMAP_MOST_MODELS; ++i) {
+        const lmb_model *model = settings->models[i];
+        settings->models[i] = NULL;
+        if (model && model != lmb_bake_settings_model(settings)) {
+            settings->models[kept++] = model;
+        }
+    }
+}
+
+bool lmb_bake_settings_lightmap_format(lmb_bake_settings *settings, const char *name)
+{
+    for (int i = 0; i < LMB_LIGHTMAP_FORMATS; ++i) {
+        if (strcmp(name, lmb_lightmap_format_name((lmb_lightmap_format)i)) == 0) {
+            settings->lightmap_format = (lmb_lightmap_format)i;
+            models_trim(settings);
+            return true;
+        }
+    }
+    return false;
 }
 
 static bool models_read(const cJSON *json, lmb_bake_settings *settings)
@@ -242,7 +276,9 @@ static bool models_read(const cJSON *json, lmb_bake_settings *settings)
 bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
 {
     lmb_bake_settings read = lmb_bake_settings_default();
-    if (!level_read(json, &read.level) || !seeds_read(json, &read) || !models_read(json, &read)) {
+    const char *format = text_of(json, "lightmap_format");
+    if ((format && !lmb_bake_settings_lightmap_format(&read, format)) || !level_read(json, &read.level) ||
+        !seeds_read(json, &read) || !models_read(json, &read)) {
         return false;
     }
     const char *estimator = text_of(json, "estimator");

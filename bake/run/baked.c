@@ -54,6 +54,7 @@ static lmb_result lightmap_open(const char *directory, lmb_baked *opened, lmb_er
     const lmb_lightmap_settings lightmap = {.texels_per_m = settings->texels_per_m,
                                             .max_image_size = settings->max_image_size,
                                             .padding = settings->padding,
+                                            .format = settings->lightmap_format,
                                             .pool = opened->level.pool};
     lmb_result result = lmb_lightmap_create(opened->level.scene, &lightmap, &opened->lightmap, error);
     char *path = result == LMB_OK ? lmb_file_in(directory, "lightmap") : NULL;

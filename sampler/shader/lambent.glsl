@@ -310,6 +310,17 @@ LmbIrradz lmbIrradzEncode(LmbSh3 sh, vec3 nv, float coneCos)
 }
 
 // A texel, filtered or not, as a light (lmb_irradz_decode).
+// The direction of a compressed texel, from its filtered point of the disc, -1 to 1 (lmb_disc_to_direction):
+//     irradz.direction = lmbDiscToDirection(2.0 * texture(direction, uv).xy - 1.0, nv);
+vec3 lmbDiscToDirection(vec2 p, vec3 nv)
+{
+    vec3 axis = vec3(-0.36, 0.8, -0.48);
+    vec3 across = vec3(-0.8, 0.0, 0.6) * p.x + vec3(0.48, 0.6, 0.64) * p.y;
+    vec3 turned = across - (axis + nv) * (dot(nv, across) / max(1.0 + dot(axis, nv), 1e-6));
+    float height = max(1.0 - dot(p, p), LMB_IRRADZ_MIN_COS);
+    return nv * height + turned * sqrt(1.0 + height);
+}
+
 LmbHhd lmbIrradzDecode(LmbIrradz irradz, vec3 nv)
 {
     float w = lmbSaturate(irradz.ambientWeight);

@@ -2,9 +2,9 @@
 #ifndef LAMBENT_HLSL
 #define LAMBENT_HLSL
 
+#define vec2 float2
 #define vec3 float3
 #define vec4 float4
-#define vec2 float2
 #include "lambent.glsl"
 #include "lambent_networks.glsl"
 #include "lambent_probe.glsl"

@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 64
-#define OUTPUTS 68
+#define OUTPUTS 71
 
 vec3 lmbRead3(uint at)
 {
@@ -82,4 +82,8 @@ void lmbItem(uint item)
     lmbWrite3(to + 59u, lmbRnmEvaluate(rnm, lmbRnmSlopes(nv), n));
     lmbWrite3(to + 62u, lmbSsbumpEvaluate(rnm, albedo));
     lmbWrite3(to + 65u, lmbSh2Irradiance(sh.c[0], sh.c[1], sh.c[2], sh.c[3], n));
+    vec2 disc;
+    disc.x = texel.direction.x;
+    disc.y = texel.direction.y;
+    lmbWrite3(to + 68u, lmbDiscToDirection(disc, nv));
 }

@@ -13,6 +13,7 @@ void lmbWrite(uint index, float value)
     outputs[index] = value;
 }
 
+#define vec2 float2
 #define vec3 float3
 #define vec4 float4
 #include "cases.glsl"
