@@ -514,21 +514,26 @@ static lmb_result file_decode(exr_source *source, const char *const *names, lmb_
     return result;
 }
 
+lmb_result lmb_exr_decode_channels(const lmb_image_bytes *file, const char *const *names, size_t count, float **values,
+                                   lmb_exr_header *header, lmb_error *error)
+{
+    exr_source source = {.file = *file};
+    lmb_exr_targets targets = {.count = count};
+    return lmb_exr_is(file) ? file_decode(&source, names, &targets, values, header, error)
+                            : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not an OpenEXR file", file->name);
+}
+
 lmb_result lmb_exr_read_channels(const char *path, const char *const *names, size_t count, float **values,
                                  lmb_exr_header *header, lmb_error *error)
 {
     assert(path && names && values && header);
     unsigned char *data = NULL;
-    exr_source source = {.file = {.name = path}};
-    lmb_result result = lmb_file_read(path, &data, &source.file.size, error);
-    if (result != LMB_OK) {
-        return result;
+    size_t size = 0;
+    lmb_result result = lmb_file_read(path, &data, &size, error);
+    if (result == LMB_OK) {
+        result = lmb_exr_decode_channels(&(lmb_image_bytes){path, data, size}, names, count, values, header, error);
+        free(data);
     }
-    source.file.data = data;
-    lmb_exr_targets targets = {.count = count};
-    result = lmb_exr_is(&source.file) ? file_decode(&source, names, &targets, values, header, error)
-                                      : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not an OpenEXR file", path);
-    free(data);
     return result;
 }
 

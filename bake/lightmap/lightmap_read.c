@@ -102,16 +102,10 @@ static void json_sides_take(const cJSON *root, lmb_lightmap *lightmap)
     }
 }
 
-static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error *error)
+lmb_result lmb_lightmap_json_check(lmb_lightmap *lightmap, const char *path, const char *text, size_t size,
+                                   lmb_error *error)
 {
-    unsigned char *data = NULL;
-    size_t size = 0;
-    const lmb_result read = lmb_file_read(path, &data, &size, error);
-    if (read != LMB_OK) {
-        return read;
-    }
-    cJSON *root = cJSON_ParseWithLength((const char *)data, size);
-    free(data);
+    cJSON *root = cJSON_ParseWithLength(text, size);
     lmb_result result = LMB_OK;
     if (!root || !json_text_is(root, "format", LMB_LIGHTMAP_FORMAT_NAME)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not a lightmap's description", path);
@@ -126,6 +120,18 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error
         json_sides_take(root, lightmap);
     }
     cJSON_Delete(root);
+    return result;
+}
+
+static lmb_result json_read(lmb_lightmap *lightmap, const char *path, lmb_error *error)
+{
+    unsigned char *data = NULL;
+    size_t size = 0;
+    lmb_result result = lmb_file_read(path, &data, &size, error);
+    if (result == LMB_OK) {
+        result = lmb_lightmap_json_check(lightmap, path, (const char *)data, size, error);
+        free(data);
+    }
     return result;
 }
 
@@ -204,7 +210,7 @@ lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_
 {
     char *path = lmb_file_in(directory, LMB_LIGHTMAP_JSON_NAME);
     float **plane = calloc((size_t)lightmap->image_count + 1u, sizeof *plane);
-    lmb_result result = path && plane ? json_check(lightmap, path, error) : out_of_memory(error);
+    lmb_result result = path && plane ? json_read(lightmap, path, error) : out_of_memory(error);
     if (result == LMB_OK) {
         result = images_read(lightmap, directory, plane, error);
     }
