@@ -174,7 +174,7 @@ static int seeds_write(const char *folder)
 /* A small input that wants gigabytes gets none, and the machine is not dragged down. Sanitizers reserve more. */
 static void memory_limit(void)
 {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef LMB_SANITIZED
     const struct rlimit limit = {(rlim_t)1 << 29, (rlim_t)1 << 29};
     setrlimit(RLIMIT_AS, &limit);
 #endif
