@@ -168,6 +168,7 @@ static bool channel_exists(exr_const_context_t context, const char *name)
 typedef struct exr_chunks {
     exr_decode_pipeline_t decoder;
     float *unwanted; /* a chunk of one channel */
+    bool out_of_memory;
 } exr_chunks;
 
 /* Room for the channels that nobody wants, as large as a chunk can be. Version 3.1 of the library unpacks three or four
@@ -177,6 +178,7 @@ static exr_result_t unwanted_allocate(exr_chunks *chunks, const lmb_exr_targets 
     const size_t columns = (size_t)(width < targets->width ? width : targets->width);
     const size_t rows = (size_t)(height < targets->height ? height : targets->height);
     chunks->unwanted = malloc(columns * rows * sizeof *chunks->unwanted);
+    chunks->out_of_memory = !chunks->unwanted;
     return chunks->unwanted ? EXR_ERR_SUCCESS : EXR_ERR_OUT_OF_MEMORY;
 }
 
@@ -302,7 +304,7 @@ static lmb_result pixels_decode(const exr_source *source, exr_const_context_t co
     if (code == EXR_ERR_SUCCESS && (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB)) {
         return dwa_decode(source, targets, error);
     }
-    exr_chunks chunks = {EXR_DECODE_PIPELINE_INITIALIZER, NULL};
+    exr_chunks chunks = {EXR_DECODE_PIPELINE_INITIALIZER, NULL, false};
     if (code == EXR_ERR_SUCCESS) {
         code = exr_get_storage(context, 0, &storage);
     }
@@ -314,6 +316,9 @@ static lmb_result pixels_decode(const exr_source *source, exr_const_context_t co
     free(chunks.unwanted);
     if (code == EXR_ERR_SUCCESS) {
         return LMB_OK;
+    }
+    if (chunks.out_of_memory) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory to decode the EXR's pixels", source->file.name);
     }
     char doing[64];
     snprintf(doing, sizeof doing, "cannot decode the EXR's %s pixels", compression_name(compression));

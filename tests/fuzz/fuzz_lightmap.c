@@ -67,12 +67,6 @@ static void lightmap_seed(void)
     mkdir(folder, 0777);
     lmb_error error = {{0}};
     uint64_t bytes = 0;
-    for (int32_t i = 0; i < lightmap->image_count; ++i) {
-        lmb_lightmap_image *const image = &lightmap->image[i];
-        const size_t texels = (size_t)image->width * (size_t)image->height;
-        image->plane = calloc(texels * (size_t)lmb_lightmap_plane_count(lightmap), sizeof *image->plane);
-        FUZZ_CHECK(image->plane, "out of memory");
-    }
     FUZZ_CHECK(lmb_lightmap_write(lightmap, folder, NULL, &bytes, &error) == LMB_OK, "%s", error.message);
     fuzz_seed_file(LMB_TEST_OUTPUT_DIR "/fuzz_lightmap/lightmap.json");
 }
