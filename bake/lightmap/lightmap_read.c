@@ -124,16 +124,10 @@ static bool json_scales_take(const cJSON *root, const lmb_lightmap *lightmap, fl
     return good;
 }
 
-static lmb_result json_check(lmb_lightmap *lightmap, const char *path, float *scale, lmb_error *error)
+lmb_result lmb_lightmap_json_check(lmb_lightmap *lightmap, const char *path, const char *text, size_t size,
+                                   float *scale, lmb_error *error)
 {
-    unsigned char *data = NULL;
-    size_t size = 0;
-    const lmb_result read = lmb_file_read(path, &data, &size, error);
-    if (read != LMB_OK) {
-        return read;
-    }
-    cJSON *root = cJSON_ParseWithLength((const char *)data, size);
-    free(data);
+    cJSON *root = cJSON_ParseWithLength(text, size);
     lmb_result result = LMB_OK;
     if (!root || !json_text_is(root, "format", LMB_LIGHTMAP_FORMAT_NAME)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not a lightmap's description", path);
@@ -151,6 +145,18 @@ static lmb_result json_check(lmb_lightmap *lightmap, const char *path, float *sc
         json_sides_take(root, lightmap);
     }
     cJSON_Delete(root);
+    return result;
+}
+
+static lmb_result json_read(lmb_lightmap *lightmap, const char *path, float *scale, lmb_error *error)
+{
+    unsigned char *data = NULL;
+    size_t size = 0;
+    lmb_result result = lmb_file_read(path, &data, &size, error);
+    if (result == LMB_OK) {
+        result = lmb_lightmap_json_check(lightmap, path, (const char *)data, size, scale, error);
+        free(data);
+    }
     return result;
 }
 
@@ -261,7 +267,7 @@ lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_
     char *path = lmb_file_in(directory, LMB_LIGHTMAP_JSON_NAME);
     float **plane = calloc((size_t)lightmap->image_count + 1u, sizeof *plane);
     float *scale = calloc((size_t)lightmap->image_count + 1u, sizeof *scale);
-    lmb_result result = path && plane && scale ? json_check(lightmap, path, scale, error) : out_of_memory(error);
+    lmb_result result = path && plane && scale ? json_read(lightmap, path, scale, error) : out_of_memory(error);
     if (result == LMB_OK) {
         result = images_read(lightmap, directory, scale, plane, error);
     }
