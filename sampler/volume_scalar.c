@@ -29,23 +29,28 @@ static inline bool locate(const lmb_volume *volume, double x, double y, double z
     return inside;
 }
 
-/* The cell's number in its brick, and the position in it, 0 to 1. */
-static inline uint32_t locate_in_brick(const located *found, const uint32_t cell[3], uint32_t level, float t[4])
+typedef struct fraction {
+    float t[3];
+} fraction;
+
+static inline fraction fraction_find(const located *found, const uint32_t cell[3], uint32_t level)
 {
     const double inverse = 1.0 / (double)(UINT32_C(1) << level);
-    uint32_t number = 0;
+    fraction at;
     for (uint32_t axis = 0; axis < 3; ++axis) {
-        const uint32_t of_level = cell[axis] >> level;
-        t[axis] = (float)(found->at[axis] * inverse - (double)(int32_t)of_level);
-        number |= (of_level & 3u) << 2 * axis;
+        at.t[axis] = (float)(found->at[axis] * inverse - (double)(int32_t)(cell[axis] >> level));
     }
-    t[3] = 0.0f;
-    return number;
+    return at;
 }
 
-static inline void weights_find(const float t[4], float weight[8])
+static inline void fraction_store(fraction at, float t[3])
 {
-    const float u[2] = {1.0f - t[0], t[0]}, v[2] = {1.0f - t[1], t[1]}, w[2] = {1.0f - t[2], t[2]};
+    memcpy(t, at.t, sizeof at.t);
+}
+
+static inline void weights_store(fraction at, float weight[8])
+{
+    const float u[2] = {1.0f - at.t[0], at.t[0]}, v[2] = {1.0f - at.t[1], at.t[1]}, w[2] = {1.0f - at.t[2], at.t[2]};
     for (uint32_t i = 0; i < 8; ++i) {
         weight[i] = u[i & 1u] * v[i >> 1 & 1u] * w[i >> 2];
     }
@@ -66,10 +71,10 @@ static inline void halfs_expand(const unsigned char *probe, float value[LANES])
 
 /* Weighted sum over the corners. A weight of 0 is harmless: every stored half is finite. In loops so plain that
  * compilers find them to be vectors. */
-static inline void blend_corners(const unsigned char *const corner[8], const float weight[8], float scale,
-                                 lmb_sh3_rgb *radiance)
+static inline void blend_corners(const unsigned char *const corner[8], fraction at, float scale, lmb_sh3_rgb *radiance)
 {
-    float sum[LANES] = {0.0f};
+    float sum[LANES] = {0.0f}, weight[8];
+    weights_store(at, weight);
     for (uint32_t i = 0; i < 8; i += 2) {
         const float weight_a = weight[i] * 0x1p112f;
         const float weight_b = weight[i + 1] * 0x1p112f;
@@ -77,7 +82,8 @@ static inline void blend_corners(const unsigned char *const corner[8], const flo
         halfs_expand(corner[i], a);
         halfs_expand(corner[i + 1], b);
         for (int k = 0; k < LANES; ++k) {
-            sum[k] += weight_a * a[k] + weight_b * b[k];
+            const float pair = weight_a * a[k] + weight_b * b[k];
+            sum[k] = i == 0 ? pair : sum[k] + pair;
         }
     }
     for (int k = 0; k < LANES; ++k) {
@@ -88,4 +94,4 @@ static inline void blend_corners(const unsigned char *const corner[8], const flo
 
 #include "volume_sample_body.h"
 
-const lmb_volume_kernel lmb_volume_kernel_scalar = {"C", sample, sample_with_keys, sample_batch};
+const lmb_volume_kernel lmb_volume_kernel_scalar = LMB_VOLUME_KERNEL("C");

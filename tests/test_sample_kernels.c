@@ -121,17 +121,53 @@ static bool equal(const sampled *a, const sampled *b)
            memcmp(a->visibility, b->visibility, sizeof a->visibility) == 0 && a->inside == b->inside;
 }
 
+static const lmb_volume_calls *calls_of(const lmb_volume_kernel *kernel, const lmb_volume *volume)
+{
+    return lmb_volume_kernel_calls(kernel, volume->header->key_light_count);
+}
+
 static sampled sample_by(const lmb_volume_kernel *kernel, const lmb_volume *volume, lmb_vec3d at)
 {
     sampled got;
     memset(&got, 0x5a, sizeof got);
-    got.inside = kernel->sample_with_keys(volume, at.x, at.y, at.z, &got.radiance, got.visibility);
+    got.inside = calls_of(kernel, volume)->sample_with_keys(volume, at.x, at.y, at.z, &got.radiance, got.visibility);
     return got;
+}
+
+/* Those that this processor runs, plain C first. */
+static size_t kernels_here(const lmb_volume_kernel *kernel[3])
+{
+    const lmb_volume_kernel *const chosen = lmb_volume_kernel_choose();
+    size_t count = 0;
+    kernel[count++] = &lmb_volume_kernel_scalar;
+    if (chosen != &lmb_volume_kernel_scalar && lmb_volume_kernel_avx2) {
+        kernel[count++] = lmb_volume_kernel_avx2;
+    }
+    if (chosen == lmb_volume_kernel_avx512) {
+        kernel[count++] = chosen;
+    }
+    return count;
+}
+
+static void kernel_check(const lmb_volume_kernel *kernel, const opened *made, int number)
+{
+    for (int i = 0; i < MOST_POSITIONS; ++i) {
+        const lmb_vec3d at = made->position[i];
+        const sampled plain = sample_by(&lmb_volume_kernel_scalar, made->volume, at);
+        const sampled fast = sample_by(kernel, made->volume, at);
+        sampled without = fast;
+        without.inside = calls_of(kernel, made->volume)->sample(made->volume, at.x, at.y, at.z, &without.radiance);
+        CHECK(equal(&plain, &fast), "%s, case %d at (%.9g, %.9g, %.9g)", kernel->name, number, at.x, at.y, at.z);
+        CHECK(equal(&plain, &without), "%s without keys, case %d at (%.9g, %.9g, %.9g)", kernel->name, number, at.x,
+              at.y, at.z);
+    }
 }
 
 static void kernels_give_the_same_bits(void)
 {
     const lmb_volume_kernel *const chosen = lmb_volume_kernel_choose();
+    const lmb_volume_kernel *kernel[3];
+    const size_t count = kernels_here(kernel);
     printf("     this processor: %s\n", chosen->name);
     if (chosen == &lmb_volume_kernel_scalar) {
         test_skip("plain C is all that runs here");
@@ -139,15 +175,9 @@ static void kernels_give_the_same_bits(void)
     }
     for (int k = 0; k < CASES; ++k) {
         opened made = case_make(k, 1);
-        CHECK(made.volume->kernel == chosen, "a volume is opened with it");
-        for (int i = 0; i < MOST_POSITIONS; ++i) {
-            const lmb_vec3d at = made.position[i];
-            const sampled plain = sample_by(&lmb_volume_kernel_scalar, made.volume, at);
-            const sampled fast = sample_by(chosen, made.volume, at);
-            sampled without = fast;
-            without.inside = chosen->sample(made.volume, at.x, at.y, at.z, &without.radiance);
-            CHECK(equal(&plain, &fast), "case %d at (%.9g, %.9g, %.9g)", k, at.x, at.y, at.z);
-            CHECK(equal(&plain, &without), "without keys, case %d at (%.9g, %.9g, %.9g)", k, at.x, at.y, at.z);
+        CHECK(made.volume->calls == calls_of(chosen, made.volume), "a volume is opened with it");
+        for (size_t i = 1; i < count; ++i) {
+            kernel_check(kernel[i], &made, k);
         }
         volume_free(&made);
     }
@@ -164,8 +194,9 @@ static void batch_check(const lmb_volume_kernel *kernel, const opened *made, siz
         const bool with_visibility = outputs & 1, with_inside = outputs & 2;
         memset(radiance, 0x5a, sizeof radiance);
         memset(visibility, 0x5a, sizeof visibility);
-        kernel->batch(made->volume, position, count, radiance, with_visibility ? visibility : NULL,
-                      with_inside ? inside : NULL);
+        calls_of(kernel, made->volume)
+            ->batch(made->volume, position, count, radiance, with_visibility ? visibility : NULL,
+                    with_inside ? inside : NULL);
         for (size_t i = 0; i < count; ++i) {
             const sampled single = sample_by(kernel, made->volume, position[i]);
             sampled got = single;
@@ -184,13 +215,15 @@ static void batch_check(const lmb_volume_kernel *kernel, const opened *made, siz
 static void batches_give_the_bits_of_single_calls(void)
 {
     static const size_t counts[] = {0, 1, 2, 11, 12, 13, 15, 16, 17, 31, 32, 100, MOST_POSITIONS};
-    const lmb_volume_kernel *const kernels[2] = {&lmb_volume_kernel_scalar, lmb_volume_kernel_choose()};
+    const lmb_volume_kernel *kernel[3];
+    const size_t kernels = kernels_here(kernel);
     for (int k = 0; k < CASES; ++k) {
         opened made = case_make(k, 50);
         for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
             const size_t first = (i * 37) % (MOST_POSITIONS - counts[i] + 1);
-            batch_check(kernels[0], &made, first, counts[i]);
-            batch_check(kernels[1], &made, first, counts[i]);
+            for (size_t n = 0; n < kernels; ++n) {
+                batch_check(kernel[n], &made, first, counts[i]);
+            }
         }
         volume_free(&made);
     }

@@ -69,7 +69,7 @@ static bool header_begin(const lmb_probes *probes, lmb_volume_header *header)
 {
     *header = (lmb_volume_header){.version = LMB_VOLUME_VERSION,
                                   .header_bytes = LMB_VOLUME_HEADER_BYTES,
-                                  .probe_bytes = LMB_PROBE_BYTES,
+                                  .probe_bytes = lmb_volume_probe_bytes(probes->key_light_count),
                                   .level_count = probes->level_count,
                                   .key_light_count = probes->key_light_count};
     if (probes->count == 0 || probes->set_count != 1 || !levels_are_sane(probes) ||
@@ -126,23 +126,23 @@ static void write_probes(const lmb_packing *packing, unsigned char *image)
         const float *const seen = corner ? corner->seen : probes->key_visibility[source];
         uint16_t half[LMB_PROBE_COEFFICIENTS];
         lmb_pack_halfs(corner ? &corner->light : &probes->radiance[0][source], header->scale, half);
-        memcpy(image + packing->layout.probes + i * LMB_PROBE_BYTES, half, sizeof half);
-        unsigned char *const to = image + packing->layout.seen + i * header->key_light_count;
+        unsigned char *const to = image + packing->layout.probes + i * header->probe_bytes;
+        memcpy(to, half, sizeof half);
         for (uint32_t key = 0; key < header->key_light_count; ++key) {
-            to[key] = (uint8_t)(lmb_saturate(seen[key]) * 255.0f + 0.5f);
+            to[sizeof half + key] = (uint8_t)(lmb_saturate(seen[key]) * 255.0f + 0.5f);
         }
     }
 }
 
-/* Where a corner of a cut cell's region is stored. */
-static uint32_t corner_slot(const lmb_packing *packing, const lmb_pack_brick *brick, int32_t number, int32_t i,
-                            int32_t probe)
+/* Where a corner of a cut cell's region is stored, in units. */
+static uint32_t corner_units(const lmb_packing *packing, const lmb_pack_brick *brick, int32_t number, int32_t i,
+                             int32_t probe)
 {
     if (probe >= packing->probes->count - packing->probes->ghost_count) {
-        return packing->slot[probe];
+        return packing->slot[probe] * lmb_pack_units(packing);
     }
     const int32_t x = number % 4 + (i & 1), y = number / 4 % 4 + (i >> 1 & 1), z = number / 16 + (i >> 2);
-    return brick->row[y + LMB_BRICK_POINTS * z] + (uint32_t)x;
+    return brick->row[y + LMB_BRICK_POINTS * z] + (uint32_t)x * lmb_pack_units(packing);
 }
 
 /* @return bytes written */
@@ -155,9 +155,10 @@ static size_t write_cut_cell(const lmb_packing *packing, const lmb_pack_brick *b
     unsigned char *at = to + sizeof head;
     for (uint32_t region = 0; region < cut->region_count; ++region) {
         for (int32_t i = 0; i < 8; ++i) {
-            const uint32_t slot = corner_slot(packing, brick, number, i, cuts->corner[cut->region_first + region][i]);
-            memcpy(at, &slot, sizeof slot);
-            at += sizeof slot;
+            const int32_t probe = cuts->corner[cut->region_first + region][i];
+            const uint32_t units = corner_units(packing, brick, number, i, probe);
+            memcpy(at, &units, sizeof units);
+            at += sizeof units;
         }
     }
     if (cut->plane_count > 0) {
@@ -174,8 +175,9 @@ static void write_bricks(const lmb_packing *packing, unsigned char *image)
     size_t at = 0;
     for (uint32_t i = 0; i < packing->brick_count; ++i) {
         const lmb_pack_brick *const brick = &packing->brick[i];
-        heads[i] = (lmb_volume_brick){.plain = brick->plain, .cut = brick->cut_stored, .cut_first = brick->cut_first};
-        memcpy(heads[i].row, brick->row, sizeof heads[i].row);
+        heads[i + 1] =
+            (lmb_volume_brick){.plain = brick->plain, .cut = brick->cut_stored, .cut_first = brick->cut_first};
+        memcpy(heads[i + 1].row, brick->row, sizeof brick->row);
         for (int32_t number = 0; number < 64; ++number) {
             if (brick->cut_stored >> number & 1u) {
                 *offset++ = (uint32_t)(at / sizeof *offset);
@@ -190,7 +192,8 @@ static lmb_result image_make(lmb_packing *packing, unsigned char **data)
     lmb_volume_header *const header = &packing->header;
     if (!lmb_volume_layout_find(header, &packing->layout) || packing->layout.end > SIZE_MAX ||
         header->cut_bytes / sizeof(uint32_t) > UINT32_MAX ||
-        header->brick_count >= UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT) {
+        header->brick_count >= UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT ||
+        header->stored_count > UINT32_MAX / lmb_pack_units(packing)) {
         return LMB_ERROR_ARGUMENT;
     }
     unsigned char *const image = aligned_alloc(LMB_VOLUME_ALIGNMENT, (size_t)packing->layout.end);

@@ -60,6 +60,12 @@ typedef struct lmb_packing {
 enum { LMB_PACK_NO_LEVEL = 255 };
 #define LMB_PACK_NOTHING UINT32_C(0xffffffff)
 
+/* Units from a probe in the file to the next. */
+static inline uint32_t lmb_pack_units(const lmb_packing *packing)
+{
+    return packing->header.probe_bytes / LMB_PROBE_UNIT;
+}
+
 /* Makes room for one more element; it doubles with every power of two. */
 bool lmb_pack_reserve(void **array, size_t size, uint32_t count);
 
