@@ -4,6 +4,7 @@
 #define LMB_VOLUME_KERNEL_H
 
 #include <lambent/volume.h>
+#include <lambent/volume_format.h>
 
 typedef struct lmb_volume_calls {
     /* The position comes in registers: three doubles in a struct would not. */
@@ -18,7 +19,8 @@ typedef struct lmb_volume_calls {
 typedef struct lmb_volume_kernel {
     const char *name;
     lmb_volume_calls plain; /* of volumes without key lights, whose probes lie at a distance that compilers know */
-    lmb_volume_calls keyed; /* of any */
+    lmb_volume_calls keyed; /* with */
+    lmb_volume_calls compact;
 } lmb_volume_kernel;
 
 extern const lmb_volume_kernel lmb_volume_kernel_scalar;
@@ -29,9 +31,12 @@ extern const lmb_volume_kernel *const lmb_volume_kernel_avx2;
 /* AVX-512 F, VL and DQ. NULL likewise. */
 extern const lmb_volume_kernel *const lmb_volume_kernel_avx512;
 
-static inline const lmb_volume_calls *lmb_volume_kernel_calls(const lmb_volume_kernel *kernel, uint32_t key_lights)
+static inline const lmb_volume_calls *lmb_volume_kernel_calls(const lmb_volume_kernel *kernel,
+                                                              const lmb_volume_header *header)
 {
-    return key_lights > 0 ? &kernel->keyed : &kernel->plain;
+    return header->probe_form == LMB_VOLUME_COMPACT ? &kernel->compact
+           : header->key_light_count > 0            ? &kernel->keyed
+                                                    : &kernel->plain;
 }
 
 /* The fastest that this processor runs. Asks the processor each time. */

@@ -73,4 +73,23 @@ static inline void weights_store(fraction at, float weight[8])
     _mm_storeu_ps(weight + 4, found.high);
 }
 
+/* The halfs of a compact probe; the last of the four is anything. */
+static inline __m128 load_firsts(const unsigned char *probe)
+{
+    return _mm_cvtph_ps(_mm_loadl_epi64((const __m128i *)(const void *)probe));
+}
+
+/* Coefficient 0 of red, green and blue. */
+static inline void firsts_store(__m128 first, lmb_sh3_rgb *radiance)
+{
+    _mm_store_ss(&radiance->channel[0].c[0], first);
+    _mm_store_ss(&radiance->channel[1].c[0], _mm_permute_ps(first, 1));
+    _mm_store_ss(&radiance->channel[2].c[0], _mm_permute_ps(first, 2));
+}
+
+/* lmb_compact_share of coefficients 1 to 8. */
+#define LMB_COMPACT_SHARES                                                                                             \
+    lmb_compact_share(1), lmb_compact_share(2), lmb_compact_share(3), lmb_compact_share(4), lmb_compact_share(5),      \
+        lmb_compact_share(6), lmb_compact_share(7), lmb_compact_share(8)
+
 #endif

@@ -36,7 +36,7 @@ static void derive_constants(lmb_volume *volume)
         first_block[0] + volume->entry_step[0] * first_block[1] + volume->entry_step[1] * first_block[2];
     volume->inverse_spacing = 1.0 / (double)header->spacing;
     volume->scale = header->scale;
-    volume->calls = lmb_volume_kernel_calls(lmb_volume_kernel_choose(), header->key_light_count);
+    volume->calls = lmb_volume_kernel_calls(lmb_volume_kernel_choose(), header);
 }
 
 lmb_result lmb_volume_open_memory_in(lmb_volume_storage *storage, const void *data, size_t size, lmb_volume **volume)
@@ -126,6 +126,7 @@ lmb_volume_info lmb_volume_get_info(const lmb_volume *volume)
         .key_light_count = header->key_light_count,
         .level_count = header->level_count,
         .cut_count = header->cut_count,
+        .is_compact = header->probe_form == LMB_VOLUME_COMPACT,
     };
 }
 

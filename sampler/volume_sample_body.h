@@ -7,6 +7,7 @@
  *     static inline void fraction_store(fraction at, float t[3]);
  *     static inline void blend_corners(const unsigned char *const corner[8], fraction at, float scale,
  *                                      lmb_sh3_rgb *radiance);
+ *     static inline void blend_compact(... the same ...);   of compact probes
  *     static inline void weights_store(fraction at, float weight[8]);
  *
  * in which each number comes from the same operations in the same order everywhere: all kernels give the same bits. */
@@ -102,10 +103,15 @@ LMB_INLINE void cut_corners_find(const lmb_volume *volume, const place *at, cons
 }
 
 /* `visibility`: of key lights, or NULL. */
-LMB_INLINE void blend(const lmb_volume *volume, const unsigned char *const corner[8], fraction at,
+LMB_INLINE void blend(const lmb_volume *volume, uint32_t form, const unsigned char *const corner[8], fraction at,
                       lmb_sh3_rgb *radiance, float *visibility)
 {
-    blend_corners(corner, at, volume->scale, radiance);
+    const size_t coefficient_bytes = form == LMB_VOLUME_COMPACT ? LMB_COMPACT_BYTES : LMB_HALFS_BYTES;
+    if (form == LMB_VOLUME_COMPACT) {
+        blend_compact(corner, at, volume->scale, radiance);
+    } else {
+        blend_corners(corner, at, volume->scale, radiance);
+    }
     if (!visibility) {
         return;
     }
@@ -115,7 +121,7 @@ LMB_INLINE void blend(const lmb_volume *volume, const unsigned char *const corne
     for (uint32_t key = 0; key < volume->key_count; ++key) {
         float sum = 0.0f;
         for (uint32_t i = 0; i < 8; ++i) {
-            sum += weight[i] * (float)corner[i][LMB_PROBE_COEFFICIENTS * 2 + key];
+            sum += weight[i] * (float)corner[i][coefficient_bytes + key];
         }
         visibility[key] = sum < 255.0f ? sum / 255.0f : 1.0f;
     }
@@ -140,11 +146,11 @@ LMB_APART bool sample_any(const lmb_volume *volume, double x, double y, double z
         }
         return false;
     }
-    blend(volume, corner, at.t, radiance, visibility);
+    blend(volume, volume->header->probe_form, corner, at.t, radiance, visibility);
     return at.inside;
 }
 
-LMB_INLINE bool sample_one(const lmb_volume *volume, uint32_t units, double x, double y, double z,
+LMB_INLINE bool sample_one(const lmb_volume *volume, uint32_t form, uint32_t units, double x, double y, double z,
                            lmb_sh3_rgb *radiance, float *visibility)
 {
     const place at = place_find(volume, x, y, z);
@@ -153,7 +159,7 @@ LMB_INLINE bool sample_one(const lmb_volume *volume, uint32_t units, double x, d
     }
     const unsigned char *corner[8];
     corners_find(volume, &at, units, corner);
-    blend(volume, corner, at.t, radiance, visibility);
+    blend(volume, form, corner, at.t, radiance, visibility);
     return true;
 }
 
@@ -187,8 +193,8 @@ LMB_INLINE void waiting_begin(const lmb_volume *volume, uint32_t units, const lm
     }
 }
 
-LMB_INLINE bool waiting_finish(const lmb_volume *volume, uint32_t units, const waiting *next, const lmb_vec3d *position,
-                               lmb_sh3_rgb *radiance, float *visibility)
+LMB_INLINE bool waiting_finish(const lmb_volume *volume, uint32_t form, uint32_t units, const waiting *next,
+                               const lmb_vec3d *position, lmb_sh3_rgb *radiance, float *visibility)
 {
     if (!next->corner[0]) {
         return sample_any(volume, position->x, position->y, position->z, radiance, visibility);
@@ -197,11 +203,11 @@ LMB_INLINE bool waiting_finish(const lmb_volume *volume, uint32_t units, const w
     for (int i = 0; i < 8; ++i) {
         corner[i] = next->corner[i / 2] + (size_t)(i % 2) * units * LMB_PROBE_UNIT;
     }
-    blend(volume, corner, next->t, radiance, visibility);
+    blend(volume, form, corner, next->t, radiance, visibility);
     return true;
 }
 
-LMB_INLINE void batch(const lmb_volume *volume, uint32_t units, const lmb_vec3d *position, size_t count,
+LMB_INLINE void batch(const lmb_volume *volume, uint32_t form, uint32_t units, const lmb_vec3d *position, size_t count,
                       lmb_sh3_rgb *radiance, float (*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside)
 {
     waiting ring[BATCH_RING];
@@ -213,7 +219,7 @@ LMB_INLINE void batch(const lmb_volume *volume, uint32_t units, const lmb_vec3d 
         if (i + ahead < count) {
             waiting_begin(volume, units, &position[i + ahead], &ring[(i + ahead) % BATCH_RING]);
         }
-        const bool is_inside = waiting_finish(volume, units, &ring[i % BATCH_RING], &position[i], &radiance[i],
+        const bool is_inside = waiting_finish(volume, form, units, &ring[i % BATCH_RING], &position[i], &radiance[i],
                                               visibility ? visibility[i] : NULL);
         if (inside) {
             inside[i] = is_inside;
@@ -221,32 +227,32 @@ LMB_INLINE void batch(const lmb_volume *volume, uint32_t units, const lmb_vec3d 
     }
 }
 
-/* The calls, of probes at a distance that is known now, or is the volume's. */
-#define LMB_VOLUME_CALLS(what, units)                                                                                  \
+/* The calls, of probes of a form, at a distance that is known now, or is the volume's. */
+#define LMB_VOLUME_CALLS(what, form, units)                                                                            \
     static bool sample_##what(const lmb_volume *volume, double x, double y, double z, lmb_sh3_rgb *radiance)           \
     {                                                                                                                  \
-        return sample_one(volume, units, x, y, z, radiance, NULL);                                                     \
+        return sample_one(volume, form, units, x, y, z, radiance, NULL);                                               \
     }                                                                                                                  \
     static bool sample_with_keys_##what(const lmb_volume *volume, double x, double y, double z, lmb_sh3_rgb *radiance, \
                                         float *visibility)                                                             \
     {                                                                                                                  \
-        return sample_one(volume, units, x, y, z, radiance, visibility);                                               \
+        return sample_one(volume, form, units, x, y, z, radiance, visibility);                                         \
     }                                                                                                                  \
     static void batch_##what(const lmb_volume *volume, const lmb_vec3d *position, size_t count, lmb_sh3_rgb *radiance, \
                              float(*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside)                                    \
     {                                                                                                                  \
-        batch(volume, units, position, count, radiance, visibility, inside);                                           \
+        batch(volume, form, units, position, count, radiance, visibility, inside);                                     \
     }
 
-LMB_VOLUME_CALLS(plain, LMB_PROBE_COEFFICIENTS)
-LMB_VOLUME_CALLS(keyed, volume->probe_units)
+LMB_VOLUME_CALLS(plain, LMB_VOLUME_HALFS, LMB_HALFS_BYTES / LMB_PROBE_UNIT)
+LMB_VOLUME_CALLS(keyed, LMB_VOLUME_HALFS, volume->probe_units)
+LMB_VOLUME_CALLS(compact, LMB_VOLUME_COMPACT, volume->probe_units)
 
 #define LMB_VOLUME_KERNEL(what)                                                                                        \
     {                                                                                                                  \
-        what, {sample_plain, sample_with_keys_plain, batch_plain},                                                     \
-        {                                                                                                              \
-            sample_keyed, sample_with_keys_keyed, batch_keyed                                                          \
-        }                                                                                                              \
+        .name = what, .plain = {sample_plain, sample_with_keys_plain, batch_plain},                                    \
+        .keyed = {sample_keyed, sample_with_keys_keyed, batch_keyed},                                                  \
+        .compact = {sample_compact, sample_with_keys_compact, batch_compact},                                          \
     }
 
 #endif

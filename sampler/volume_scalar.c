@@ -92,6 +92,57 @@ static inline void blend_corners(const unsigned char *const corner[8], fraction 
     memcpy(radiance, sum, sizeof *radiance);
 }
 
+/* The three halfs of a compact probe, times a weight. */
+static inline void firsts_weigh(const unsigned char *probe, float weight, float first[3])
+{
+    for (int c = 0; c < 3; ++c) {
+        uint16_t half;
+        float value;
+        memcpy(&half, probe + 2 * c, sizeof half);
+        const uint32_t bits = (half & 0x7fffu) << 13 | (half & 0x8000u) << 16;
+        memcpy(&value, &bits, sizeof value);
+        first[c] = weight * (value * 0x1p112f);
+    }
+}
+
+/* b |b| of a compact probe's 24 bytes. */
+static inline void squares_find(const unsigned char *probe, float square[24])
+{
+    int8_t share[24];
+    memcpy(share, probe + 6, sizeof share);
+    for (int k = 0; k < 24; ++k) {
+        const int32_t b = share[k];
+        square[k] = (float)(b < 0 ? -b * b : b * b);
+    }
+}
+
+static inline void blend_compact(const unsigned char *const corner[8], fraction at, float scale, lmb_sh3_rgb *radiance)
+{
+    float weight[8], first[3], sum[24];
+    weights_store(at, weight);
+    for (uint32_t i = 0; i < 8; i += 2) {
+        float first_a[3], first_b[3], square_a[24], square_b[24];
+        firsts_weigh(corner[i], weight[i], first_a);
+        firsts_weigh(corner[i + 1], weight[i + 1], first_b);
+        squares_find(corner[i], square_a);
+        squares_find(corner[i + 1], square_b);
+        for (int c = 0; c < 3; ++c) {
+            const float pair = first_a[c] + first_b[c];
+            first[c] = i == 0 ? pair : first[c] + pair;
+            for (int k = 8 * c; k < 8 * c + 8; ++k) {
+                const float of_k = first_a[c] * square_a[k] + first_b[c] * square_b[k];
+                sum[k] = i == 0 ? of_k : sum[k] + of_k;
+            }
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        radiance->channel[c].c[0] = first[c] * scale;
+        for (int k = 1; k < LMB_SH3_COUNT; ++k) {
+            radiance->channel[c].c[k] = sum[8 * c + k - 1] * (lmb_compact_share(k) * scale);
+        }
+    }
+}
+
 #include "volume_sample_body.h"
 
 const lmb_volume_kernel lmb_volume_kernel_scalar = LMB_VOLUME_KERNEL("C");

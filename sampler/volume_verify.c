@@ -76,8 +76,8 @@ static bool header_is_sane(const lmb_volume_header *header)
             return false;
         }
     }
-    if (header->probe_bytes != lmb_volume_probe_bytes(header->key_light_count) ||
-        header->key_light_count > LMB_KEY_LIGHTS_MOST) {
+    if (header->probe_form >= LMB_VOLUME_FORMS || header->key_light_count > LMB_KEY_LIGHTS_MOST ||
+        header->probe_bytes != lmb_volume_probe_bytes(header->probe_form, header->key_light_count)) {
         return false;
     }
     return header->level_count >= 1 && header->level_count <= LMB_VOLUME_LEVELS_MOST && header->probe_count > 0 &&
@@ -103,21 +103,32 @@ static bool box_is_sane(const lmb_volume_header *header)
     return true;
 }
 
-/* All halfs of coefficients finite: exponent 31 is infinity or NaN. */
+/* Exponent 31 is infinity or NaN. */
+static bool halfs_are_finite(const unsigned char *data, size_t count)
+{
+    uint16_t most = 0;
+    for (size_t i = 0; i < count; ++i) {
+        uint16_t half;
+        memcpy(&half, data + i * sizeof half, sizeof half);
+        const uint16_t exponent = half & 0x7c00u;
+        most = exponent > most ? exponent : most;
+    }
+    return most < 0x7c00u;
+}
+
 static bool probes_are_finite(const lmb_volume *volume)
 {
     const size_t count = volume->header->stored_count, stride = volume->header->probe_bytes;
-    uint32_t broken = 0;
-    for (size_t i = 0; i < count; ++i) {
-        uint16_t half[LMB_PROBE_COEFFICIENTS], most = 0;
-        memcpy(half, volume->probes + i * stride, sizeof half);
-        for (int k = 0; k < LMB_PROBE_COEFFICIENTS; ++k) {
-            const uint16_t exponent = half[k] & 0x7c00u;
-            most = exponent > most ? exponent : most;
-        }
-        broken |= most == 0x7c00u;
+    if (stride == LMB_HALFS_BYTES) {
+        return halfs_are_finite(volume->probes, count * LMB_PROBE_COEFFICIENTS);
     }
-    return broken == 0;
+    const bool is_compact = volume->header->probe_form == LMB_VOLUME_COMPACT;
+    bool finite = true;
+    for (size_t i = 0; i < count; ++i) {
+        const unsigned char *const probe = volume->probes + i * stride;
+        finite &= is_compact ? halfs_are_finite(probe, 3) : halfs_are_finite(probe, LMB_PROBE_COEFFICIENTS);
+    }
+    return finite;
 }
 
 /* Every word names a brick, at a level that there is. */

@@ -1,5 +1,6 @@
 /* Samples by every kernel that the library has here, and in batches, are the same bits: at all kinds of positions, with
- * probes missing and without, with key lights and without, in one level and in several, with cut cells. */
+ * probes missing and without, with key lights and without, in one level and in several, with cut cells, in both forms.
+ */
 #include "levels_fixture.h"
 #include "harness.h"
 
@@ -39,17 +40,18 @@ static void positions_make(const lmb_lattice *lattice, uint64_t seed, lmb_vec3d 
     }
 }
 
-static void volume_open(const lmb_probes *probes, opened *made)
+static void volume_open(const lmb_probes *probes, lmb_volume_form form, opened *made)
 {
     size_t size;
-    const lmb_result result = lmb_pack(probes, &made->data, &size, NULL);
+    const lmb_result result = lmb_pack_as(form, probes, &made->data, &size, NULL);
     CHECK(result == LMB_OK && lmb_volume_open_memory(made->data, size, &made->volume) == LMB_OK, "pack: %d", result);
     if (!made->volume) {
         abort();
     }
 }
 
-static opened volume_make(const lmb_lattice *lattice, double density, double magnitude, uint32_t keys, uint64_t seed)
+static opened volume_make(const lmb_lattice *lattice, double density, double magnitude, uint32_t keys,
+                          lmb_volume_form form, uint64_t seed)
 {
     opened made = {.data = NULL};
     lmb_probes *const probes = fixture_random_probes(lattice, density, 0.9, magnitude, seed);
@@ -61,7 +63,7 @@ static opened volume_make(const lmb_lattice *lattice, double density, double mag
             probes->key_visibility[probe][key] = (float)fixture_random(&state);
         }
     }
-    volume_open(probes, &made);
+    volume_open(probes, form, &made);
     positions_make(lattice, seed + 5, made.position);
     lmb_probes_destroy(probes);
     return made;
@@ -74,11 +76,11 @@ static void volume_free(opened *made)
 }
 
 /* Of several levels, with cut cells. */
-static opened levels_volume_make(const levels_recipe *recipe)
+static opened levels_volume_make(const levels_recipe *recipe, lmb_volume_form form)
 {
     opened made = {.data = NULL};
     lmb_probes *const probes = levels_make(recipe);
-    volume_open(probes, &made);
+    volume_open(probes, form, &made);
     positions_make(&probes->level[0].lattice, recipe->seed + 5, made.position);
     lmb_probes_destroy(probes);
     return made;
@@ -99,13 +101,16 @@ static const struct {
     {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {9, 9, 9}}, 1.0, 1e-5, 3},
     {{.spacing = 0.5f, .min = {20000, -30000, 7}, .size = {6, 7, 8}}, 0.8, 2.0, 1},
 };
-enum { BOXES = sizeof cases / sizeof cases[0], CASES = BOXES + LEVELS_RECIPES };
+/* Each in both forms. */
+enum { BOXES = sizeof cases / sizeof cases[0], VOLUMES = BOXES + LEVELS_RECIPES, CASES = 2 * VOLUMES };
 
-static opened case_make(int k, uint64_t seed)
+static opened case_make(int number, uint64_t seed)
 {
-    return k < BOXES
-               ? volume_make(&cases[k].lattice, cases[k].density, cases[k].magnitude, cases[k].keys, seed + (uint64_t)k)
-               : levels_volume_make(&levels_recipes[k - BOXES]);
+    const lmb_volume_form form = number < VOLUMES ? LMB_VOLUME_HALFS : LMB_VOLUME_COMPACT;
+    const int k = number % VOLUMES;
+    return k < BOXES ? volume_make(&cases[k].lattice, cases[k].density, cases[k].magnitude, cases[k].keys, form,
+                                   seed + (uint64_t)k)
+                     : levels_volume_make(&levels_recipes[k - BOXES], form);
 }
 
 /* What a call leaves. */
@@ -123,7 +128,7 @@ static bool equal(const sampled *a, const sampled *b)
 
 static const lmb_volume_calls *calls_of(const lmb_volume_kernel *kernel, const lmb_volume *volume)
 {
-    return lmb_volume_kernel_calls(kernel, volume->header->key_light_count);
+    return lmb_volume_kernel_calls(kernel, volume->header);
 }
 
 static sampled sample_by(const lmb_volume_kernel *kernel, const lmb_volume *volume, lmb_vec3d at)

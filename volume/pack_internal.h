@@ -54,7 +54,8 @@ typedef struct lmb_packing {
     lmb_probe_index row_at[LMB_VOLUME_LEVELS_MOST]; /* by brick's x, and y and z of the points */
     uint32_t *stored;                               /* [in the file] the probe, or probes->count + a corner; or
                                                        LMB_PACK_NOTHING */
-    uint32_t *slot;                                 /* [probe] the first place that it got, or LMB_PACK_NOTHING */
+    uint64_t flattened_count;
+    uint32_t *slot; /* [probe] the first place that it got, or LMB_PACK_NOTHING */
 } lmb_packing;
 
 enum { LMB_PACK_NO_LEVEL = 255 };

@@ -93,7 +93,8 @@ typedef struct lmb_volume_header {
     uint32_t probe_bytes; /* of a probe in the array: lmb_volume_probe_bytes */
     uint32_t cut_count;   /* cut cells */
     uint64_t cut_bytes;   /* of all of them */
-    uint32_t reserved[14];
+    uint32_t probe_form;  /* lmb_volume_form */
+    uint32_t reserved[13];
     lmb_key_light key_light[LMB_KEY_LIGHTS_MOST]; /* those beyond the count are 0 */
 } lmb_volume_header;
 
@@ -108,10 +109,28 @@ typedef struct lmb_volume_brick {
     uint32_t reserved[2];
 } lmb_volume_brick;
 
-/* A probe: 27 halfs, then a byte for each key light: what is seen of it, in 255ths; one that is 0 makes them even. */
-static inline uint32_t lmb_volume_probe_bytes(uint32_t key_lights)
+/* How the coefficients of a probe are stored. */
+typedef enum lmb_volume_form {
+    LMB_VOLUME_HALFS,   /* 27 halfs: red 0..8, green 0..8, blue 0..8 */
+    LMB_VOLUME_COMPACT, /* three halfs: coefficient 0 of red, green and blue; then 24 signed bytes: red 1..8,
+                           green 1..8, blue 1..8, each a share of its colour's 0 (lmb_compact_share) */
+    LMB_VOLUME_FORMS
+} lmb_volume_form;
+
+enum { LMB_HALFS_BYTES = 54, LMB_COMPACT_BYTES = 30 };
+
+/* A probe: its coefficients, then a byte for each key light: what is seen of it, in 255ths; one that is 0 makes them
+ * even. */
+static inline uint32_t lmb_volume_probe_bytes(uint32_t form, uint32_t key_lights)
 {
-    return LMB_PROBE_COEFFICIENTS * 2 + (key_lights + 1) / 2 * 2;
+    return (form == LMB_VOLUME_COMPACT ? LMB_COMPACT_BYTES : LMB_HALFS_BYTES) + (key_lights + 1) / 2 * 2;
+}
+
+/* Coefficient k = 1..8 over coefficient 0 is b |b| times this. Light that is nowhere negative has shares of up to
+ * sqrt(3) in band 1 and sqrt(5) in band 2: then b is +-127. Squares are close together where most shares are. */
+static inline float lmb_compact_share(int k)
+{
+    return k < 4 ? 1.0738726e-4f : 1.3863636e-4f; /* sqrt(3) / 127^2, sqrt(5) / 127^2 */
 }
 
 /* A cut cell: this, then places of 8 probes (uint32_t, in units) for each region, corner by corner, then its planes
