@@ -63,6 +63,8 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
         settings->padding = (int32_t)arguments_integer(arguments, argument, 1, LMB_LIGHTMAP_MAX_PADDING);
     } else if (strcmp(argument, "--models") == 0) {
         models_add(settings, arguments, arguments_text(arguments, argument));
+    } else if (strcmp(argument, "--compact") == 0) {
+        settings->compact = true;
     } else if (strcmp(argument, "--texel-error") == 0) {
         settings->texel_error = true;
     } else if (strcmp(argument, "--no-denoise") == 0) {
