@@ -86,6 +86,8 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
         lightmap_format_set(settings, arguments, arguments_text(arguments, argument));
     } else if (strcmp(argument, "--models") == 0) {
         models_add(settings, arguments, arguments_text(arguments, argument));
+    } else if (strcmp(argument, "--compact") == 0) {
+        settings->compact = true;
     } else if (strcmp(argument, "--texel-error") == 0) {
         settings->texel_error = true;
     } else if (strcmp(argument, "--no-denoise") == 0) {

@@ -26,6 +26,7 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     "                        with as many mip levels as --padding keeps apart\n"                                       \
     "  --models NAME,...     lightmaps in these models too, a file each (default: irradz-hhd alone, which is always\n" \
     "                        written): hlsh, sh3, or any name of `lambent models`\n"                                   \
+    "  --compact             probes.lmb of little more than half the size: bytes above each probe's mean\n"            \
     "  --texel-error         the standard error of each texel, as a picture\n"                                         \
     "  --no-denoise          probes and lightmaps as they were gathered, noise and all\n"                              \
     "  --quality NAME        draft, medium or high: noise of 12, 6 or 3 %, by at most 256, 1024 or\n"                  \

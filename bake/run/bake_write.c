@@ -41,7 +41,8 @@ static lmb_result write_lmb(lmb_bake *bake, const char *stage, lmb_error *error)
     lmb_pack_stats stats;
     lmb_result result = path_make(stage, "probes.lmb", path, error);
     if (result == LMB_OK) {
-        result = lmb_pack(bake->probes, &data, &size, &stats);
+        const lmb_volume_form form = bake->record.settings.compact ? LMB_VOLUME_COMPACT : LMB_VOLUME_HALFS;
+        result = lmb_pack_as(form, bake->probes, &data, &size, &stats);
         if (result != LMB_OK) {
             lmb_error_set(error, result, "%s: %s", path, lmb_result_text(result));
         }
