@@ -50,7 +50,7 @@ static void test_rays(void)
         double origin[3], toward[3], direction[3], length = 0.0;
         for (int axis = 0; axis < 3; ++axis) {
             origin[axis] = 8.0 * fixture_random(&state) - 3.0;
-            toward[axis] = 3.0 * fixture_random(&state) - 1.0;
+            toward[axis] = 4.0 * fixture_random(&state) - 2.0;
             direction[axis] = i % 5 == axis ? 0.0 : toward[axis] - origin[axis];
             length += direction[axis] * direction[axis];
         }
@@ -88,7 +88,7 @@ static void test_ghosts(void)
     lmb_probes *const probes = cut_fixture_probes();
     probe_spheres spheres;
     CHECK(probe_spheres_make(probes, &spheres) == LMB_OK, "make");
-    /* The first are those of cell (-2, 0, 0): of its region 0, below x = 1/4, at corner 1, then 3, 5, 7. Its middle as
+    /* The first are those of cell (-4, 0, 0): of its region 0, below x = 1/4, at corner 1, then 3, 5, 7. Its middle as
      * a grid of six sees it is (1/6, 1/2, 1/2). */
     const lmb_vec3d first = spheres.shift[0];
     const double length = sqrt((5.0 / 6.0) * (5.0 / 6.0) + 0.5);
