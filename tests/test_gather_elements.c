@@ -87,19 +87,19 @@ static void probes_in_parts(void)
         memcpy(whole, probes->radiance[0], bytes);
         memset(probes->radiance[0], 0, bytes);
         lmb_probe_list list;
-        CHECK(lmb_probe_list_create(probes, level.tracer, &list) == LMB_OK, "memory");
+        CHECK(lmb_probe_list_create(probes, NULL, level.tracer, &list) == LMB_OK, "memory");
         const lmb_gather_list elements = lmb_probe_list_elements(&list);
         lmb_gathered *gathered = malloc(elements.count * sizeof *gathered);
         CHECK(parts_gather(&level, &elements, &effort, gathered) &&
-                  lmb_probe_list_finish(&list, gathered, probes) == LMB_OK &&
+                  lmb_probe_list_finish(&list, gathered, level.pool, probes) == LMB_OK &&
                   memcmp(whole, probes->radiance[0], bytes) == 0,
               "%zu probes", list.count);
         memset(probes->radiance[0], 0, bytes);
         list.set = 1;
-        CHECK(lmb_probe_list_finish(&list, gathered, probes) == LMB_ERROR_ARGUMENT, "a set that is not there");
+        CHECK(lmb_probe_list_finish(&list, gathered, level.pool, probes) == LMB_ERROR_ARGUMENT, "a set that is not there");
         uint32_t set = 0;
         CHECK(lmb_probes_add_set(probes, &set) == LMB_OK && set == 1, "a set");
-        CHECK(lmb_probe_list_finish(&list, gathered, probes) == LMB_OK &&
+        CHECK(lmb_probe_list_finish(&list, gathered, level.pool, probes) == LMB_OK &&
                   memcmp(whole, probes->radiance[1], bytes) == 0 &&
                   probes->radiance[0][list.probe[0]].channel[0].c[0] == 0.0f,
               "another set, and no other");

@@ -33,10 +33,30 @@ void leaks_level_close(leaks_level *level)
     lmb_level_close(&level->level);
 }
 
+/* Probes without what was cut and fitted. */
+static lmb_result probes_plain(const lmb_probes *from, lmb_probes **plain)
+{
+    lmb_result result = lmb_probes_create(plain);
+    if (result == LMB_OK) {
+        const lmb_probe_level *const level = &from->level[0];
+        result = lmb_probes_add_level(*plain, &level->lattice, (const int32_t(*)[3])from->point, level->count);
+    }
+    if (result == LMB_OK) {
+        memcpy((*plain)->validity, from->validity, (size_t)(*plain)->count * sizeof *from->validity);
+        memcpy((*plain)->radiance[0], from->radiance[0], (size_t)(*plain)->count * sizeof *from->radiance[0]);
+        result = lmb_probes_dilate(*plain);
+    }
+    return result;
+}
+
 /* What follows from baked probes. */
 static lmb_result field_finish(leaks_field *field, lmb_error *error)
 {
-    const lmb_probes *probes = field->probes = field->bake.probes;
+    const lmb_result made = probes_plain(field->bake.probes, &field->probes);
+    if (made != LMB_OK) {
+        return lmb_error_set(error, made, "out of memory for probes");
+    }
+    const lmb_probes *probes = field->probes;
     field->effort = lmb_bake_effort(&field->bake.record.settings, field->level);
     field->place = malloc(((size_t)probes->count + 1) * sizeof *field->place);
     if (!field->place) {
@@ -79,6 +99,7 @@ void leaks_field_free(leaks_field *field)
     lmb_volume_close(field->volume);
     free(field->packed);
     free(field->place);
+    lmb_probes_destroy(field->probes);
     lmb_bake_end(&field->bake);
     *field = (leaks_field){.level = NULL};
 }

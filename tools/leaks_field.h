@@ -25,8 +25,8 @@ void leaks_level_close(leaks_level *level);
 /* Its probes at one spacing. */
 typedef struct leaks_field {
     const lmb_level *level;
-    lmb_bake bake;
-    const lmb_probes *probes; /* the bake's */
+    lmb_bake bake;            /* its cells are cut */
+    lmb_probes *probes;       /* the same without: what was not baked is dilated */
     lmb_vec3 *place;          /* [probe] where its light was gathered */
     lmb_gather_effort effort; /* that probes took */
     lmb_volume *volume;       /* the same, packed */

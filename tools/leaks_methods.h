@@ -31,6 +31,7 @@ extern const leaks_method leaks_chebyshev;
 
 /* Cells that geometry cuts have eight corners for each of their regions of free space. */
 extern const leaks_method leaks_regions;
+extern const leaks_method leaks_product;
 
 /* All of them; `*count`. */
 const leaks_method *const *leaks_methods(size_t *count);

@@ -141,7 +141,7 @@ static lmb_result probes_bake(lmb_bake *bake, const lmb_transport *transport, co
 {
     const double start = seconds_used();
     lmb_probe_list list;
-    lmb_result result = lmb_probe_list_create(bake->probes, transport->tracer, &list);
+    lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, transport->tracer, &list);
     if (result != LMB_OK) {
         return result;
     }
@@ -152,7 +152,7 @@ static lmb_result probes_bake(lmb_bake *bake, const lmb_transport *transport, co
                       : LMB_ERROR_MEMORY;
     light->seconds += seconds_used() - start;
     if (result == LMB_OK) {
-        result = lmb_probe_list_finish(&list, gathered, bake->probes);
+        result = lmb_probe_list_finish(&list, gathered, bake->level->pool, bake->probes);
         probes_keep(bake, &light->kind[PROBES]);
     }
     const double kept_at = seconds_used();
@@ -162,7 +162,7 @@ static lmb_result probes_bake(lmb_bake *bake, const lmb_transport *transport, co
     }
     if (result == LMB_OK) {
         lmb_gather_stats_renew(&bake->record.gathered, gathered, list.count);
-        result = lmb_probe_list_finish(&list, gathered, bake->probes);
+        result = lmb_probe_list_finish(&list, gathered, bake->level->pool, bake->probes);
         probes_keep(bake, &light->kind[DENOISED_PROBES]);
     }
     free(gathered);

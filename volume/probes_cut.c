@@ -176,13 +176,24 @@ static bool cell_complete(const lmb_probes *probes, lmb_probe_cell *cell)
     return whole;
 }
 
+bool lmb_probes_cell_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
+                             int32_t probe[8])
+{
+    lmb_probe_cell found = {.level = level};
+    memcpy(found.point, cell, sizeof found.point);
+    memcpy(found.fraction, fraction, sizeof found.fraction);
+    const bool is_there = cell_complete(probes, &found);
+    memcpy(probe, found.probe, sizeof found.probe);
+    return is_there;
+}
+
 bool lmb_probes_cell(const lmb_probes *probes, lmb_vec3d position, lmb_probe_cell *cell)
 {
     assert(probes && cell);
     lmb_probe_cell found;
     for (found.level = 0; found.level < probes->level_count; ++found.level) {
         if (lmb_lattice_cell(&probes->level[found.level].lattice, position, found.point, found.fraction) &&
-            cell_complete(probes, &found)) {
+            cell_complete(probes, &found) && lmb_probes_cell_is_leaf(probes, found.level, found.point)) {
             *cell = found;
             return true;
         }

@@ -7,9 +7,9 @@
 #include <lambent/surface.h>
 #include <lambent/vector.h>
 
-/* Whether a triangle, given relative to the centre of a cube of half side 1, touches the cube: separating axes after
- * Akenine-Moeller 2001 (three cube normals, the triangle's normal, nine cross products of edges). */
-static bool triangle_touches_cube(const lmb_vec3 corner[3])
+/* Separating axes after Akenine-Moeller 2001: three cube normals, the triangle's normal, nine cross products of edges.
+ */
+bool lmb_triangle_touches_cube(const lmb_vec3 corner[3])
 {
     const lmb_vec3 edge[3] = {lmb_vec3_sub(corner[1], corner[0]), lmb_vec3_sub(corner[2], corner[1]),
                               lmb_vec3_sub(corner[0], corner[2])};
@@ -71,17 +71,6 @@ static bool cells_find(const lmb_probes *probes, const lmb_lattice *lattice, con
     return true;
 }
 
-/* Whether all eight corners of the cell whose first corner is a probe's point hold probes. */
-static bool cell_is_complete(const lmb_probes *probes, uint32_t level, const int32_t point[3])
-{
-    for (int k = 0; k < 8; ++k) {
-        if (lmb_probes_find(probes, level, point[0] + (k & 1), point[1] + (k >> 1 & 1), point[2] + (k >> 2)) < 0) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* The same vector in the lattice's axes. */
 static lmb_vec3 vector_to_lattice(const lmb_lattice *lattice, lmb_vec3 v)
 {
@@ -107,7 +96,7 @@ static void cell_mark(const lmb_probes *probes, const lmb_lattice *lattice, int3
     for (int k = 0; k < 3; ++k) {
         local[k] = lmb_vec3_scale(vector_to_lattice(lattice, lmb_vec3_sub(corner[k], centre)), 1.0f / half);
     }
-    crossed[probe] = triangle_touches_cube(local);
+    crossed[probe] = lmb_triangle_touches_cube(local);
 }
 
 static double range_cells(const cell_range *range)
@@ -181,9 +170,9 @@ lmb_result lmb_placement_count_cells(const lmb_probes *probes, uint32_t level, c
     *crossed = 0;
     const lmb_probe_level *own = &probes->level[level];
     for (int32_t probe = own->first; probe < own->first + own->count; ++probe) {
-        const bool complete = cell_is_complete(probes, level, probes->point[probe]);
-        *cells += complete;
-        *crossed += complete && mark[probe];
+        const bool is_leaf = lmb_probes_cell_is_leaf(probes, level, probes->point[probe]);
+        *cells += is_leaf;
+        *crossed += is_leaf && mark[probe];
     }
     free(mark);
     return LMB_OK;

@@ -10,18 +10,27 @@
 /* A probe speaks for the space within half its footprint. */
 #define LIGHT_DISTANCE_FOOTPRINTS 0.5f
 
-lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_tracer *tracer, lmb_probe_list *list)
+lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_regions *regions, const lmb_tracer *tracer,
+                                 lmb_probe_list *list)
 {
-    *list = (lmb_probe_list){
-        .probes = probes, .tracer = tracer, .probe = malloc(((size_t)probes->count + 1) * sizeof *list->probe)};
+    *list = (lmb_probe_list){.probes = probes,
+                             .regions = regions,
+                             .tracer = tracer,
+                             .probe = malloc(((size_t)probes->count + 1) * sizeof *list->probe)};
     if (!list->probe) {
         return LMB_ERROR_MEMORY;
     }
-    for (int32_t i = 0; i < probes->count; ++i) {
-        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
-            list->probe[list->count++] = i;
+    for (int32_t i = 0; i < probes->count - probes->ghost_count; ++i) {
+        lmb_probe_parents parents;
+        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY && !lmb_probes_hangs(probes, i, &parents)) {
+            list->probe[list->probe_count++] = i;
         }
     }
+    size_t points = 0;
+    if (regions) {
+        lmb_regions_points(regions, &points);
+    }
+    list->count = list->probe_count + points;
     return LMB_OK;
 }
 
@@ -31,22 +40,41 @@ void lmb_probe_list_free(lmb_probe_list *list)
     list->probe = NULL;
 }
 
-static void probe_site(const void *context, size_t element, lmb_gather_site *site)
+/* The point of a region that an element is, or NULL: it is a probe. */
+static const lmb_region_point *region_point(const lmb_probe_list *list, size_t element)
+{
+    size_t count;
+    return element < list->probe_count ? NULL : &lmb_regions_points(list->regions, &count)[element - list->probe_count];
+}
+
+static void element_site(const void *context, size_t element, lmb_gather_site *site)
 {
     const lmb_probe_list *list = context;
+    const lmb_region_point *const inside = region_point(list, element);
+    site->count = 1;
+    if (inside) {
+        site->point[0] = (lmb_gather_point){.position = inside->position,
+                                            .min_light_distance = LIGHT_DISTANCE_FOOTPRINTS * inside->spacing};
+        return;
+    }
     const int32_t probe = list->probe[element];
     const lmb_vec3 position = lmb_probes_position(list->probes, probe);
     const float footprint = lmb_probes_footprint(list->probes, probe);
     site->point[0] =
         (lmb_gather_point){.position = lmb_placement_relocate(list->tracer, position, footprint, &site->rays),
                            .min_light_distance = LIGHT_DISTANCE_FOOTPRINTS * footprint};
-    site->count = 1;
+}
+
+static float element_spacing(const lmb_probe_list *list, size_t element)
+{
+    const lmb_region_point *const inside = region_point(list, element);
+    return inside ? inside->spacing : lmb_probes_footprint(list->probes, list->probe[element]);
 }
 
 lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list)
 {
     return (lmb_gather_list){
-        .name = "probes", .count = list->count, .most_points = 1, .find_site = probe_site, .context = list};
+        .name = "probes", .count = list->count, .most_points = 1, .find_site = element_site, .context = list};
 }
 
 lmb_result lmb_probe_list_denoise(const lmb_probe_list *list, lmb_pool *pool, const lmb_progress *progress,
@@ -59,33 +87,43 @@ lmb_result lmb_probe_list_denoise(const lmb_probe_list *list, lmb_pool *pool, co
     for (size_t i = 0; i < list->count; ++i) {
         lmb_gather_point at;
         lmb_gather_site site = {.point = &at};
-        probe_site(list, i, &site);
-        points[i] =
-            (lmb_denoise_point){.position = at.position, .spacing = lmb_probes_footprint(list->probes, list->probe[i])};
+        element_site(list, i, &site);
+        points[i] = (lmb_denoise_point){.position = at.position, .spacing = element_spacing(list, i)};
     }
     const lmb_result result = lmb_denoise_in_space(points, list->count, list->tracer, pool, progress, gathered);
     free(points);
     return result;
 }
 
-lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes)
+lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_pool *pool,
+                                 lmb_probes *probes)
 {
     if (list->set >= probes->set_count) {
         return LMB_ERROR_ARGUMENT;
     }
     probes->key_light_count = lmb_scene_key_lights(lmb_tracer_scene(list->tracer), probes->key_light);
-    for (size_t i = 0; i < list->count; ++i) {
+    for (size_t i = 0; i < list->probe_count; ++i) {
         probes->radiance[list->set][list->probe[i]] = gathered[i].moments;
         memcpy(probes->key_visibility[list->probe[i]], gathered[i].key_visibility, sizeof gathered[i].key_visibility);
     }
-    return lmb_probes_dilate(probes);
+    /* The list's set alone: others have been fitted where this one is dilated. */
+    lmb_probes own = *probes;
+    own.set_count = 1;
+    own.radiance = &probes->radiance[list->set];
+    lmb_result result = lmb_probes_dilate(&own);
+    /* What hangs on a coarser level is known to a finer one when the coarser one is fitted. */
+    for (uint32_t level = 0; level < probes->level_count && list->regions && result == LMB_OK; ++level) {
+        result = lmb_regions_fit(list->regions, gathered + list->probe_count, list->set, pool, probes);
+        lmb_probes_hang(&own);
+    }
+    return result;
 }
 
 lmb_result lmb_probes_bake(lmb_probes *probes, const lmb_transport *transport, const lmb_gather_effort *effort,
                            lmb_pool *pool, const lmb_progress *progress, lmb_gather_stats *stats)
 {
     lmb_probe_list list;
-    lmb_result result = lmb_probe_list_create(probes, transport->tracer, &list);
+    lmb_result result = lmb_probe_list_create(probes, NULL, transport->tracer, &list);
     if (result != LMB_OK) {
         return result;
     }
@@ -97,7 +135,7 @@ lmb_result lmb_probes_bake(lmb_probes *probes, const lmb_transport *transport, c
         result = lmb_gather_elements(&job, pool, progress, gathered, stats);
     }
     if (result == LMB_OK) {
-        result = lmb_probe_list_finish(&list, gathered, probes);
+        result = lmb_probe_list_finish(&list, gathered, pool, probes);
     }
     free(gathered);
     lmb_probe_list_free(&list);

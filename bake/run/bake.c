@@ -50,6 +50,9 @@ static lmb_result bake_prepare(lmb_bake *bake, bake_report *report, lmb_error *e
         result = lmb_bake_surface(bake, error);
     }
     if (result == LMB_OK) {
+        result = lmb_bake_levels(bake, error);
+    }
+    if (result == LMB_OK) {
         result = forecast_renew(bake, report, error);
     }
     return result;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "run/bake_phases_levels.h"
 #include "run/step.h"
 
 /* Probes farther apart than so many steps between floats are told apart well enough. */
@@ -26,11 +27,11 @@ static double probes_reach(const lmb_probes *probes)
     return reach;
 }
 
-static void warn_of_coarse_floats(const lmb_bake *bake)
+static void warn_of_coarse_floats(const lmb_bake *bake, uint32_t finer)
 {
     const lmb_warnings *warnings = &bake->level->warnings;
     const lmb_scene *scene = bake->level->scene;
-    const double spacing = (double)bake->probes->level[0].lattice.spacing;
+    const double spacing = ldexp((double)bake->probes->level[0].lattice.spacing, -(int)finer);
     const double step = (double)lmb_scene_position_step(scene);
     if (step * STEPS_OF_SPACING > spacing && !bake->record.settings.lightmaps) {
         lmb_warn(warnings,
@@ -63,17 +64,44 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
     return bake;
 }
 
+/* The phase before said that it was done; it can still be stopped. */
+typedef struct regions_report {
+    const lmb_progress *progress;
+    lmb_bake_phase phase;
+} regions_report;
+
+static bool report_regions(void *context, const char *name, double done)
+{
+    const regions_report *report = context;
+    (void)name;
+    (void)done;
+    return report->progress->report(report->progress->context, lmb_bake_phase_name(report->phase), 1.0);
+}
+
+lmb_result lmb_bake_regions(lmb_bake *bake, lmb_bake_phase phase, lmb_error *error)
+{
+    lmb_bake_record *record = &bake->record;
+    regions_report report = {bake->progress, phase};
+    const lmb_progress progress = {bake->progress && bake->progress->report ? report_regions : NULL, &report};
+    const lmb_result result = lmb_regions_make(bake->level->tracer, bake->level->pool, &progress, bake->probes,
+                                               &bake->regions, &record->regions);
+    record->rays[phase] += record->regions.rays;
+    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "regions: %s", lmb_result_text(result));
+}
+
 /* What placement made of the settings: the spacing that it chose, seeds rounded to where floats are. */
 static void record_placed(lmb_bake *bake)
 {
     lmb_bake_record *record = &bake->record;
     const lmb_scene *scene = bake->level->scene;
-    record->settings.spacing = bake->probes->level[0].lattice.spacing;
+    if (record->settings.min_spacing == 0.0f) {
+        record->settings.spacing = bake->probes->level[0].lattice.spacing;
+    }
     for (uint32_t i = 0; i < record->settings.seed_count; ++i) {
         const lmb_vec3 used = lmb_scene_from_world(scene, record->settings.seeds[i]);
         record->settings.seeds[i] = lmb_scene_to_world(scene, used);
     }
-    record->probes = bake->probes->count;
+    lmb_bake_record_levels(bake);
     record->rays[LMB_PHASE_PLACE] = record->placement.rays;
 }
 
@@ -82,36 +110,33 @@ static float detail_of(const lmb_bake_settings *settings)
     return settings->detail > 0.0f ? settings->detail : 1.0f;
 }
 
-static float spacing_wanted(const lmb_bake *bake)
-{
-    const lmb_bake_settings *wanted = &bake->record.settings;
-    return wanted->spacing > 0.0f ? wanted->spacing
-                                  : lmb_placement_default_spacing(bake->level->scene) / detail_of(wanted);
-}
-
 lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
 {
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     const lmb_warnings *warnings = &bake->level->warnings;
-    const lmb_placement_settings settings = {.spacing = spacing_wanted(bake),
+    const lmb_level_plan plan = lmb_bake_level_plan(&record->settings, bake->level->scene);
+    const lmb_placement_settings settings = {.spacing = plan.even_spacing,
                                              .max_probes = record->settings.max_probes,
                                              .seeds = record->settings.seeds,
                                              .seed_count = record->settings.seed_count,
                                              .warnings = *warnings,
                                              .progress = bake->progress};
-    const lmb_result result =
+    lmb_result result =
         lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, &bake->probes, &record->placement, error);
+    if (result == LMB_OK) {
+        record_placed(bake);
+        result = plan.coarser + plan.finer == 0 ? lmb_bake_regions(bake, LMB_PHASE_PLACE, error) : LMB_OK;
+    }
     record->seconds[LMB_PHASE_PLACE] = lmb_clock_seconds() - start;
     if (result != LMB_OK) {
         return result;
     }
-    record_placed(bake);
     if (record->placement.everything_solid) {
         lmb_warn(warnings, "%s: all faces look away from all free space; baking everywhere in its bounds",
                  bake->level->scene->path);
     }
-    warn_of_coarse_floats(bake);
+    warn_of_coarse_floats(bake, plan.finer);
     return LMB_OK;
 }
 
@@ -194,7 +219,7 @@ lmb_gather_effort lmb_bake_effort(const lmb_bake_settings *settings, const lmb_l
 {
     return (lmb_gather_effort){.samples = settings->samples,
                                .max_samples = settings->max_samples,
-                               .tolerance = settings->tolerance,
+                               .tolerance = settings->noise,
                                .floor = DARK_SHARE * UNIT_LENGTH * level->mean_light};
 }
 
@@ -220,7 +245,7 @@ static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list)
         lmb_gather_stats_renew(&record->gathered, gathered, list->count);
     }
     if (result == LMB_OK) {
-        result = lmb_probe_list_finish(list, gathered, bake->probes);
+        result = lmb_probe_list_finish(list, gathered, bake->level->pool, bake->probes);
     }
     free(gathered);
     return result;
@@ -231,7 +256,7 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     lmb_probe_list list;
-    lmb_result result = lmb_probe_list_create(bake->probes, bake->level->transport.tracer, &list);
+    lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, bake->level->transport.tracer, &list);
     if (result == LMB_OK) {
         result = probes_gather(bake, &list);
         lmb_probe_list_free(&list);
@@ -296,7 +321,9 @@ void lmb_bake_end(lmb_bake *bake)
 {
     lmb_texel_list_destroy(bake->texels);
     lmb_lightmap_destroy(bake->lightmap);
+    lmb_regions_destroy(bake->regions);
     lmb_probes_destroy(bake->probes);
+    bake->regions = NULL;
     bake->texels = NULL;
     bake->lightmap = NULL;
     bake->probes = NULL;

@@ -8,12 +8,13 @@ static const char *const phase_names[LMB_PHASE_COUNT] = {
     [LMB_PHASE_LOAD] = "load",           [LMB_PHASE_BVH] = "bvh",
     [LMB_PHASE_PLACE] = "place",         [LMB_PHASE_LAYOUT] = "layout",
     [LMB_PHASE_PILOT] = "surface pilot", [LMB_PHASE_SURFACE] = "surface",
-    [LMB_PHASE_BOUNCES] = "bounces",     [LMB_PHASE_PROBES] = "probes",
-    [LMB_PHASE_LIGHTMAPS] = "lightmaps", [LMB_PHASE_DENOISE] = "denoise",
-    [LMB_PHASE_WRITE] = "write"};
+    [LMB_PHASE_BOUNCES] = "bounces",     [LMB_PHASE_LEVELS] = "levels",
+    [LMB_PHASE_PROBES] = "probes",       [LMB_PHASE_LIGHTMAPS] = "lightmaps",
+    [LMB_PHASE_DENOISE] = "denoise",     [LMB_PHASE_WRITE] = "write"};
 
 /* The phases that trace, as records count them. */
-static const lmb_bake_phase tracing[] = {LMB_PHASE_PLACE, LMB_PHASE_SURFACE, LMB_PHASE_PROBES, LMB_PHASE_LIGHTMAPS};
+static const lmb_bake_phase tracing[] = {LMB_PHASE_PLACE, LMB_PHASE_SURFACE, LMB_PHASE_LEVELS, LMB_PHASE_PROBES,
+                                         LMB_PHASE_LIGHTMAPS};
 enum { TRACING = sizeof tracing / sizeof tracing[0] };
 
 const char *lmb_bake_phase_name(lmb_bake_phase phase)
@@ -58,13 +59,20 @@ double lmb_bake_record_error(const lmb_bake_record *record)
 static void json_add_elements(cJSON *json, const lmb_bake_record *record)
 {
     cJSON_AddNumberToObject(json, "probes", record->probes);
-    cJSON *level = cJSON_CreateObject();
-    cJSON_AddNumberToObject(level, "spacing", (double)record->settings.spacing);
-    cJSON_AddNumberToObject(level, "probes", record->probes);
-    cJSON_AddItemToArray(cJSON_AddArrayToObject(json, "levels"), level);
+    cJSON *levels = cJSON_AddArrayToObject(json, "levels");
+    for (uint32_t i = 0; i < record->level_count; ++i) {
+        cJSON *level = cJSON_CreateObject();
+        cJSON_AddNumberToObject(level, "spacing", (double)record->level[i].spacing);
+        cJSON_AddNumberToObject(level, "probes", record->level[i].probes);
+        cJSON_AddItemToArray(levels, level);
+    }
     cJSON_AddNumberToObject(json, "probes_valid", record->placement.probes_valid);
+    cJSON_AddNumberToObject(json, "probes_hanging", record->placement.probes_hanging);
     cJSON_AddNumberToObject(json, "cells", (double)record->placement.cells);
     cJSON_AddNumberToObject(json, "cells_crossed", (double)record->placement.cells_crossed);
+    cJSON_AddNumberToObject(json, "cells_cut", (double)record->regions.cells_cut);
+    cJSON_AddNumberToObject(json, "ghosts", (double)record->regions.ghosts);
+    cJSON_AddNumberToObject(json, "region_points", (double)record->regions.points);
     cJSON_AddNumberToObject(json, "texels", (double)record->lightmap.elements);
     cJSON_AddNumberToObject(json, "texels_pushed_out", (double)record->lightmap.moved);
     cJSON_AddNumberToObject(json, "texels_used", record->texels_used);

@@ -112,7 +112,7 @@ static double write_guess(const lmb_bake *bake)
 static lmb_result probes_try(const lmb_bake *bake, const lmb_transport *transport, trial_result *trial)
 {
     lmb_probe_list list;
-    lmb_result result = lmb_probe_list_create(bake->probes, transport->tracer, &list);
+    lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, transport->tracer, &list);
     if (result == LMB_OK && list.count > 0) {
         const lmb_gather_list elements = lmb_probe_list_elements(&list);
         result = trial_run(bake, transport, &elements, trial);

@@ -1,0 +1,284 @@
+/* Looking into a cell: rays along lines of nodes, and the regions that they leave. */
+#include "probes/regions_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <lambent/placement.h>
+#include <lambent/surface.h>
+
+#include "trace/trace_internal.h"
+
+/* Walls stand at round figures, and nodes do not. */
+static const float node_at[LMB_REGION_SIDE] = {LMB_REGION_INSET, 0.2113f, 0.4057f,
+                                               0.6019f,          0.7931f, 1.0f - LMB_REGION_INSET};
+
+float lmb_region_node(int i)
+{
+    return node_at[i];
+}
+
+void lmb_region_node_at(int node, float t[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        t[axis] = node_at[node / lmb_region_stride(axis) % LMB_REGION_SIDE];
+    }
+}
+
+int lmb_region_node_before(float at)
+{
+    int node = -1;
+    while (node + 1 < LMB_REGION_SIDE && node_at[node + 1] <= at) {
+        ++node;
+    }
+    return node;
+}
+
+lmb_region_frame lmb_region_frame_of(const lmb_probes *probes, const lmb_region_cell *cell)
+{
+    const lmb_lattice *const lattice = &probes->level[cell->level].lattice;
+    const lmb_vec3d first = lmb_lattice_position(lattice, cell->point);
+    const double spacing = (double)lattice->spacing;
+    lmb_region_frame frame = {.first = {(float)(first.x - probes->origin.x), (float)(first.y - probes->origin.y),
+                                        (float)(first.z - probes->origin.z)},
+                              .spacing = lattice->spacing};
+    for (int axis = 0; axis < 3; ++axis) {
+        const lmb_vec3d along = lmb_lattice_vector_to_world(
+            lattice, (lmb_vec3d){axis == 0 ? spacing : 0.0, axis == 1 ? spacing : 0.0, axis == 2 ? spacing : 0.0});
+        frame.step[axis] = lmb_vec3_of((float)along.x, (float)along.y, (float)along.z);
+    }
+    return frame;
+}
+
+lmb_vec3 lmb_region_position(const lmb_region_frame *frame, const float t[3])
+{
+    return lmb_vec3_mad(lmb_vec3_mad(lmb_vec3_mad(frame->first, frame->step[0], t[0]), frame->step[1], t[1]),
+                        frame->step[2], t[2]);
+}
+
+void lmb_region_line_trace(const lmb_tracer *tracer, const lmb_region_frame *frame, int axis, int line,
+                           lmb_region_line *found, uint64_t *rays)
+{
+    float t[3];
+    lmb_region_node_at(lmb_region_line_node(axis, line, 0), t);
+    t[axis] = -LMB_REGION_INSET;
+    const lmb_vec3 origin = lmb_region_position(frame, t);
+    const float length = 1.0f + 2.0f * LMB_REGION_INSET;
+    float near = 0.0f;
+    found->count = 0;
+    while (found->count < LMB_REGION_HITS_MOST && near < length) {
+        lmb_hit *const hit = &found->hit[found->count];
+        ++*rays;
+        if (!lmb_trace_nearest(tracer, origin, frame->step[axis], near, length, hit)) {
+            return;
+        }
+        near = lmb_trace_beyond(hit->distance);
+        if (!lmb_tracer_is_see_through(tracer, hit->instance, hit->triangle)) {
+            found->at[found->count++] = hit->distance - LMB_REGION_INSET;
+        }
+    }
+}
+
+/* Which nodes see the next one: bit of an axis. */
+static void nodes_link(const lmb_region_work *work, const lmb_region_frame *frame, uint8_t link[LMB_REGION_NODES],
+                       lmb_region_look *look, uint64_t *rays)
+{
+    lmb_region_line found;
+    memset(link, 0, LMB_REGION_NODES);
+    memset(look->open, 0, sizeof look->open);
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int line = 0; line < LMB_REGION_LINES; ++line) {
+            lmb_region_line_trace(work->tracer, frame, axis, line, &found, rays);
+            unsigned blocked = 0; /* bit i: before node i */
+            for (int i = 0; i < found.count; ++i) {
+                blocked |= 1u << (lmb_region_node_before(found.at[i]) + 1);
+            }
+            look->open[2 * axis] |= (uint64_t)(~blocked & 1u) << line;
+            look->open[2 * axis + 1] |= (uint64_t)(~blocked >> LMB_REGION_SIDE & 1u) << line;
+            for (int i = 0; i + 1 < LMB_REGION_SIDE; ++i) {
+                link[lmb_region_line_node(axis, line, i)] |= (uint8_t)((~blocked >> (i + 1) & 1u) << axis);
+            }
+        }
+    }
+}
+
+/* Labels the nodes that are linked to the first one. @return how many */
+static int flood(const uint8_t link[LMB_REGION_NODES], int first, uint8_t name, uint8_t label[LMB_REGION_NODES])
+{
+    int stack[LMB_REGION_NODES], depth = 0, nodes = 0;
+    label[first] = name;
+    stack[depth++] = first;
+    while (depth > 0) {
+        const int node = stack[--depth];
+        ++nodes;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int stride = lmb_region_stride(axis), along = node / stride % LMB_REGION_SIDE;
+            const int above = node + stride, below = node - stride;
+            if (along + 1 < LMB_REGION_SIDE && (link[node] >> axis & 1) != 0 && label[above] == LMB_REGION_NONE) {
+                label[above] = name;
+                stack[depth++] = above;
+            }
+            if (along > 0 && (link[below] >> axis & 1) != 0 && label[below] == LMB_REGION_NONE) {
+                label[below] = name;
+                stack[depth++] = below;
+            }
+        }
+    }
+    return nodes;
+}
+
+/* Names the regions, the largest first where there are more than cells can have. */
+static void regions_label(const uint8_t link[LMB_REGION_NODES], lmb_region_look *look)
+{
+    uint8_t part[LMB_REGION_NODES], name[LMB_REGION_NODES];
+    int size[LMB_REGION_NODES], parts = 0;
+    memset(part, LMB_REGION_NONE, sizeof part);
+    for (int node = 0; node < LMB_REGION_NODES; ++node) {
+        if (part[node] == LMB_REGION_NONE) {
+            size[parts] = flood(link, node, (uint8_t)parts, part);
+            ++parts;
+        }
+    }
+    look->count = 0;
+    for (int i = 0; i < parts; ++i) {
+        int larger = 0;
+        for (int k = 0; k < parts; ++k) {
+            larger += size[k] > size[i] || (size[k] == size[i] && k < i);
+        }
+        name[i] = larger < LMB_CELL_REGIONS_MOST ? look->count++ : LMB_REGION_NONE;
+    }
+    for (int node = 0; node < LMB_REGION_NODES; ++node) {
+        look->label[node] = name[part[node]];
+    }
+}
+
+static bool sees(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays)
+{
+    return lmb_rgb_max(lmb_trace_transmittance(tracer, from, to, rays)) > 0.0f;
+}
+
+/* Whether a corner's probe is seen from one of the region's nodes that are nearest to it. */
+static bool region_sees(const lmb_region_work *work, const lmb_region_frame *frame, const lmb_region_look *look,
+                        uint8_t region, lmb_vec3 place, uint64_t *rays)
+{
+    enum { TRIED = 3 };
+    bool tried[LMB_REGION_NODES] = {false};
+    for (int i = 0; i < TRIED; ++i) {
+        int best = -1;
+        float best_distance = 0.0f;
+        lmb_vec3 best_point = place;
+        for (int node = 0; node < LMB_REGION_NODES; ++node) {
+            if (look->label[node] != region || tried[node]) {
+                continue;
+            }
+            float t[3];
+            lmb_region_node_at(node, t);
+            const lmb_vec3 point = lmb_region_position(frame, t), way = lmb_vec3_sub(point, place);
+            const float distance = lmb_vec3_dot(way, way);
+            if (best < 0 || distance < best_distance) {
+                best = node;
+                best_distance = distance;
+                best_point = point;
+            }
+        }
+        if (best < 0) {
+            return false;
+        }
+        tried[best] = true;
+        if (sees(work->tracer, best_point, place, rays)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The baked probe at a cell's corner, or -1. */
+static int32_t corner_probe(const lmb_probes *probes, const lmb_region_cell *cell, int corner)
+{
+    const int32_t probe = lmb_probes_find(probes, cell->level, cell->point[0] + (corner & 1),
+                                          cell->point[1] + (corner >> 1 & 1), cell->point[2] + (corner >> 2));
+    return probe >= 0 && probes->validity[probe] >= LMB_PROBES_MIN_VALIDITY ? probe : -1;
+}
+
+/* A probe may have been moved off a surface, out of its corner's own region. */
+static void corners_look(const lmb_region_work *work, const lmb_region_cell *cell, const lmb_region_frame *frame,
+                         lmb_region_look *look, uint64_t *rays)
+{
+    memset(look->real, 0, sizeof look->real);
+    for (int corner = 0; corner < 8; ++corner) {
+        const int32_t probe = corner_probe(work->probes, cell, corner);
+        if (probe < 0) {
+            continue;
+        }
+        const int node = (LMB_REGION_SIDE - 1) *
+                         ((corner & 1) + (corner >> 1 & 1) * LMB_REGION_SIDE + (corner >> 2) * LMB_REGION_LINES);
+        float t[3];
+        lmb_region_node_at(node, t);
+        const uint8_t own = look->label[node];
+        if (own != LMB_REGION_NONE && sees(work->tracer, lmb_region_position(frame, t), work->place[probe], rays)) {
+            look->real[own] |= (uint8_t)(1u << corner);
+            continue;
+        }
+        for (uint8_t region = 0; region < look->count; ++region) {
+            if (region_sees(work, frame, look, region, work->place[probe], rays)) {
+                look->real[region] |= (uint8_t)(1u << corner);
+            }
+        }
+    }
+}
+
+static void cell_look(void *context, size_t task, int worker)
+{
+    const lmb_region_work *const work = context;
+    const lmb_region_cell *const cell = &work->cell[work->looked[task]];
+    lmb_region_look *const look = &work->look[task];
+    const lmb_region_frame frame = lmb_region_frame_of(work->probes, cell);
+    uint8_t link[LMB_REGION_NODES];
+    uint64_t rays = 0;
+    nodes_link(work, &frame, link, look, &rays);
+    regions_label(link, look);
+    corners_look(work, cell, &frame, look, &rays);
+    work->rays[worker] += rays;
+}
+
+/* Where the probes at corners of looked-at cells are gathered at. */
+static void probe_place(void *context, size_t task, int worker)
+{
+    const lmb_region_work *const work = context;
+    const int32_t probe = work->placed[task];
+    work->place[probe] = lmb_placement_relocate(work->tracer, lmb_probes_position(work->probes, probe),
+                                                lmb_probes_footprint(work->probes, probe), &work->rays[worker]);
+}
+
+/* @return how many there are */
+static size_t places_list(const lmb_region_work *work, uint8_t *listed)
+{
+    size_t count = 0;
+    for (uint32_t i = 0; i < work->look_count; ++i) {
+        for (int corner = 0; corner < 8; ++corner) {
+            const int32_t probe = corner_probe(work->probes, &work->cell[work->looked[i]], corner);
+            if (probe >= 0 && !listed[probe]) {
+                listed[probe] = 1;
+                work->placed[count++] = probe;
+            }
+        }
+    }
+    return count;
+}
+
+lmb_result lmb_region_cells_look(lmb_region_work *work)
+{
+    const size_t probes = (size_t)work->probes->count + 1;
+    work->place = malloc(probes * sizeof *work->place);
+    work->placed = malloc(probes * sizeof *work->placed);
+    uint8_t *const listed = calloc(probes, 1);
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (work->place && work->placed && listed) {
+        result = lmb_pool_run(work->pool, places_list(work, listed), probe_place, work, "place", NULL);
+    }
+    free(listed);
+    if (result == LMB_OK) {
+        result = lmb_pool_run(work->pool, work->look_count, cell_look, work, "regions", work->progress);
+    }
+    return result;
+}

@@ -1,0 +1,163 @@
+/* Where light is gathered inside of regions: at nodes where values that are to be fitted weigh most. */
+#include "probes/regions_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Points for each value, in so many of its cells. */
+enum { POINTS_EACH = 2 };
+
+typedef struct point_choice {
+    float weight; /* of the value; 0: none */
+    uint32_t cell, region;
+    uint8_t node;
+} point_choice;
+
+typedef struct points_work {
+    lmb_region_work *all;
+    point_choice (*best)[POINTS_EACH]; /* [unknown] in different cells, the heaviest first */
+} points_work;
+
+static float corner_weight(const float t[3], int corner)
+{
+    float weight = 1.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+        weight *= (corner >> axis & 1) != 0 ? t[axis] : 1.0f - t[axis];
+    }
+    return weight;
+}
+
+static void choice_offer(point_choice best[POINTS_EACH], const point_choice *offered)
+{
+    point_choice next = *offered;
+    for (int i = 0; i < POINTS_EACH && next.weight > 0.0f; ++i) {
+        if (next.weight > best[i].weight) {
+            const point_choice moved = best[i];
+            best[i] = next;
+            next = moved;
+        }
+    }
+}
+
+/* The node of a region where a corner weighs most. */
+static point_choice region_choice(const lmb_region_work *all, uint32_t cell, uint32_t label, int corner)
+{
+    const lmb_region_cell *const own = &all->cell[cell];
+    const lmb_region_look *const look = own->look == UINT32_MAX ? NULL : &all->look[own->look];
+    point_choice best = {.weight = 0.0f, .cell = cell, .region = own->first + label};
+    for (int node = 0; node < LMB_REGION_NODES; ++node) {
+        if (!look || look->label[node] == label) {
+            float t[3];
+            lmb_region_node_at(node, t);
+            const float weight = corner_weight(t, corner);
+            if (weight > best.weight) {
+                best.weight = weight;
+                best.node = (uint8_t)node;
+            }
+        }
+    }
+    return best;
+}
+
+static void choices_make(const points_work *work)
+{
+    const lmb_region_work *const all = work->all;
+    const lmb_regions *const made = all->regions;
+    for (uint32_t c = 0; c < all->cell_count; ++c) {
+        for (uint32_t label = 0; label < all->cell[c].count; ++label) {
+            const uint32_t region = all->cell[c].first + label;
+            for (int corner = 0; corner < 8 && all->reached[region]; ++corner) {
+                const int32_t unknown = made->unknown_of[all->corner[region][corner]];
+                if (unknown >= 0) {
+                    const point_choice choice = region_choice(all, c, label, corner);
+                    choice_offer(work->best[unknown], &choice);
+                }
+            }
+        }
+    }
+}
+
+static int choice_compare(const void *left, const void *right)
+{
+    const point_choice *const a = left, *const b = right;
+    return a->region != b->region ? (a->region < b->region ? -1 : 1) : (int)a->node - (int)b->node;
+}
+
+/* --- what is to be fitted ----------------------------------------------------------------------------------------- */
+
+static bool is_unknown(const lmb_probes *probes, int32_t value)
+{
+    return value >= probes->count - probes->ghost_count || probes->validity[value] < LMB_PROBES_MIN_VALIDITY;
+}
+
+/* Numbers what is to be fitted, in the order of cells, and keeps the regions that have any. `kept` is the number of
+ * each that is kept. */
+static void unknown_find(const lmb_region_work *all, uint32_t *kept)
+{
+    lmb_regions *const made = all->regions;
+    memset(made->unknown_of, 0xff, (size_t)all->probes->count * sizeof *made->unknown_of);
+    for (uint32_t region = 0; region < all->region_count; ++region) {
+        bool any = false;
+        for (int corner = 0; corner < 8 && all->reached[region]; ++corner) {
+            const int32_t value = all->corner[region][corner];
+            if (is_unknown(all->probes, value)) {
+                any = true;
+                if (made->unknown_of[value] < 0) {
+                    made->unknown[made->unknown_count] = value;
+                    made->unknown_of[value] = (int32_t)made->unknown_count++;
+                }
+            }
+        }
+        if (any) {
+            memcpy(made->corner[made->region_count], all->corner[region], sizeof made->corner[0]);
+            kept[region] = made->region_count++;
+        }
+    }
+}
+
+static void points_add(const points_work *work, const uint32_t *kept)
+{
+    lmb_regions *const made = work->all->regions;
+    point_choice *const choice = work->best[0];
+    const size_t count = (size_t)made->unknown_count * POINTS_EACH;
+    qsort(choice, count, sizeof *choice, choice_compare);
+    for (size_t i = 0; i < count; ++i) {
+        if (!(choice[i].weight > 0.0f) || (i > 0 && choice_compare(&choice[i - 1], &choice[i]) == 0)) {
+            continue;
+        }
+        const lmb_region_cell *const cell = &work->all->cell[choice[i].cell];
+        const lmb_region_frame frame = lmb_region_frame_of(work->all->probes, cell);
+        lmb_region_point *const point = &made->point[made->point_count++];
+        lmb_region_node_at(choice[i].node, point->t);
+        point->position = lmb_region_position(&frame, point->t);
+        point->region = kept[choice[i].region];
+        point->spacing = frame.spacing;
+    }
+}
+
+lmb_result lmb_region_points_choose(lmb_region_work *all)
+{
+    lmb_regions *const made = all->regions;
+    const size_t probes = (size_t)all->probes->count + 1, regions = (size_t)all->region_count + 1;
+    uint32_t *const kept = malloc(regions * sizeof *kept);
+    made->unknown = malloc(probes * sizeof *made->unknown);
+    made->unknown_of = malloc(probes * sizeof *made->unknown_of);
+    made->corner = malloc(regions * sizeof *made->corner);
+    points_work work = {.all = all};
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (kept && made->unknown && made->unknown_of && made->corner) {
+        unknown_find(all, kept);
+        work.best = calloc((size_t)made->unknown_count + 1, sizeof *work.best);
+        made->point = malloc(((size_t)made->unknown_count * POINTS_EACH + 1) * sizeof *made->point);
+        result = work.best && made->point ? LMB_OK : LMB_ERROR_MEMORY;
+    }
+    if (result == LMB_OK) {
+        choices_make(&work);
+        points_add(&work, kept);
+        all->stats->points = (int64_t)made->point_count;
+        all->stats->fitted = (int64_t)made->unknown_count - all->stats->ghosts;
+    }
+    free(kept);
+    free(work.best);
+    return result;
+}
