@@ -71,6 +71,7 @@ static void exit_statuses(void)
         {"probe " QUOTED " --at 0,1,0 --vertex-normal 0,1,0", 2, "--normal"},
         {"check " QUOTED " " OUTPUT "/missing", 3, "missing"},
         {"render " QUOTED " " OUTPUT "/missing -o x.png", 3, "missing"},
+        {"render " QUOTED " " OUTPUT "/missing -o x.png --probes --mode difference", 2, "--probes does not go with"},
     };
     if (!level_make()) {
         return;

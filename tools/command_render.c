@@ -6,6 +6,8 @@
 
 #include <lambent/baked.h>
 #include <lambent/exr.h>
+#include <lambent/file.h>
+#include <lambent/vdb.h>
 #include <lambent/vector.h>
 
 #include "bake_arguments.h"
@@ -33,6 +35,9 @@ static const char usage[] =
     "                        density     a checker of lightmap texels; red where there is no lightmap\n"
     "  --model NAME          light surfaces by the lightmaps of that model, which the bake wrote beside its own\n"
     "                        (bake --models)\n"
+    "  --probes              show the probes as little spheres too, lit by what they hold: ghosts smaller, with a "
+    "blue\n"
+    "                        belt; a red belt where a probe could not be baked\n"
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
     "                        sphere is put there\n"
@@ -72,6 +77,7 @@ typedef struct render_options {
     int object_count;
     bool has_specular;
     lmb_specular specular;
+    bool probes;
     int threads;
     bool quiet;
 } render_options;
@@ -178,6 +184,8 @@ static bool view_option(lmb_arguments *arguments, const char *option, render_opt
         specular_read(arguments, option, options);
     } else if (strcmp(option, "--object") == 0 || strcmp(option, "--object-at") == 0) {
         object_read(arguments, option, options);
+    } else if (strcmp(option, "--probes") == 0) {
+        options->probes = true;
     } else {
         return false;
     }
@@ -219,6 +227,8 @@ static void options_read(lmb_arguments *arguments, render_options *options)
         arguments_error(arguments, "missing option", "-o FILE.png|FILE.exr");
     } else if (options->camera_node && (options->has_camera || options->has_look)) {
         arguments_error(arguments, "--camera-node does not go with", options->has_camera ? "--camera" : "--look");
+    } else if (options->probes && (options->mode == RENDER_DIFFERENCE || options->mode == RENDER_MISMATCH)) {
+        arguments_error(arguments, "--probes does not go with --mode", mode_names[options->mode]);
     } else if (!output_file_ends_in(options->output, ".png") && !output_file_ends_in(options->output, ".exr")) {
         arguments_error(arguments, "-o takes a .png or .exr, not", options->output);
     }
@@ -421,6 +431,37 @@ static lmb_result picture_make(const render_options *options, const lmb_shader *
     return result;
 }
 
+/* The probes that are shown, and their spheres; nothing where none are asked for. */
+typedef struct shown_probes {
+    lmb_probes *probes;
+    probe_spheres spheres;
+} shown_probes;
+
+static lmb_result shown_open(const render_options *options, shown_probes *shown, lmb_error *error)
+{
+    *shown = (shown_probes){0};
+    if (!options->probes) {
+        return LMB_OK;
+    }
+    char *const path = lmb_file_in(options->directory, "probes.vdb");
+    lmb_result result = path ? lmb_vdb_read(path, &shown->probes, NULL, NULL, error)
+                             : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    free(path);
+    if (result == LMB_OK) {
+        result = probe_spheres_make(shown->probes, &shown->spheres);
+        if (result != LMB_OK) {
+            lmb_error_set(error, result, "out of memory for %d probes", shown->probes->count);
+        }
+    }
+    return result;
+}
+
+static void shown_close(shown_probes *shown)
+{
+    probe_spheres_free(&shown->spheres);
+    lmb_probes_destroy(shown->probes);
+}
+
 static lmb_result render_run(const render_options *options, const lmb_baked *baked, lmb_error *error)
 {
     const lmb_tracer *tracer = baked->level.tracer;
@@ -436,8 +477,12 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
         }
     }
     lmb_render_object objects[MAX_OBJECTS];
-    int object_count;
-    result = objects_open(options, &camera, tracer, objects, &object_count, error);
+    int object_count = 0;
+    shown_probes shown;
+    result = shown_open(options, &shown, error);
+    if (result == LMB_OK) {
+        result = objects_open(options, &camera, tracer, objects, &object_count, error);
+    }
     if (result == LMB_OK) {
         const lmb_shader shader = {
             .transport = &baked->level.transport,
@@ -446,6 +491,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
             .objects = objects,
             .object_count = object_count,
             .specular = options->has_specular ? &options->specular : NULL,
+            .spheres = options->probes ? &shown.spheres : NULL,
             .default_texel = 1.0f / lmb_lightmap_settings_default(baked->level.scene).texels_per_m,
         };
         result = picture_make(options, &shader, &camera, baked->level.pool, error);
@@ -453,6 +499,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
     for (int i = 0; i < object_count; ++i) {
         render_object_close(&objects[i]);
     }
+    shown_close(&shown);
     return result;
 }
 

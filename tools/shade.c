@@ -199,6 +199,17 @@ static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, 
     return lmb_rgb_add(lmb_rgb_mul(seen->surface.albedo, lmb_rgb_add(light.irradiance, bounce)), own);
 }
 
+/* Whether a probe's sphere is nearer than a surface. */
+static bool sphere_before(const lmb_shader *shader, lmb_vec3 origin, lmb_vec3 direction, float start, float distance,
+                          lmb_rgb *colour)
+{
+    if (!shader->spheres) {
+        return false;
+    }
+    const lmb_vec3d world = lmb_scene_to_world(lmb_tracer_scene(shader->transport->tracer), origin);
+    return probe_spheres_nearest(shader->spheres, world, direction, start, &distance, colour);
+}
+
 lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 origin, lmb_vec3 direction)
 {
     lmb_rgb radiance = black;
@@ -206,7 +217,12 @@ lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 or
     float start = 0.0f;
     for (int layer = 0; layer < MAX_LAYERS; ++layer) {
         seen_surface seen;
-        if (!seen_nearest(shader, origin, direction, start, &seen)) {
+        const bool found = seen_nearest(shader, origin, direction, start, &seen);
+        lmb_rgb sphere;
+        if (sphere_before(shader, origin, direction, start, found ? seen.hit.distance : FLT_MAX, &sphere)) {
+            return lmb_rgb_add(radiance, lmb_rgb_mul(share, sphere));
+        }
+        if (!found) {
             const lmb_rgb sky = lmb_emitters_environment_shown(shader->transport->emitters, direction);
             return lmb_rgb_add(radiance, lmb_rgb_mul(share, sky));
         }

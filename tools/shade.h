@@ -6,6 +6,7 @@
 #include <lambent/specular.h>
 #include <lambent/volume.h>
 
+#include "probe_spheres.h"
 #include "render_object.h"
 
 typedef enum lmb_light_source {
@@ -22,6 +23,7 @@ typedef struct lmb_shader {
     const lmb_lightmap *lightmap; /* NULL: none */
     const lmb_render_object *objects;
     int object_count;
+    const probe_spheres *spheres; /* NULL: none */
     float default_texel;          /* metres: a texel's size where there are no lightmaps */
     bool irradiance_only;         /* show irradiance as on white paper: no albedo, emission or self-bounce */
     const lmb_specular *specular; /* what objects reflect beside their diffuse light; NULL: nothing */
