@@ -52,6 +52,7 @@ static void element_site(const void *context, size_t element, lmb_gather_site *s
     const lmb_region_point *const inside = region_point(list, element);
     site->count = 1;
     if (inside) {
+        site->brief = true; /* each value has several points, and several values each point */
         site->point[0] = (lmb_gather_point){.position = inside->position,
                                             .min_light_distance = LIGHT_DISTANCE_FOOTPRINTS * inside->spacing};
         return;
@@ -64,12 +65,6 @@ static void element_site(const void *context, size_t element, lmb_gather_site *s
                            .min_light_distance = LIGHT_DISTANCE_FOOTPRINTS * footprint};
 }
 
-static float element_spacing(const lmb_probe_list *list, size_t element)
-{
-    const lmb_region_point *const inside = region_point(list, element);
-    return inside ? inside->spacing : lmb_probes_footprint(list->probes, list->probe[element]);
-}
-
 lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list)
 {
     return (lmb_gather_list){
@@ -79,17 +74,18 @@ lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list)
 lmb_result lmb_probe_list_denoise(const lmb_probe_list *list, lmb_pool *pool, const lmb_progress *progress,
                                   lmb_gathered *gathered)
 {
-    lmb_denoise_point *const points = malloc((list->count + 1) * sizeof *points);
+    lmb_denoise_point *const points = malloc((list->probe_count + 1) * sizeof *points);
     if (!points) {
         return LMB_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < list->count; ++i) {
+    for (size_t i = 0; i < list->probe_count; ++i) {
         lmb_gather_point at;
         lmb_gather_site site = {.point = &at};
         element_site(list, i, &site);
-        points[i] = (lmb_denoise_point){.position = at.position, .spacing = element_spacing(list, i)};
+        points[i] =
+            (lmb_denoise_point){.position = at.position, .spacing = lmb_probes_footprint(list->probes, list->probe[i])};
     }
-    const lmb_result result = lmb_denoise_in_space(points, list->count, list->tracer, pool, progress, gathered);
+    const lmb_result result = lmb_denoise_in_space(points, list->probe_count, list->tracer, pool, progress, gathered);
     free(points);
     return result;
 }

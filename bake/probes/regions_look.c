@@ -227,6 +227,26 @@ static void corners_look(const lmb_region_work *work, const lmb_region_cell *cel
     }
 }
 
+/* Takes the names of regions in solids away: what sees no baked probe and is not free. */
+static void solids_leave(const lmb_region_work *work, const lmb_region_frame *frame, lmb_region_look *look,
+                         uint64_t *rays)
+{
+    for (uint8_t region = 0; region < look->count; ++region) {
+        int nodes[LMB_REGION_NODES], count = 0;
+        for (int node = 0; node < LMB_REGION_NODES; ++node) {
+            nodes[count] = node;
+            count += look->label[node] == region;
+        }
+        float t[3];
+        lmb_region_node_at(nodes[count / 2], t);
+        if (look->real[region] == 0 && !lmb_placement_is_free(work->tracer, lmb_region_position(frame, t), rays)) {
+            for (int i = 0; i < count; ++i) {
+                look->label[nodes[i]] = LMB_REGION_NONE;
+            }
+        }
+    }
+}
+
 static void cell_look(void *context, size_t task, int worker)
 {
     const lmb_region_work *const work = context;
@@ -238,6 +258,7 @@ static void cell_look(void *context, size_t task, int worker)
     nodes_link(work, &frame, link, look, &rays);
     regions_label(link, look);
     corners_look(work, cell, &frame, look, &rays);
+    solids_leave(work, &frame, look, &rays);
     work->rays[worker] += rays;
 }
 

@@ -5,7 +5,10 @@
 #include <string.h>
 
 /* Points for each value, in so many of its cells. */
-enum { POINTS_EACH = 2 };
+enum { POINTS_EACH = 1 };
+
+/* A value that weighs less than that in all of its regions is only held to its neighbours. */
+#define LEAST_WEIGHT 0.1f
 
 typedef struct point_choice {
     float weight; /* of the value; 0: none */
@@ -122,7 +125,7 @@ static void points_add(const points_work *work, const uint32_t *kept)
     const size_t count = (size_t)made->unknown_count * POINTS_EACH;
     qsort(choice, count, sizeof *choice, choice_compare);
     for (size_t i = 0; i < count; ++i) {
-        if (!(choice[i].weight > 0.0f) || (i > 0 && choice_compare(&choice[i - 1], &choice[i]) == 0)) {
+        if (!(choice[i].weight > LEAST_WEIGHT) || (i > 0 && choice_compare(&choice[i - 1], &choice[i]) == 0)) {
             continue;
         }
         const lmb_region_cell *const cell = &work->all->cell[choice[i].cell];
