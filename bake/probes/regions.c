@@ -29,6 +29,9 @@ static void work_free(lmb_region_work *work)
     }
     free(work->index);
     free(work->cell);
+    for (uint32_t i = 0; work->look && i < work->look_count; ++i) {
+        free(work->look[i].end);
+    }
     free(work->look);
     free(work->looked);
     free(work->place);

@@ -8,18 +8,20 @@
 
 #include "probes/regions_internal.h"
 
-/* How much a value is held to its neighbours, squared, where gathered light counts 1. */
-#define HOLD 0.01
+/* Squared, where gathered light counts 1: how much values of a face are held to those of a plane, and ends of an edge
+ * to each other. */
+#define HOLD_FACE 0.01
+#define HOLD_EDGE 0.0004
 
 /* Coefficients that are solved at once: a channel's, or all key lights'. */
-enum { LANES = LMB_SH3_COUNT, MOST_PASSES = 200, EDGES = 12 };
+enum { LANES = LMB_SH3_COUNT, MOST_PASSES = 200 };
 
 /* Squared, of what is left to where it began. */
-#define CONVERGED 1e-9
+#define CONVERGED 1e-12
 
 typedef struct fit_entry {
     int32_t column;
-    float value;
+    double value;
 } fit_entry;
 
 /* Rows of a matrix over what is unknown. */
@@ -45,12 +47,27 @@ static void point_weights(const float t[3], float weight[8])
     }
 }
 
-/* Both ends of an edge of a cell: four along each axis. */
-static void edge_corners(int edge, int end[2])
+/* What values of a region are held by: sums that are about 0, of four corners of a face or of the two of an edge. */
+typedef struct hold {
+    int count, corner[4];
+    float sign[4];
+    double weight; /* of its square */
+} hold;
+enum { FACES = 6, EDGES = 12, HOLDS = FACES + EDGES };
+
+static hold hold_of(int i)
 {
-    const int axis = edge / 4, k = edge % 4, below = (1 << axis) - 1;
-    end[0] = (k & below) | (k & ~below) << 1;
-    end[1] = end[0] | 1 << axis;
+    const int axis = i < FACES ? i / 2 : (i - FACES) / 4, below = (1 << axis) - 1;
+    hold found = {.count = 2, .sign = {1.0f, -1.0f, -1.0f, 1.0f}, .weight = HOLD_EDGE};
+    if (i < FACES) {
+        const int first = i % 2 << axis, one = 1 << (axis + 1) % 3, other = 1 << (axis + 2) % 3;
+        found = (hold){4, {first, first | one, first | other, first | one | other}, {1, -1, -1, 1}, HOLD_FACE};
+    } else {
+        const int k = (i - FACES) % 4;
+        found.corner[0] = (k & below) | (k & ~below) << 1;
+        found.corner[1] = found.corner[0] | 1 << axis;
+    }
+    return found;
 }
 
 /* --- the matrix --------------------------------------------------------------------------------------------------- */
@@ -61,7 +78,7 @@ typedef struct matrix_sink {
     fit_entry *entry; /* NULL: they are only counted */
 } matrix_sink;
 
-static void sink_add(const matrix_sink *sink, int32_t row, int32_t column, float value)
+static void sink_add(const matrix_sink *sink, int32_t row, int32_t column, double value)
 {
     if (row >= 0 && column >= 0) {
         if (sink->entry) {
@@ -79,20 +96,18 @@ static void products_add(const lmb_regions *regions, const matrix_sink *sink)
         float weight[8];
         point_weights(regions->point[i].t, weight);
         for (int k = 0; k < 64; ++k) {
-            sink_add(sink, unknown[corner[k / 8]], unknown[corner[k % 8]], weight[k / 8] * weight[k % 8]);
+            sink_add(sink, unknown[corner[k / 8]], unknown[corner[k % 8]],
+                     (double)weight[k / 8] * (double)weight[k % 8]);
         }
     }
     for (uint32_t region = 0; region < regions->region_count; ++region) {
         const int32_t *const corner = regions->corner[region];
-        for (int edge = 0; edge < EDGES; ++edge) {
-            int end[2];
-            edge_corners(edge, end);
-            const int32_t a = unknown[corner[end[0]]], b = unknown[corner[end[1]]];
-            if (corner[end[0]] != corner[end[1]]) {
-                sink_add(sink, a, a, (float)HOLD);
-                sink_add(sink, b, b, (float)HOLD);
-                sink_add(sink, a, b, -(float)HOLD);
-                sink_add(sink, b, a, -(float)HOLD);
+        for (int i = 0; i < HOLDS; ++i) {
+            const hold held = hold_of(i);
+            for (int k = 0; k < held.count * held.count; ++k) {
+                const int a = k / held.count, b = k % held.count;
+                sink_add(sink, unknown[corner[held.corner[a]]], unknown[corner[held.corner[b]]],
+                         held.weight * (double)held.sign[a] * (double)held.sign[b]);
             }
         }
     }
@@ -116,7 +131,7 @@ static void rows_merge(fit_matrix *matrix, double *diagonal, size_t rows, size_t
             }
         }
         matrix->first[row] = start;
-        diagonal[row] = seen[row] != SIZE_MAX && seen[row] >= start ? (double)matrix->entry[seen[row]].value : 0.0;
+        diagonal[row] = seen[row] != SIZE_MAX && seen[row] >= start ? matrix->entry[seen[row]].value : 0.0;
     }
     matrix->first[rows] = to;
 }
@@ -179,6 +194,28 @@ static void gathered_get(const fit_job *job, size_t task, size_t point, double v
     }
 }
 
+/* Known ends of what is held. */
+static void right_hold(const fit_job *job, size_t task, const int32_t corner[8], int i, double (*right)[LANES])
+{
+    const int32_t *const unknown = job->regions->unknown_of;
+    const hold held = hold_of(i);
+    double sum[LANES] = {0.0}, known[LANES];
+    for (int a = 0; a < held.count; ++a) {
+        if (unknown[corner[held.corner[a]]] < 0) {
+            value_get(job, task, corner[held.corner[a]], known);
+            for (int k = 0; k < LANES; ++k) {
+                sum[k] += (double)held.sign[a] * known[k];
+            }
+        }
+    }
+    for (int a = 0; a < held.count; ++a) {
+        const int32_t to = unknown[corner[held.corner[a]]];
+        for (int k = 0; k < LANES && to >= 0; ++k) {
+            right[to][k] -= held.weight * (double)held.sign[a] * sum[k];
+        }
+    }
+}
+
 /* The right side: what is gathered less what known corners give, and the known ends of edges. */
 static void right_make(const fit_job *job, size_t task, double (*right)[LANES])
 {
@@ -205,18 +242,8 @@ static void right_make(const fit_job *job, size_t task, double (*right)[LANES])
         }
     }
     for (uint32_t region = 0; region < regions->region_count; ++region) {
-        const int32_t *const corner = regions->corner[region];
-        for (int edge = 0; edge < EDGES; ++edge) {
-            int end[2];
-            edge_corners(edge, end);
-            const int32_t a = corner[end[0]], b = corner[end[1]];
-            if ((unknown[a] >= 0) != (unknown[b] >= 0)) {
-                const int32_t to = unknown[unknown[a] >= 0 ? a : b];
-                value_get(job, task, unknown[a] >= 0 ? b : a, known);
-                for (int k = 0; k < LANES; ++k) {
-                    right[to][k] += HOLD * known[k];
-                }
-            }
+        for (int i = 0; i < HOLDS; ++i) {
+            right_hold(job, task, regions->corner[region], i, right);
         }
     }
 }
@@ -238,7 +265,7 @@ static void image_make(const fit_work *work, double along[LANES])
     for (size_t row = 0; row < work->rows; ++row) {
         double sum[LANES] = {0.0};
         for (size_t i = work->matrix->first[row]; i < work->matrix->first[row + 1]; ++i) {
-            const double value = (double)work->matrix->entry[i].value;
+            const double value = work->matrix->entry[i].value;
             const double *const column = work->direction[work->matrix->entry[i].column];
             for (int k = 0; k < LANES; ++k) {
                 sum[k] += value * column[k];

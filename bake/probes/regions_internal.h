@@ -36,12 +36,20 @@ static inline int lmb_region_line_node(int axis, int line, int i)
     return i * lmb_region_stride(axis) + line % LMB_REGION_SIDE * other + line / LMB_REGION_SIDE * last;
 }
 
+/* Where a ray from a node ends at a surface. */
+typedef struct lmb_region_end {
+    uint8_t node, axis;
+    uint16_t at; /* along the axis, in 65535ths of the cell */
+} lmb_region_end;
+
 /* What was seen in a cell that a triangle touches. */
 typedef struct lmb_region_look {
     uint8_t label[LMB_REGION_NODES]; /* the region of each node, or LMB_REGION_NONE */
     uint8_t count;                   /* of regions */
     uint64_t open[6]; /* [2 axis, 2 axis + 1: the low face, the high one] bit of a line: it goes on beyond the face */
     uint8_t real[LMB_CELL_REGIONS_MOST]; /* bit of a corner: the region sees its baked probe */
+    uint32_t end_count;
+    lmb_region_end *end;
 } lmb_region_look;
 
 typedef struct lmb_region_cell {
