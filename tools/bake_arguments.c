@@ -46,6 +46,10 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     }
     if (strcmp(argument, "--spacing") == 0) {
         settings->spacing = (float)arguments_number(arguments, argument, 1e-6, 1e6);
+    } else if (strcmp(argument, "--min-spacing") == 0) {
+        settings->min_spacing = (float)arguments_number(arguments, argument, 1e-6, 1e6);
+    } else if (strcmp(argument, "--tolerance") == 0) {
+        settings->tolerance = arguments_number(arguments, argument, 1e-6, 1e6);
     } else if (strcmp(argument, "--max-probes") == 0) {
         settings->max_probes = (int32_t)arguments_integer(arguments, argument, 27, 1 << 28);
     } else if (strcmp(argument, "--seed-point") == 0) {
@@ -55,8 +59,8 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     } else if (strcmp(argument, "--samples") == 0) {
         settings->samples = (uint32_t)arguments_integer(arguments, argument, 1, 1 << 28);
         settings->max_samples = settings->samples;
-    } else if (strcmp(argument, "--tolerance") == 0) {
-        settings->tolerance = arguments_number(arguments, argument, 1e-6, 1.0);
+    } else if (strcmp(argument, "--noise") == 0) {
+        settings->noise = arguments_number(arguments, argument, 1e-6, 1.0);
     } else if (strcmp(argument, "--texels-per-m") == 0) {
         settings->texels_per_m = (float)arguments_number(arguments, argument, 1e-6, 1e6);
     } else if (strcmp(argument, "--padding") == 0) {

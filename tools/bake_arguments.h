@@ -10,6 +10,10 @@
 bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument);
 #define BAKE_USAGE                                                                                                     \
     "  --spacing M           metres between probes (default: from the level's size)\n"                                 \
+    "  --min-spacing M       levels of half the spacing, a quarter and so on where light changes fast,\n"              \
+    "                        down to this (default: one level)\n"                                                      \
+    "  --tolerance E         error of interpolation, relative, beyond which a finer level follows\n"                   \
+    "                        (default 0.1)\n"                                                                          \
     "  --max-probes N        the spacing grows until there are no more (default 262144)\n"                             \
     "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"                              \
     "  --texels-per-m N      lightmap density (default: from the level's size)\n"                                      \
@@ -21,7 +25,7 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     "  --quality NAME        draft, medium or high: noise of 12, 6 or 3 %, by at most 256, 1024 or\n"                  \
     "                        4096 samples at each probe and texel; a draft has half the default\n"                     \
     "                        densities (default medium)\n"                                                             \
-    "  --tolerance E         the noise as a share of the light, in place of the quality's\n"                           \
+    "  --noise E             the noise as a share of the light, in place of the quality's\n"                           \
     "  --samples N           just so many samples everywhere, in place of both\n"                                      \
     "  --estimator NAME      cached: solve the light on surfaces first, then gather it (default);\n"                   \
     "                        reference: trace every path to its end, unbiased and slower\n"

@@ -103,6 +103,7 @@ int command_bench(int count, char **values);
 int command_check(int count, char **values);
 int command_info(int count, char **values);
 int command_models(int count, char **values);
+int command_merge(int count, char **values);
 int command_pack(int count, char **values);
 int command_probe(int count, char **values);
 int command_render(int count, char **values);

@@ -20,6 +20,7 @@ static const struct {
     {"bench", command_bench, "measure how fast a volume is sampled, or how fast a bake traces"},
     {"check", command_check, "measure a bake against the path-traced truth"},
     {"info", command_info, "say what is in a .vdb, .lmb or .exr of ours"},
+    {"merge", command_merge, "put the shares of a bake together"},
     {"models", command_models, "measure every lighting model under environments"},
     {"pack", command_pack, "turn a .vdb, edited or not, into the .lmb that a game opens"},
     {"probe", command_probe, "trace one probe of a level on the spot"},

@@ -137,12 +137,18 @@ lmb_result lmb_probe_index_add(lmb_probe_index *index, const int32_t point[3], i
     return LMB_OK;
 }
 
+const lmb_probe_block *lmb_probe_index_block(const lmb_probe_index *index, const int32_t at[3])
+{
+    const uint32_t block = index->slot_count > 0 ? index->slot[slot_find(index, at)] : 0;
+    return block > 0 ? &index->block[block - 1] : NULL;
+}
+
 int32_t lmb_probe_index_find(const lmb_probe_index *index, const int32_t point[3])
 {
     int32_t at[3];
     const unsigned within = block_of(point, at);
-    const uint32_t block = index->slot_count > 0 ? index->slot[slot_find(index, at)] : 0;
-    return block > 0 ? index->block[block - 1].probe[within] : -1;
+    const lmb_probe_block *const block = lmb_probe_index_block(index, at);
+    return block ? block->probe[within] : -1;
 }
 
 /* @return LMB_ERROR_ARGUMENT: a point twice, or outside of the lattice */

@@ -36,7 +36,10 @@ void lmb_probes_dilation_passes(const lmb_probes *probes, int32_t *pass, int32_t
     int32_t count = 0;
     for (int32_t probe = 0; probe < probes->count; ++probe) {
         const bool is_ghost = probe >= probes->count - probes->ghost_count;
-        pass[probe] = !is_ghost && probes->validity[probe] >= LMB_PROBES_MIN_VALIDITY ? 0 : -1;
+        lmb_probe_parents parents;
+        const bool has_light =
+            probes->validity[probe] >= LMB_PROBES_MIN_VALIDITY || lmb_probes_hangs(probes, probe, &parents);
+        pass[probe] = !is_ghost && has_light ? 0 : -1;
         if (pass[probe] == 0) {
             order[count++] = probe;
         }
@@ -103,25 +106,33 @@ static void fill_visibility(lmb_probes *probes, const int32_t *pass, int32_t pro
     }
 }
 
-static void dilate_visibility(lmb_probes *probes, const int32_t *pass, const int32_t *order, int32_t reached)
+static void probe_clear(lmb_probes *probes, int32_t probe)
 {
-    for (int32_t i = 0; i < reached; ++i) {
-        if (pass[order[i]] > 0) {
-            fill_visibility(probes, pass, order[i]);
-        }
+    for (uint32_t set = 0; set < probes->set_count; ++set) {
+        probes->radiance[set][probe] = (lmb_sh3_rgb){{{{0.0f}}}};
     }
-    for (int32_t probe = 0; probe < probes->count - probes->ghost_count; ++probe) {
-        if (pass[probe] < 0) {
-            memset(probes->key_visibility[probe], 0, sizeof *probes->key_visibility);
-        }
-    }
+    memset(probes->key_visibility[probe], 0, sizeof *probes->key_visibility);
 }
 
-static void clear_unreached(const lmb_probes *probes, lmb_sh3_rgb *light, const int32_t *pass)
+/* `order` has this level's probes among all. */
+static void dilate_level(lmb_probes *probes, const lmb_probe_level *level, const int32_t *pass, const int32_t *order,
+                         int32_t reached)
 {
-    for (int32_t probe = 0; probe < probes->count - probes->ghost_count; ++probe) {
+    for (int32_t i = 0; i < reached; ++i) {
+        const int32_t probe = order[i];
+        if (pass[probe] == 0 || probe < level->first || probe >= level->first + level->count) {
+            continue;
+        }
+        for (uint32_t set = 0; set < probes->set_count; ++set) {
+            fill_probe(probes, probes->radiance[set], pass, probe);
+        }
+        if (probes->key_light_count > 0) {
+            fill_visibility(probes, pass, probe);
+        }
+    }
+    for (int32_t probe = level->first; probe < level->first + level->count; ++probe) {
         if (pass[probe] < 0) {
-            light[probe] = (lmb_sh3_rgb){{{{0.0f}}}};
+            probe_clear(probes, probe);
         }
     }
 }
@@ -140,16 +151,9 @@ lmb_result lmb_probes_dilate(lmb_probes *probes)
     }
     int32_t reached;
     lmb_probes_dilation_passes(probes, pass, order, &reached);
-    for (uint32_t set = 0; set < probes->set_count; ++set) {
-        for (int32_t i = 0; i < reached; ++i) {
-            if (pass[order[i]] > 0) {
-                fill_probe(probes, probes->radiance[set], pass, order[i]);
-            }
-        }
-        clear_unreached(probes, probes->radiance[set], pass);
-    }
-    if (probes->key_light_count > 0) {
-        dilate_visibility(probes, pass, order, reached);
+    for (uint32_t level = probes->level_count; level-- > 0;) {
+        lmb_probes_hang_level(probes, level);
+        dilate_level(probes, &probes->level[level], pass, order, reached);
     }
     result = LMB_OK;
 cleanup:

@@ -21,6 +21,20 @@ bool lmb_probes_key_lights_are_sane(const lmb_probes *probes);
 /* Whether ghosts are of points of their levels, and cut cells as lmb_probes_cut takes them. */
 bool lmb_probes_cuts_are_sane(const lmb_probes *probes);
 
+/* The block of points 4 at .. 4 at + 3, or NULL. */
+const lmb_probe_block *lmb_probe_index_block(const lmb_probe_index *index, const int32_t at[3]);
+
+/* The probes of a level's cell for a place in it, `fraction` 0 to 1. @return false: the cell is not there */
+bool lmb_probes_cell_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
+                             int32_t probe[8]);
+
+/* The same, false also where finer cells stand in for it. */
+bool lmb_probes_leaf_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
+                             int32_t probe[8]);
+
+/* lmb_probes_hang for one level, when the coarser ones have their light. */
+void lmb_probes_hang_level(lmb_probes *probes, uint32_t level);
+
 /* Which pass of the dilation fills a probe: `pass[probe]` is 0 for a valid probe, -1 for one that is never reached.
  * `order` lists the reached ones by rising pass, `*reached` says how many. Both arrays hold `count` elements.
  * Ghosts are left out: theirs is -1. */

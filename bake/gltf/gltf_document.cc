@@ -3,6 +3,8 @@
 #include <cstring>
 #include <new>
 
+#include <lambent/light_sets.h>
+
 #include "gltf/gltf_shown.h"
 
 namespace lmb_gltf {
@@ -19,6 +21,21 @@ std::vector<float> document::decode(uint32_t accessor) const
     std::vector<float> values(size_t(a.count) * a.components);
     lmb_gltf_decode_all(&a, values.data());
     return values;
+}
+
+uint32_t light_set_of(const document &document, lmb_scene &scene, const char *name, const std::string &where,
+                      const lmb_warnings &warnings)
+{
+    uint32_t set = 0;
+    const lmb_result result = *name ? lmb_scene_light_set(&scene, name, &set) : LMB_OK;
+    if (result == LMB_ERROR_UNSUPPORTED) {
+        document.fail(result, "%s: '%s' is one set of lights more than %d", where.c_str(), name,
+                      int(LMB_LIGHT_SETS_MOST));
+    } else if (result != LMB_OK) {
+        lmb_warn(&warnings, "%s: %s: extras.lambent.light_set '%s' is no name of letters, digits, - and _: ignored",
+                 document.file->path, where.c_str(), name);
+    }
+    return set;
 }
 
 void read_marks(document &document)

@@ -57,6 +57,11 @@ struct document {
     }
 };
 
+/* The scene's set of lights of a name that something in the file, `where`, has; 0 of an empty one, or, with a warning,
+ * of one that is none. */
+uint32_t light_set_of(const document &document, lmb_scene &scene, const char *name, const std::string &where,
+                      const lmb_warnings &warnings);
+
 /* The two steps that fill a document. The second takes the nodes out of the file's JSON. */
 void read_marks(document &document);
 void read_model(document &document);

@@ -66,6 +66,18 @@ static void read_extent(extras_reader *reader, const cJSON *item, const char *na
     }
 }
 
+/* The name of a set of lights: whether it is one the scene says. */
+static void read_light_set(extras_reader *reader, const cJSON *item, const char *where, const char *key,
+                           char set[LMB_LIGHT_SET_NAME])
+{
+    const char *const name = cJSON_GetStringValue(item);
+    if (name && strlen(name) < LMB_LIGHT_SET_NAME) {
+        strcpy(set, name);
+    } else {
+        doubt(reader, where, key, "is not a name of less than 64 letters: ignored");
+    }
+}
+
 /* How dense the texels are. */
 static void read_density(extras_reader *reader, const cJSON *item, const char *name, const char *key, double *density)
 {
@@ -116,6 +128,8 @@ static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char
         read_extent(reader, item, name, key, 180.0, &marks->angle_deg);
     } else if (strcmp(item->string, "radius_m") == 0) {
         read_extent(reader, item, name, key, 1e18, &marks->radius_m);
+    } else if (strcmp(item->string, "light_set") == 0) {
+        read_light_set(reader, item, name, key, marks->light_set);
     } else if (strcmp(item->string, "texels_per_m") == 0) {
         read_density(reader, item, name, key, &marks->texels_per_m);
     } else if (strcmp(item->string, "texel_scale") == 0) {
@@ -179,8 +193,34 @@ static lmb_result read_extras(extras_reader *reader, const cJSON *extras, const 
     return result;
 }
 
-/* Marks on anything but a node do nothing: exporters put an object's properties on its node, but its mesh's and lamp's
- * own there. */
+void lmb_gltf_material_light_set(const lmb_gltf_file *file, const lmb_warnings *warnings, uint32_t material,
+                                 char name[LMB_LIGHT_SET_NAME])
+{
+    extras_reader reader = {.file = file, .warnings = warnings};
+    char where[LMB_GLTF_WHERE_SIZE];
+    lmb_gltf_where(where, "materials[%u]", material);
+    const cJSON *const list = cJSON_GetObjectItemCaseSensitive(file->root, "materials");
+    const cJSON *const extras = cJSON_GetObjectItemCaseSensitive(cJSON_GetArrayItem(list, (int)material), "extras");
+    const cJSON *const ours = cJSON_GetObjectItemCaseSensitive(extras, "lambent");
+    cJSON *const parsed = cJSON_IsString(ours) ? cJSON_Parse(ours->valuestring) : NULL;
+    const cJSON *item, *object = parsed ? parsed : ours;
+    object = cJSON_IsObject(object) ? object : NULL;
+    name[0] = '\0';
+    cJSON_ArrayForEach(item, object)
+    {
+        if (strcmp(item->string, "light_set") == 0) {
+            read_light_set(&reader, item, where, "lambent.light_set", name);
+        } else {
+            char key[LMB_GLTF_WHERE_SIZE];
+            lmb_gltf_where(key, "lambent.%s", item->string);
+            doubt(&reader, where, key, "is ignored: only light_set is read of a material");
+        }
+    }
+    cJSON_Delete(parsed);
+}
+
+/* Marks on anything else do nothing: exporters put an object's properties on its node, but its mesh's and lamp's own
+ * there. */
 static void doubt_others(extras_reader *reader)
 {
     static const char *const lists[] = {"scenes", "meshes", "materials", "cameras", "skins", "lights"};
@@ -194,8 +234,8 @@ static void doubt_others(extras_reader *reader)
             char where[LMB_GLTF_WHERE_SIZE];
             lmb_gltf_where(where, "%s[%u]", lists[i], index++);
             const cJSON *const extras = cJSON_GetObjectItemCaseSensitive(item, "extras");
-            if (cJSON_GetObjectItemCaseSensitive(extras, "lambent")) {
-                doubt(reader, where, "lambent", "is ignored: only a node's is read");
+            if (strcmp(lists[i], "materials") != 0 && cJSON_GetObjectItemCaseSensitive(extras, "lambent")) {
+                doubt(reader, where, "lambent", "is ignored: only a node's and a material's are read");
             }
             doubt_names(reader, extras, where);
         }

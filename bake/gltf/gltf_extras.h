@@ -2,6 +2,7 @@
 #ifndef LMB_GLTF_EXTRAS_H
 #define LMB_GLTF_EXTRAS_H
 
+#include <lambent/scene.h>
 #include <lambent/warning.h>
 
 #include "gltf/gltf_file.h"
@@ -22,14 +23,20 @@ typedef struct lmb_gltf_marks {
     bool hidden; /* with all below it; the other marks count all the same */
     double path;
     lmb_gltf_lightmap lightmap;
-    double texels_per_m, texel_scale; /* 0: as above */
-    double angle_deg, radius_m;       /* of the node's light; 0: not told */
+    double texels_per_m, texel_scale;   /* 0: as above */
+    double angle_deg, radius_m;         /* of the node's light; 0: not told */
+    char light_set[LMB_LIGHT_SET_NAME]; /* of the node's light; empty: none */
 } lmb_gltf_marks;
 
 /* The marks of all nodes, malloc'ed. What is not understood is warned about, but for a wrong `light`.
  * @return LMB_ERROR_FORMAT, _MEMORY */
 lmb_result lmb_gltf_marks_read(const lmb_gltf_file *file, const lmb_warnings *warnings, lmb_gltf_marks **marks,
                                lmb_error *error);
+
+/* The set of lights that a material's emission belongs to, by its `extras`; empty: none is told. Other marks of a
+ * material are warned about. */
+void lmb_gltf_material_light_set(const lmb_gltf_file *file, const lmb_warnings *warnings, uint32_t material,
+                                 char name[LMB_LIGHT_SET_NAME]);
 
 #ifdef __cplusplus
 }

@@ -65,6 +65,7 @@ void add_light(const document &document, uint32_t index, uint32_t node, const lm
     } else {
         light.radius = float(marks.radius_m);
     }
+    light.set = light_set_of(document, scene, marks.light_set, "node '" + node_name + "'", warnings);
     light.position = origin_of(to_world);
     light.direction = lmb_gltf_forward(&to_world);
     const double scale = scale_of(document.options.light_scale);

@@ -35,8 +35,9 @@ texture_use read_base_color(const tinygltf::Material &source, float factor[4])
 
 } // namespace
 
-materials::textures materials::read(const tinygltf::Material &source, lmb_material &material) const
+materials::textures materials::read(uint32_t index, lmb_material &material) const
 {
+    const tinygltf::Material &source = document_.model.materials[index];
     textures uses = {read_base_color(source, material.base_color), describe_texture(source.emissiveTexture),
                      describe_texture(source.normalTexture), false};
     const auto extension = [&](const char *name, const char *property, double missing) {
@@ -60,13 +61,17 @@ materials::textures materials::read(const tinygltf::Material &source, lmb_materi
     material.double_sided = source.doubleSided;
     material.unlit = source.extensions.count("KHR_materials_unlit") > 0;
     material.name = copy_string(source.name);
+    char set[LMB_LIGHT_SET_NAME];
+    lmb_gltf_material_light_set(document_.file, &document_.options.warnings, index, set);
+    material.set = light_set_of(document_, scene_, set, name_of(index), document_.options.warnings);
     return uses;
 }
 
 materials::materials(const document &document, lmb_scene &scene) : document_(document), scene_(scene)
 {
-    for (const tinygltf::Material &material : document.model.materials) {
-        textures_.push_back(read(material, append(scene.materials, scene.material_count)));
+    for (uint32_t i = 0; i < document.model.materials.size(); ++i) {
+        lmb_material &added = append(scene.materials, scene.material_count);
+        textures_.push_back(read(i, added));
     }
     lmb_material &fallback = append(scene.materials, scene.material_count);
     std::fill(fallback.base_color, fallback.base_color + 4, 1.0f);

@@ -30,7 +30,7 @@ class materials {
     };
 
     std::string name_of(uint32_t material) const;
-    textures read(const tinygltf::Material &source, lmb_material &material) const;
+    textures read(uint32_t index, lmb_material &material) const;
     int32_t uv_slot(const texture_use &use, uint32_t material);
     void read_normal_map(uint32_t material, texture_reader &reader, std::set<int> &unreadable);
 

@@ -109,7 +109,7 @@ static bool punctual_kind_make(punctual_kind *set, const lmb_punctual *punctual,
     const lmb_scene *scene = punctual->scene;
     set->light = malloc((scene->light_count + 1u) * sizeof *set->light);
     for (uint32_t i = 0; set->light && i < scene->light_count; ++i) {
-        if ((scene->lights[i].type == LMB_LIGHT_DIRECTIONAL) == suns) {
+        if ((scene->lights[i].type == LMB_LIGHT_DIRECTIONAL) == suns && !scene->lights[i].dark) {
             set->light[set->count++] = i;
             set->soft |= punctual->extent[i] > 0.0f;
             set->key_count += lmb_scene_light_is_key(scene, i);

@@ -52,8 +52,7 @@ float lmb_placement_default_spacing(const lmb_scene *scene)
     return (float)(round_figures[i] * decade);
 }
 
-/* The box of cells over the level's bounds. @return false when it is too far from the world's origin */
-static bool box_fit(const lmb_scene *scene, float spacing, lmb_lattice *box)
+bool lmb_placement_box(const lmb_scene *scene, float spacing, lmb_lattice *box)
 {
     const float low[3] = {scene->bounds_min.x, scene->bounds_min.y, scene->bounds_min.z};
     const float high[3] = {scene->bounds_max.x, scene->bounds_max.y, scene->bounds_max.z};
@@ -208,7 +207,7 @@ static lmb_result survey_make(lmb_survey *survey, float spacing, const lmb_seed_
     survey->origin = scene->origin;
     stats->everything_solid = false;
     bool any = true;
-    lmb_result result = box_fit(scene, spacing, &survey->box) ? LMB_OK : LMB_ERROR_UNSUPPORTED;
+    lmb_result result = lmb_placement_box(scene, spacing, &survey->box) ? LMB_OK : LMB_ERROR_UNSUPPORTED;
     if (result == LMB_OK) {
         result = seeds->count > 0 ? survey_from_seeds(survey, seeds, &any, &stats->everything_solid)
                                   : survey_everything(survey, &stats->everything_solid);
@@ -227,40 +226,12 @@ static lmb_result survey_make(lmb_survey *survey, float spacing, const lmb_seed_
     return LMB_OK;
 }
 
-/* x fastest. */
-static int points_compare(const void *a, const void *b)
-{
-    const int32_t *const p = a, *const q = b;
-    for (int axis = 2; axis >= 0; --axis) {
-        if (p[axis] != q[axis]) {
-            return p[axis] < q[axis] ? -1 : 1;
-        }
-    }
-    return 0;
-}
-
-/* The box of some points, at least one. */
-static lmb_lattice points_box(const lmb_point_set *set, float spacing)
-{
-    lmb_lattice box = {.spacing = spacing};
-    for (int axis = 0; axis < 3; ++axis) {
-        int32_t low = set->point[0][axis], high = low;
-        for (int32_t i = 1; i < set->count; ++i) {
-            low = set->point[i][axis] < low ? set->point[i][axis] : low;
-            high = set->point[i][axis] > high ? set->point[i][axis] : high;
-        }
-        box.min[axis] = low;
-        box.size[axis] = high - low + 1;
-    }
-    return box;
-}
-
 /* Probes at the wanted points, in the order that files have them; points lose theirs. */
 static lmb_result probes_make(const lmb_survey *survey, lmb_point_set *wanted, lmb_probes **probes,
                               lmb_placement_stats *stats)
 {
-    qsort(wanted->point, (size_t)wanted->count, sizeof *wanted->point, points_compare);
-    const lmb_lattice lattice = points_box(wanted, survey->box.spacing);
+    lmb_point_set_sort(wanted);
+    const lmb_lattice lattice = lmb_point_set_box(wanted, survey->box.spacing);
     lmb_probes *created = NULL;
     lmb_result result = lmb_probes_create(&created);
     if (result == LMB_OK) {

@@ -71,17 +71,6 @@ static bool cells_find(const lmb_probes *probes, const lmb_lattice *lattice, con
     return true;
 }
 
-/* Whether all eight corners of the cell whose first corner is a probe's point hold probes. */
-static bool cell_is_complete(const lmb_probes *probes, uint32_t level, const int32_t point[3])
-{
-    for (int k = 0; k < 8; ++k) {
-        if (lmb_probes_find(probes, level, point[0] + (k & 1), point[1] + (k >> 1 & 1), point[2] + (k >> 2)) < 0) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* The same vector in the lattice's axes. */
 static lmb_vec3 vector_to_lattice(const lmb_lattice *lattice, lmb_vec3 v)
 {
@@ -181,9 +170,9 @@ lmb_result lmb_placement_count_cells(const lmb_probes *probes, uint32_t level, c
     *crossed = 0;
     const lmb_probe_level *own = &probes->level[level];
     for (int32_t probe = own->first; probe < own->first + own->count; ++probe) {
-        const bool complete = cell_is_complete(probes, level, probes->point[probe]);
-        *cells += complete;
-        *crossed += complete && mark[probe];
+        const bool is_leaf = lmb_probes_cell_is_leaf(probes, level, probes->point[probe]);
+        *cells += is_leaf;
+        *crossed += is_leaf && mark[probe];
     }
     free(mark);
     return LMB_OK;

@@ -19,6 +19,19 @@ typedef struct lmb_point_set {
 lmb_result lmb_point_set_add(lmb_point_set *set, const int32_t point[3]);
 void lmb_point_set_free(lmb_point_set *set);
 
+/* Puts the points in the order that files have them, x fastest; their numbers are lost. */
+void lmb_point_set_sort(lmb_point_set *set);
+
+/* The box of the points; of none, that of the lattice's first. */
+lmb_lattice lmb_point_set_box(const lmb_point_set *set, float spacing);
+
+/* The box of cells over the level's bounds. @return false when it is too far from the world's origin */
+bool lmb_placement_box(const lmb_scene *scene, float spacing, lmb_lattice *box);
+
+/* The share of rays from a point that see no back face, less than LMB_PROBES_MIN_VALIDITY in a solid, and not less in
+ * free space. Adds to `*rays`. */
+float lmb_placement_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *is_free, uint64_t *rays);
+
 typedef struct lmb_survey {
     const lmb_tracer *tracer;
     lmb_pool *pool;
@@ -74,7 +87,7 @@ lmb_result lmb_survey_flood(lmb_survey *survey, const lmb_seed_list *seeds, bool
 /* Whether a triangle, given relative to the centre of a cube of half side 1, touches the cube. */
 bool lmb_triangle_touches_cube(const lmb_vec3 corner[3]);
 
-/* Number of a level's cells with all eight probes, and how many of them a static triangle passes through. */
+/* Number of a level's leaf cells, and how many of them a static triangle passes through. */
 lmb_result lmb_placement_count_cells(const lmb_probes *probes, uint32_t level, const lmb_tracer *tracer, int64_t *cells,
                                      int64_t *crossed);
 

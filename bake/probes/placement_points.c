@@ -32,3 +32,37 @@ void lmb_point_set_free(lmb_point_set *set)
     lmb_probe_index_free(&set->index);
     *set = (lmb_point_set){0};
 }
+
+/* x fastest. */
+static int points_compare(const void *a, const void *b)
+{
+    const int32_t *const p = a, *const q = b;
+    for (int axis = 2; axis >= 0; --axis) {
+        if (p[axis] != q[axis]) {
+            return p[axis] < q[axis] ? -1 : 1;
+        }
+    }
+    return 0;
+}
+
+void lmb_point_set_sort(lmb_point_set *set)
+{
+    if (set->count > 0) {
+        qsort(set->point, (size_t)set->count, sizeof *set->point, points_compare);
+    }
+}
+
+lmb_lattice lmb_point_set_box(const lmb_point_set *set, float spacing)
+{
+    lmb_lattice box = {.spacing = spacing, .size = {1, 1, 1}};
+    for (int axis = 0; axis < 3 && set->count > 0; ++axis) {
+        int32_t low = set->point[0][axis], high = low;
+        for (int32_t i = 1; i < set->count; ++i) {
+            low = set->point[i][axis] < low ? set->point[i][axis] : low;
+            high = set->point[i][axis] > high ? set->point[i][axis] : high;
+        }
+        box.min[axis] = low;
+        box.size[axis] = high - low + 1;
+    }
+    return box;
+}

@@ -59,7 +59,7 @@ static bool winding_is_free(const lmb_tracer *tracer, lmb_vec3 position, const l
     return (float)crossings < ROOM_WINDING * (float)WINDING_RAYS;
 }
 
-static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *is_free, uint64_t *rays_traced)
+float lmb_placement_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *is_free, uint64_t *rays_traced)
 {
     lmb_ray_batch rays;
     lmb_hit hit[LMB_RAY_BATCH];
@@ -87,7 +87,7 @@ static float point_validity(const lmb_tracer *tracer, lmb_vec3 position, bool *i
 bool lmb_placement_is_free(const lmb_tracer *tracer, lmb_vec3 position, uint64_t *rays)
 {
     bool is_free;
-    point_validity(tracer, position, &is_free, rays);
+    lmb_placement_validity(tracer, position, &is_free, rays);
     return is_free;
 }
 
@@ -104,7 +104,7 @@ static void classify_task(void *context, size_t task, int worker)
         bool is_free;
         const lmb_vec3 lattice_point = survey_position(survey, survey->points.point[i]);
         const lmb_vec3 position = lmb_placement_relocate(survey->tracer, lattice_point, survey->box.spacing, &rays);
-        survey->validity[i] = point_validity(survey->tracer, position, &is_free, &rays);
+        survey->validity[i] = lmb_placement_validity(survey->tracer, position, &is_free, &rays);
         survey->free[i] = is_free;
     }
     work->rays[task] = rays;

@@ -21,7 +21,8 @@ lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_regions *re
         return LMB_ERROR_MEMORY;
     }
     for (int32_t i = 0; i < probes->count - probes->ghost_count; ++i) {
-        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY) {
+        lmb_probe_parents parents;
+        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY && !lmb_probes_hangs(probes, i, &parents)) {
             list->probe[list->probe_count++] = i;
         }
     }
@@ -105,10 +106,13 @@ lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered 
     lmb_probes own = *probes;
     own.set_count = 1;
     own.radiance = &probes->radiance[list->set];
-    const lmb_result result = lmb_probes_dilate(&own);
-    return result == LMB_OK && list->regions
-               ? lmb_regions_fit(list->regions, gathered + list->probe_count, list->set, pool, probes)
-               : result;
+    lmb_result result = lmb_probes_dilate(&own);
+    /* What hangs on a coarser level is known to a finer one when the coarser one is fitted. */
+    for (uint32_t level = 0; level < probes->level_count && list->regions && result == LMB_OK; ++level) {
+        result = lmb_regions_fit(list->regions, gathered + list->probe_count, list->set, pool, probes);
+        lmb_probes_hang(&own);
+    }
+    return result;
 }
 
 lmb_result lmb_probes_bake(lmb_probes *probes, const lmb_transport *transport, const lmb_gather_effort *effort,

@@ -89,7 +89,7 @@ static lmb_result cells_add(lmb_region_work *work, uint32_t level, const cell_ra
         for (int i = 0; i < 8 && result == LMB_OK; ++i) {
             const int32_t *const at = work->probes->point[probe];
             const int32_t point[3] = {at[0] - (i & 1), at[1] - (i >> 1 & 1), at[2] - (i >> 2)};
-            if (range_has(bounds, point)) {
+            if (range_has(bounds, point) && lmb_probes_level_has(work->probes, level, point)) {
                 result = cell_add(work, level, point);
             }
         }
@@ -106,7 +106,7 @@ static lmb_result cells_around(lmb_region_work *work, uint32_t level, uint32_t f
         for (int n = 0; work->cell[i].look != UINT32_MAX && n < 27 && result == LMB_OK; ++n) {
             const int32_t *const at = work->cell[i].point;
             const int32_t point[3] = {at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1};
-            if (range_has(bounds, point)) {
+            if (range_has(bounds, point) && lmb_probes_level_has(work->probes, level, point)) {
                 result = cell_add(work, level, point);
             }
         }

@@ -4,6 +4,7 @@
 
 #include <lambent/environment.h>
 #include <lambent/key_lights.h>
+#include <lambent/light_sets.h>
 
 #include "base/clock.h"
 #include "run/step.h"
@@ -118,6 +119,22 @@ void lmb_level_close(lmb_level *level)
     lmb_tracer_destroy(level->tracer);
     lmb_scene_destroy(level->scene);
     *level = (lmb_level){.scene = NULL};
+}
+
+lmb_result lmb_level_show_light_set(lmb_level *level, uint32_t set, lmb_error *error)
+{
+    lmb_emitters *emitters = NULL;
+    if (lmb_scene_show_light_set(level->scene, set) != LMB_OK ||
+        lmb_emitters_create(level->tracer, &emitters) != LMB_OK) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    lmb_surface_light_destroy(level->surface);
+    lmb_emitters_destroy(level->emitters);
+    level->surface = NULL;
+    level->emitters = emitters;
+    level->transport.emitters = emitters;
+    level->transport.surface = NULL;
+    return LMB_OK;
 }
 
 lmb_result lmb_level_solve(lmb_level *level, lmb_estimator estimator, const lmb_progress *progress, lmb_error *error)

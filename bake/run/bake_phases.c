@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "run/bake_phases_levels.h"
+#include "run/parts.h"
 #include "run/step.h"
 
 /* Probes farther apart than so many steps between floats are told apart well enough. */
@@ -26,11 +28,11 @@ static double probes_reach(const lmb_probes *probes)
     return reach;
 }
 
-static void warn_of_coarse_floats(const lmb_bake *bake)
+static void warn_of_coarse_floats(const lmb_bake *bake, uint32_t finer)
 {
     const lmb_warnings *warnings = &bake->level->warnings;
     const lmb_scene *scene = bake->level->scene;
-    const double spacing = (double)bake->probes->level[0].lattice.spacing;
+    const double spacing = ldexp((double)bake->probes->level[0].lattice.spacing, -(int)finer);
     const double step = (double)lmb_scene_position_step(scene);
     if (step * STEPS_OF_SPACING > spacing && !bake->record.settings.lightmaps) {
         lmb_warn(warnings,
@@ -63,23 +65,28 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
     return bake;
 }
 
-/* Placement said that it was done; it can still be stopped. */
-static bool report_placed(void *context, const char *phase, double done)
+/* The phase before said that it was done; it can still be stopped. */
+typedef struct regions_report {
+    const lmb_progress *progress;
+    lmb_bake_phase phase;
+} regions_report;
+
+static bool report_regions(void *context, const char *name, double done)
 {
-    const lmb_progress *progress = context;
-    (void)phase;
+    const regions_report *report = context;
+    (void)name;
     (void)done;
-    return progress->report(progress->context, lmb_bake_phase_name(LMB_PHASE_PLACE), 1.0);
+    return report->progress->report(report->progress->context, lmb_bake_phase_name(report->phase), 1.0);
 }
 
-static lmb_result regions_make(lmb_bake *bake, lmb_error *error)
+lmb_result lmb_bake_regions(lmb_bake *bake, lmb_bake_phase phase, lmb_error *error)
 {
     lmb_bake_record *record = &bake->record;
-    lmb_progress placed = bake->progress ? *bake->progress : (lmb_progress){.report = NULL};
-    const lmb_progress progress = {placed.report ? report_placed : NULL, &placed};
+    regions_report report = {bake->progress, phase};
+    const lmb_progress progress = {bake->progress && bake->progress->report ? report_regions : NULL, &report};
     const lmb_result result = lmb_regions_make(bake->level->tracer, bake->level->pool, &progress, bake->probes,
                                                &bake->regions, &record->regions);
-    record->rays[LMB_PHASE_PLACE] += record->regions.rays;
+    record->rays[phase] += record->regions.rays;
     return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "regions: %s", lmb_result_text(result));
 }
 
@@ -88,12 +95,14 @@ static void record_placed(lmb_bake *bake)
 {
     lmb_bake_record *record = &bake->record;
     const lmb_scene *scene = bake->level->scene;
-    record->settings.spacing = bake->probes->level[0].lattice.spacing;
+    if (record->settings.min_spacing == 0.0f) {
+        record->settings.spacing = bake->probes->level[0].lattice.spacing;
+    }
     for (uint32_t i = 0; i < record->settings.seed_count; ++i) {
         const lmb_vec3 used = lmb_scene_from_world(scene, record->settings.seeds[i]);
         record->settings.seeds[i] = lmb_scene_to_world(scene, used);
     }
-    record->probes = bake->probes->count;
+    lmb_bake_record_levels(bake);
     record->rays[LMB_PHASE_PLACE] = record->placement.rays;
 }
 
@@ -102,19 +111,13 @@ static float detail_of(const lmb_bake_settings *settings)
     return settings->detail > 0.0f ? settings->detail : 1.0f;
 }
 
-static float spacing_wanted(const lmb_bake *bake)
-{
-    const lmb_bake_settings *wanted = &bake->record.settings;
-    return wanted->spacing > 0.0f ? wanted->spacing
-                                  : lmb_placement_default_spacing(bake->level->scene) / detail_of(wanted);
-}
-
 lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
 {
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     const lmb_warnings *warnings = &bake->level->warnings;
-    const lmb_placement_settings settings = {.spacing = spacing_wanted(bake),
+    const lmb_level_plan plan = lmb_bake_level_plan(&record->settings, bake->level->scene);
+    const lmb_placement_settings settings = {.spacing = plan.even_spacing,
                                              .max_probes = record->settings.max_probes,
                                              .seeds = record->settings.seeds,
                                              .seed_count = record->settings.seed_count,
@@ -124,7 +127,7 @@ lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
         lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, &bake->probes, &record->placement, error);
     if (result == LMB_OK) {
         record_placed(bake);
-        result = regions_make(bake, error);
+        result = plan.coarser + plan.finer == 0 ? lmb_bake_regions(bake, LMB_PHASE_PLACE, error) : LMB_OK;
     }
     record->seconds[LMB_PHASE_PLACE] = lmb_clock_seconds() - start;
     if (result != LMB_OK) {
@@ -134,7 +137,7 @@ lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
         lmb_warn(warnings, "%s: all faces look away from all free space; baking everywhere in its bounds",
                  bake->level->scene->path);
     }
-    warn_of_coarse_floats(bake);
+    warn_of_coarse_floats(bake, plan.finer);
     return LMB_OK;
 }
 
@@ -217,27 +220,34 @@ lmb_gather_effort lmb_bake_effort(const lmb_bake_settings *settings, const lmb_l
 {
     return (lmb_gather_effort){.samples = settings->samples,
                                .max_samples = settings->max_samples,
-                               .tolerance = settings->tolerance,
+                               .tolerance = settings->noise,
                                .floor = DARK_SHARE * UNIT_LENGTH * level->mean_light};
 }
 
+/* What is wrong with parts has been said. */
 static lmb_result phase_result(lmb_bake_phase phase, lmb_result result, lmb_error *error)
 {
-    return result == LMB_OK
-               ? LMB_OK
+    return result == LMB_OK || result == LMB_ERROR_WRITE || result == LMB_ERROR_UNSUPPORTED
+               ? result
                : lmb_error_set(error, result, "%s: %s", lmb_bake_phase_name(phase), lmb_result_text(result));
 }
 
-static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list)
+static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list, lmb_error *error)
 {
     lmb_bake_record *record = &bake->record;
     const lmb_gather_effort effort = lmb_bake_effort(&record->settings, bake->level);
     const lmb_gather_list elements = lmb_probe_list_elements(list);
     const lmb_gather_job job = lmb_gather_job_all(&bake->level->transport, &elements, &effort);
     lmb_gathered *gathered = malloc((list->count + 1) * sizeof *gathered);
-    lmb_result result = gathered
-                            ? lmb_gather_elements(&job, bake->level->pool, bake->progress, gathered, &record->gathered)
-                            : LMB_ERROR_MEMORY;
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (gathered) {
+        result =
+            lmb_parts_gather(bake->parts, &job, bake->level->pool, bake->progress, gathered, &record->gathered, error);
+    }
+    if (result == LMB_OK && lmb_parts_are_a_shard(bake->parts)) {
+        free(gathered);
+        return LMB_OK;
+    }
     if (result == LMB_OK && record->settings.denoise) {
         result = lmb_probe_list_denoise(list, bake->level->pool, NULL, gathered);
         lmb_gather_stats_renew(&record->gathered, gathered, list->count);
@@ -256,7 +266,7 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
     lmb_probe_list list;
     lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, bake->level->transport.tracer, &list);
     if (result == LMB_OK) {
-        result = probes_gather(bake, &list);
+        result = probes_gather(bake, &list, error);
         lmb_probe_list_free(&list);
     }
     record->seconds[LMB_PHASE_PROBES] = lmb_clock_seconds() - start;
@@ -265,12 +275,13 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
 }
 
 static lmb_result texels_gather(lmb_bake *bake, const lmb_gather_list *elements, const lmb_gather_effort *effort,
-                                lmb_gathered *gathered)
+                                lmb_gathered *gathered, lmb_error *error)
 {
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     const lmb_gather_job job = lmb_gather_job_all(&bake->level->transport, elements, effort);
-    const lmb_result result = lmb_gather_elements(&job, bake->level->pool, bake->progress, gathered, &record->lightmap);
+    const lmb_result result =
+        lmb_parts_gather(bake->parts, &job, bake->level->pool, bake->progress, gathered, &record->lightmap, error);
     record->seconds[LMB_PHASE_LIGHTMAPS] = lmb_clock_seconds() - start;
     record->rays[LMB_PHASE_LIGHTMAPS] = record->lightmap.rays;
     return result;
@@ -304,7 +315,11 @@ lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error)
     const lmb_gather_effort effort = lmb_bake_effort(settings, bake->level);
     const lmb_gather_list elements = lmb_texel_list_elements(bake->texels);
     lmb_gathered *gathered = malloc((elements.count + 1) * sizeof *gathered);
-    lmb_result result = gathered ? texels_gather(bake, &elements, &effort, gathered) : LMB_ERROR_MEMORY;
+    lmb_result result = gathered ? texels_gather(bake, &elements, &effort, gathered, error) : LMB_ERROR_MEMORY;
+    if (result == LMB_OK && lmb_parts_are_a_shard(bake->parts)) {
+        free(gathered);
+        return LMB_OK;
+    }
     if (result == LMB_OK && settings->denoise) {
         result = texels_denoise(bake, bake->texels, elements.count, gathered);
     }

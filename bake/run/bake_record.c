@@ -8,12 +8,13 @@ static const char *const phase_names[LMB_PHASE_COUNT] = {
     [LMB_PHASE_LOAD] = "load",           [LMB_PHASE_BVH] = "bvh",
     [LMB_PHASE_PLACE] = "place",         [LMB_PHASE_LAYOUT] = "layout",
     [LMB_PHASE_PILOT] = "surface pilot", [LMB_PHASE_SURFACE] = "surface",
-    [LMB_PHASE_BOUNCES] = "bounces",     [LMB_PHASE_PROBES] = "probes",
-    [LMB_PHASE_LIGHTMAPS] = "lightmaps", [LMB_PHASE_DENOISE] = "denoise",
-    [LMB_PHASE_WRITE] = "write"};
+    [LMB_PHASE_BOUNCES] = "bounces",     [LMB_PHASE_LEVELS] = "levels",
+    [LMB_PHASE_PROBES] = "probes",       [LMB_PHASE_LIGHTMAPS] = "lightmaps",
+    [LMB_PHASE_DENOISE] = "denoise",     [LMB_PHASE_WRITE] = "write"};
 
 /* The phases that trace, as records count them. */
-static const lmb_bake_phase tracing[] = {LMB_PHASE_PLACE, LMB_PHASE_SURFACE, LMB_PHASE_PROBES, LMB_PHASE_LIGHTMAPS};
+static const lmb_bake_phase tracing[] = {LMB_PHASE_PLACE, LMB_PHASE_SURFACE, LMB_PHASE_LEVELS, LMB_PHASE_PROBES,
+                                         LMB_PHASE_LIGHTMAPS};
 enum { TRACING = sizeof tracing / sizeof tracing[0] };
 
 const char *lmb_bake_phase_name(lmb_bake_phase phase)
@@ -58,11 +59,15 @@ double lmb_bake_record_error(const lmb_bake_record *record)
 static void json_add_elements(cJSON *json, const lmb_bake_record *record)
 {
     cJSON_AddNumberToObject(json, "probes", record->probes);
-    cJSON *level = cJSON_CreateObject();
-    cJSON_AddNumberToObject(level, "spacing", (double)record->settings.spacing);
-    cJSON_AddNumberToObject(level, "probes", record->probes);
-    cJSON_AddItemToArray(cJSON_AddArrayToObject(json, "levels"), level);
+    cJSON *levels = cJSON_AddArrayToObject(json, "levels");
+    for (uint32_t i = 0; i < record->level_count; ++i) {
+        cJSON *level = cJSON_CreateObject();
+        cJSON_AddNumberToObject(level, "spacing", (double)record->level[i].spacing);
+        cJSON_AddNumberToObject(level, "probes", record->level[i].probes);
+        cJSON_AddItemToArray(levels, level);
+    }
     cJSON_AddNumberToObject(json, "probes_valid", record->placement.probes_valid);
+    cJSON_AddNumberToObject(json, "probes_hanging", record->placement.probes_hanging);
     cJSON_AddNumberToObject(json, "cells", (double)record->placement.cells);
     cJSON_AddNumberToObject(json, "cells_crossed", (double)record->placement.cells_crossed);
     cJSON_AddNumberToObject(json, "cells_cut", (double)record->regions.cells_cut);
@@ -139,7 +144,7 @@ static void json_add_seams(cJSON *json, const lmb_bake_record *record)
     json_add_steps(seams, "closed", &record->seams_closed);
 }
 
-cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files)
+cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files, cJSON *hashes)
 {
     cJSON *json = cJSON_CreateObject();
     json_add_elements(json, record);
@@ -162,13 +167,19 @@ cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files)
     if (files) {
         cJSON_AddItemToObject(json, "files", files);
     }
+    char key[17];
+    lmb_bake_settings_hash_text(record->key, key);
+    cJSON_AddStringToObject(json, "key", key);
+    if (hashes) {
+        cJSON_AddItemToObject(json, "hashes", hashes);
+    }
     cJSON_AddItemToObject(json, "settings", lmb_bake_settings_json(&record->settings, record->content_hash));
     return json;
 }
 
 char *lmb_bake_record_text(const lmb_bake_record *record)
 {
-    cJSON *json = lmb_bake_record_json(record, NULL);
+    cJSON *json = lmb_bake_record_json(record, NULL, NULL);
     char *text = cJSON_Print(json);
     cJSON_Delete(json);
     return text;

@@ -7,10 +7,11 @@
 #include <lambent/placement.h>
 
 enum { MIN_SAMPLES = 64 };
+#define INTERPOLATION_TOLERANCE 0.1
 
 typedef struct bake_quality {
     const char *name;
-    double tolerance;
+    double noise;
     uint32_t max_samples;
     float detail;
 } bake_quality;
@@ -22,13 +23,14 @@ static void quality_use(lmb_bake_settings *settings, const bake_quality *quality
 {
     settings->samples = MIN_SAMPLES;
     settings->max_samples = quality->max_samples;
-    settings->tolerance = quality->tolerance;
+    settings->noise = quality->noise;
     settings->detail = quality->detail;
 }
 
 lmb_bake_settings lmb_bake_settings_default(void)
 {
     lmb_bake_settings settings = {.level = lmb_level_settings_default(),
+                                  .tolerance = INTERPOLATION_TOLERANCE,
                                   .max_probes = lmb_placement_settings_default().max_probes,
                                   .denoise = true};
     quality_use(&settings, &qualities[1]);
@@ -96,9 +98,13 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
     json_add_level(json, &settings->level, content_hash);
     cJSON_AddNumberToObject(json, "samples", settings->samples);
     cJSON_AddNumberToObject(json, "max_samples", settings->max_samples);
-    cJSON_AddNumberToObject(json, "tolerance", settings->tolerance);
+    cJSON_AddNumberToObject(json, "noise", settings->noise);
     cJSON_AddStringToObject(json, "estimator", lmb_estimator_name(settings->estimator));
     cJSON_AddNumberToObject(json, "spacing", (double)settings->spacing);
+    if (settings->min_spacing > 0.0f) { /* what a record without them has: one even level */
+        cJSON_AddNumberToObject(json, "min_spacing", (double)settings->min_spacing);
+        cJSON_AddNumberToObject(json, "tolerance", settings->tolerance);
+    }
     cJSON_AddNumberToObject(json, "max_probes", settings->max_probes);
     cJSON *seeds = cJSON_AddArrayToObject(json, "seed_points");
     for (uint32_t i = 0; i < settings->seed_count; ++i) {
@@ -118,6 +124,10 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
         }
     }
     cJSON_AddBoolToObject(json, "denoise", settings->denoise);
+    const bool is_open = settings->spacing <= 0.0f || (settings->lightmaps && settings->texels_per_m <= 0.0f);
+    if (is_open && settings->detail > 0.0f && settings->detail != 1.0f) { /* what a record of a bake never has */
+        cJSON_AddNumberToObject(json, "detail", (double)settings->detail);
+    }
     return json;
 }
 
@@ -240,12 +250,15 @@ bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
     read.max_probes = integer_or(json, "max_probes", read.max_probes);
     read.samples = count_or(json, "samples", read.samples);
     read.max_samples = count_or(json, "max_samples", read.max_samples);
+    read.noise = number_or(json, "noise", read.noise);
+    read.min_spacing = (float)number_or(json, "min_spacing", 0.0);
     read.tolerance = number_or(json, "tolerance", read.tolerance);
     read.lightmaps = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "lightmaps"));
     read.texels_per_m = (float)number_or(json, "texels_per_m", 0.0);
     read.max_image_size = integer_or(json, "max_image_size", 0);
     read.padding = integer_or(json, "padding", 1);
     read.texel_error = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "texel_error"));
+    read.detail = (float)number_or(json, "detail", 1.0);
     read.denoise = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "denoise"));
     *settings = read;
     return true;

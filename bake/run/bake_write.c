@@ -12,6 +12,7 @@
 #include <lambent/vdb.h>
 
 #include "base/clock.h"
+#include "run/bake_current.h"
 #include "run/bake_level_internal.h"
 #include "run/bake_record_internal.h"
 #include "run/bake_settings_internal.h"
@@ -107,10 +108,11 @@ static lmb_result write_record(lmb_bake *bake, const lmb_bake_folder *folder, co
 {
     char path[PATH_SIZE];
     cJSON *files = lmb_bake_folder_files(folder);
-    cJSON *json = lmb_bake_record_json(&bake->record, files);
+    cJSON *hashes = lmb_bake_hashes(stage, files);
+    cJSON *json = lmb_bake_record_json(&bake->record, files, hashes);
     char *text = cJSON_Print(json);
-    lmb_result result = text && files ? path_make(stage, "bake.json", path, error)
-                                      : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    lmb_result result = text && files && hashes ? path_make(stage, "bake.json", path, error)
+                                                : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     if (result == LMB_OK) {
         result = lmb_file_write(path, text, strlen(text), error);
     }

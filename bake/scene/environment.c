@@ -8,6 +8,7 @@
 
 #include <lambent/file.h>
 #include <lambent/environment.h>
+#include <lambent/light_sets.h>
 #include <lambent/texture.h>
 
 #include "base/hex_digit.h"
@@ -19,6 +20,7 @@ typedef struct description {
     char *source; /* path, #rrggbb or none */
     float rotation_rad;
     float strength;
+    char set[LMB_LIGHT_SET_NAME]; /* of lights; empty: none is named */
 } description;
 
 static bool number_parse(const char *text, double *value)
@@ -31,25 +33,38 @@ static bool number_parse(const char *text, double *value)
     return *end == '\0' && isfinite(*value);
 }
 
+static lmb_result set_parse(const char *name, description *parsed, lmb_error *error)
+{
+    if (strlen(name) >= sizeof parsed->set) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' is too long a name of a set of lights", name);
+    }
+    strcpy(parsed->set, name);
+    return LMB_OK;
+}
+
 /* Takes "name=value", which is NUL-terminated. `seen` has a bit for each option met so far. */
 static lmb_result option_parse(const char *option, description *parsed, unsigned *seen, lmb_error *error)
 {
     const bool rotation = strncmp(option, "rotation=", 9) == 0;
     const bool strength = strncmp(option, "strength=", 9) == 0;
-    const unsigned bit = rotation ? 1U : 2U;
+    const bool set = strncmp(option, "set=", 4) == 0;
+    const unsigned bit = rotation ? 1U : strength ? 2U : 4U;
     double value = 0.0;
-    if (!rotation && !strength) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: unknown option '%s' (rotation= or strength=)",
+    if (!rotation && !strength && !set) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: unknown option '%s' (rotation=, strength= or set=)",
                              option);
     }
     if (*seen & bit) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: option '%s' comes twice", option);
     }
+    *seen |= bit;
+    if (set) {
+        return set_parse(option + 4, parsed, error);
+    }
     if (!number_parse(option + 9, &value) || fabs(value) > 1e30 || (strength && value < 0.0)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' is no %s", option,
                              rotation ? "angle in degrees" : "number from 0 up");
     }
-    *seen |= bit;
     if (rotation) {
         parsed->rotation_rad = (float)(fmod(value, 360.0) * RAD_PER_DEG + 0.0);
     } else {
@@ -72,7 +87,7 @@ static char *option_find_last(char *text)
 static lmb_result description_parse(const char *text, description *parsed, lmb_error *error)
 {
     unsigned seen = 0;
-    *parsed = (description){malloc(strlen(text) + 1), 0.0f, 1.0f};
+    *parsed = (description){malloc(strlen(text) + 1), 0.0f, 1.0f, ""};
     if (!parsed->source) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "environment: no memory");
     }
@@ -193,6 +208,11 @@ lmb_result lmb_scene_set_environment(lmb_scene *scene, const char *text, lmb_err
         return result;
     }
     lmb_environment environment = {.rotation_rad = parsed.rotation_rad, .strength = parsed.strength};
+    if (parsed.set[0] != '\0' && lmb_scene_light_set(scene, parsed.set, &environment.set) != LMB_OK) {
+        free(parsed.source);
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' names no set of lights, or there are too many",
+                             parsed.set);
+    }
     uint64_t hash = scene->content_hash;
     if (strcmp(parsed.source, "none") != 0) {
         result = source_read(parsed.source, &environment, &hash, error);

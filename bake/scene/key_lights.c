@@ -56,7 +56,8 @@ static lmb_result sun_light_add(lmb_scene *scene, const lmb_environment_sun *sun
                                                .type = LMB_LIGHT_DIRECTIONAL,
                                                .direction = lmb_vec3_scale(sun->direction, -1.0f),
                                                .intensity = sun->irradiance,
-                                               .angle_rad = sun->angle_rad};
+                                               .angle_rad = sun->angle_rad,
+                                               .set = scene->environment.set};
     return LMB_OK;
 }
 

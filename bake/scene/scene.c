@@ -77,6 +77,7 @@ void lmb_scene_destroy(lmb_scene *scene)
         free(scene->images[i].rgba);
     }
     free(scene->materials);
+    free(scene->lit);
     free(scene->images);
     free(scene->environment.image.rgb);
     free(scene->environment.taken);

@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "transport/gather_sh3_internal.h"
 
@@ -188,8 +189,17 @@ static void group_task(void *context, size_t task, int worker)
     }
 }
 
-lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,
-                               lmb_gathered *gathered, lmb_gather_stats *stats)
+lmb_gather_stats lmb_gather_stats_sum(const lmb_gather_stats *stats, size_t count)
+{
+    lmb_gather_stats sum = {0};
+    for (size_t i = 0; i < count; ++i) {
+        stats_add(&sum, &stats[i]);
+    }
+    return sum;
+}
+
+lmb_result lmb_gather_elements_by_group(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,
+                                        lmb_gathered *gathered, lmb_gather_stats *stats)
 {
     const size_t workers = (size_t)lmb_pool_threads(pool);
     elements_work work = {
@@ -198,22 +208,29 @@ lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const 
         .gathered = gathered,
         .group = malloc(workers * sizeof *work.group),
         .points = malloc(workers * LMB_GATHER_GROUP_MOST * job->list->most_points * sizeof *work.points),
-        .stats = calloc(job->group_count + 1, sizeof *work.stats),
+        .stats = stats,
     };
     assert(job->list->most_points > 0 && job->list->most_points <= LMB_GATHER_MOST_POINTS);
     lmb_result result = LMB_ERROR_MEMORY;
-    if (work.group && work.points && work.stats) {
+    if (work.group && work.points) {
+        memset(stats, 0, job->group_count * sizeof *stats);
         result = lmb_pool_run(pool, job->group_count, group_task, &work, job->list->name, progress);
-    }
-    if (result == LMB_OK) {
-        *stats = (lmb_gather_stats){0};
-        for (size_t i = 0; i < job->group_count; ++i) {
-            stats_add(stats, &work.stats[i]);
-        }
     }
     free(work.group);
     free(work.points);
-    free(work.stats);
+    return result;
+}
+
+lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,
+                               lmb_gathered *gathered, lmb_gather_stats *stats)
+{
+    lmb_gather_stats *const group = malloc((job->group_count + 1) * sizeof *group);
+    const lmb_result result =
+        group ? lmb_gather_elements_by_group(job, pool, progress, gathered, group) : LMB_ERROR_MEMORY;
+    if (result == LMB_OK) {
+        *stats = lmb_gather_stats_sum(group, job->group_count);
+    }
+    free(group);
     return result;
 }
 

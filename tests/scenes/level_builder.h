@@ -56,7 +56,8 @@ typedef struct lmb_level_material {
     float alpha_cutoff; /* for LMB_LEVEL_MASK */
     bool double_sided;
     bool unlit;
-    float transmission; /* KHR_materials_transmission */
+    float transmission;    /* KHR_materials_transmission */
+    const char *light_set; /* extras {"lambent": {"light_set": "..."}}, of the caller's; NULL: none */
 } lmb_level_material;
 
 /* Mid-grey (0.5), opaque, single-sided, no textures, a texture size of 1 m. */
@@ -169,8 +170,9 @@ typedef struct lmb_level_node {
     int path;                        /* extras {"lambent": {"path": n}}; LMB_LEVEL_NONE: not a point of the path */
     bool no_lightmap;                /* extras {"lambent": {"lightmap": false}} */
     float texels_per_m, texel_scale; /* extras likewise; 0: none */
-    float angle_deg; /* of its directional light's disc: extras {"lambent": {"angle_deg": x}}; 0: none */
-    float radius_m;  /* of its point or spot light, likewise */
+    float angle_deg;       /* of its directional light's disc: extras {"lambent": {"angle_deg": x}}; 0: none */
+    float radius_m;        /* of its point or spot light, likewise */
+    const char *light_set; /* of its light, likewise, of the caller's; NULL: none */
 } lmb_level_node;
 
 /* At the origin, unturned, unscaled, static, with nothing in it. */

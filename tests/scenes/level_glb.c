@@ -366,6 +366,9 @@ static void write_material(glb *out, cJSON *item, const lmb_level_material *mate
                    (double)material->transmission);
         out->transmission_used = true;
     }
+    if (material->light_set) {
+        put_text(out, put_object(out, put_object(out, item, "extras"), "lambent"), "light_set", material->light_set);
+    }
     if (material->unlit) {
         extensions = extensions ? extensions : put_object(out, item, "extensions");
         put_object(out, extensions, "KHR_materials_unlit");
@@ -428,7 +431,7 @@ static void write_cameras(glb *out)
 static void write_node_extras(glb *out, cJSON *item, const lmb_level_node *node)
 {
     const bool soft = node->angle_deg > 0.0f || node->radius_m > 0.0f;
-    const bool maps = node->no_lightmap || node->texels_per_m > 0.0f || node->texel_scale > 0.0f;
+    const bool maps = node->no_lightmap || node->texels_per_m > 0.0f || node->texel_scale > 0.0f || node->light_set;
     if (!node->dynamic && !node->seed && node->path == LMB_LEVEL_NONE && !soft && !maps) {
         return;
     }
@@ -453,6 +456,9 @@ static void write_node_extras(glb *out, cJSON *item, const lmb_level_node *node)
     }
     if (node->angle_deg > 0.0f) {
         put_number(out, lambent, "angle_deg", (double)node->angle_deg);
+    }
+    if (node->light_set) {
+        put_text(out, lambent, "light_set", node->light_set);
     }
     if (node->radius_m > 0.0f) {
         put_number(out, lambent, "radius_m", (double)node->radius_m);

@@ -70,6 +70,10 @@ lmb_result lmb_level_open(const lmb_level_settings *settings, const lmb_warnings
                           const lmb_progress *progress, lmb_level *level, lmb_error *error);
 void lmb_level_close(lmb_level *level);
 
+/* Lights one of the level's sets of lights alone, or all (lambent/light_sets.h); the estimator is the reference again.
+ * @return LMB_ERROR_MEMORY */
+lmb_result lmb_level_show_light_set(lmb_level *level, uint32_t set, lmb_error *error);
+
 /* Solves the light on the level's surfaces, anew if it was before, and lets `transport` gather from it, for
  * LMB_ESTIMATOR_CACHED. A level with too many triangles for that stays with the reference, with a warning.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */

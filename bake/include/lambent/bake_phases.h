@@ -12,12 +12,13 @@ extern "C" {
 /* Everything a bake holds in memory. */
 typedef struct lmb_bake {
     lmb_level *level;
-    const lmb_progress *progress; /* NULL: silent */
-    lmb_probes *probes;           /* once placed */
-    lmb_regions *regions;         /* likewise */
-    lmb_lightmap *lightmap;       /* once laid out, if wanted */
-    lmb_texel_list *texels;       /* its texels, likewise */
-    lmb_bake_record record;       /* of the phases that have run */
+    const lmb_progress *progress;  /* NULL: silent */
+    const struct lmb_parts *parts; /* where what is gathered is kept; NULL: in memory alone */
+    lmb_probes *probes;            /* once placed */
+    lmb_regions *regions;          /* likewise */
+    lmb_lightmap *lightmap;        /* once laid out, if wanted */
+    lmb_texel_list *texels;        /* its texels, likewise */
+    lmb_bake_record record;        /* of the phases that have run */
 } lmb_bake;
 
 /* A bake of an open level, which is the caller's and must outlive it. `settings->level` is for the record alone: how
@@ -25,11 +26,12 @@ typedef struct lmb_bake {
 lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, const lmb_progress *progress);
 
 /* The phases, in the order in which they run: each needs those before it. Warnings go to the level's listener. A bake
- * that failed is to be ended too. @return what lmb_placement_make, lmb_lightmap_create, lmb_level_solve, lmb_grid_bake
- * and lmb_lightmap_bake return */
+ * that failed is to be ended too. @return what lmb_placement_make, lmb_lightmap_create, lmb_level_solve,
+ * lmb_placement_levels, lmb_probes_bake and lmb_lightmap_bake return */
 lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error);
 lmb_result lmb_bake_layout(lmb_bake *bake, lmb_error *error);
 lmb_result lmb_bake_surface(lmb_bake *bake, lmb_error *error);
+lmb_result lmb_bake_levels(lmb_bake *bake, lmb_error *error); /* of probes, where the settings ask for some */
 lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error);
 lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error);
 

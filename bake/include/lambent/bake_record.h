@@ -20,6 +20,7 @@ typedef enum lmb_bake_phase {
     LMB_PHASE_PILOT,   /* of the light on surfaces */
     LMB_PHASE_SURFACE, /* direct light on them; records count pilot and bounces here too */
     LMB_PHASE_BOUNCES, /* passes over them: each begins anew */
+    LMB_PHASE_LEVELS,  /* of probes */
     LMB_PHASE_PROBES,
     LMB_PHASE_LIGHTMAPS,
     LMB_PHASE_DENOISE, /* of lightmaps */
@@ -27,22 +28,34 @@ typedef enum lmb_bake_phase {
     LMB_PHASE_COUNT
 } lmb_bake_phase;
 
-/* As progress and bake.json have it: "load", "bvh", "place", "layout", "surface pilot", "surface", "bounces", "probes",
- * "lightmaps", "denoise", "write". */
+/* As progress and bake.json have it: "load", "bvh", "place", "layout", "surface pilot", "surface", "bounces", "levels",
+ * "probes", "lightmaps", "denoise", "write". */
 const char *lmb_bake_phase_name(lmb_bake_phase phase);
 
 /* The phase of that name, LMB_PHASE_COUNT when there is none. */
 lmb_bake_phase lmb_bake_phase_find(const char *name);
 
+/* Of a level of probes. */
+typedef struct lmb_level_record {
+    float spacing; /* metres */
+    int32_t probes;
+} lmb_level_record;
+
+enum { LMB_BAKE_LEVELS_MOST = 24 };
+
 typedef struct lmb_bake_record {
     /* As they were used: spacing and lightmap density are set, seeds are where floats are. They make the same again. */
     lmb_bake_settings settings;
     uint64_t content_hash; /* of level and environment */
+    uint64_t key;          /* of all that decides the bytes, this program's version too */
+    bool is_current;       /* nothing was done: the folder held this very bake */
     int threads;
     uint32_t triangles_dropped;
     uint32_t key_light_count;
     lmb_key_light key_light[LMB_KEY_LIGHTS_MOST];
-    int32_t probes; /* with those that are dilated */
+    int32_t probes; /* with those that are dilated, or hang on coarser cells */
+    uint32_t level_count;
+    lmb_level_record level[LMB_BAKE_LEVELS_MOST]; /* the finest first */
     lmb_placement_stats placement;
     lmb_regions_stats regions;
     lmb_gather_stats gathered; /* of probes */
@@ -72,7 +85,8 @@ double lmb_bake_record_mrays_per_s(const lmb_bake_record *record);
 /* Estimated standard error of probes and texels together, relative to their light. */
 double lmb_bake_record_error(const lmb_bake_record *record);
 
-/* The record as bake.json has it, but without `files`: a JSON object. The caller frees it; NULL: out of memory. */
+/* The record as bake.json has it, but without `files` and `hashes`: a JSON object. The caller frees it; NULL: out of
+ * memory. */
 char *lmb_bake_record_text(const lmb_bake_record *record);
 
 #ifdef __cplusplus

@@ -16,14 +16,17 @@ typedef struct lmb_bake_settings {
     lmb_level_settings level;
     lmb_estimator estimator;
     /* Probes: see lmb_placement_settings. */
-    float spacing; /* metres; 0: from the level's size */
+    float spacing; /* metres, of the coarsest level; 0: from the level's size */
+    float
+        min_spacing;  /* metres: levels of half the spacing each, as far as none is less than this; 0: one even level */
+    double tolerance; /* of interpolation, relative: decides where levels are */
     int32_t max_probes;
     lmb_vec3d seeds[LMB_BAKE_MAX_SEEDS]; /* in the world */
     uint32_t seed_count;
     /* Effort: see lmb_gather_effort. */
     uint32_t samples; /* at each probe and texel; at least, if max_samples is more */
     uint32_t max_samples;
-    double tolerance; /* relative standard error that ends an element's sampling */
+    double noise; /* relative standard error that ends an element's sampling */
     /* Lightmaps: see lmb_lightmap_settings; 0: as lmb_lightmap_settings_default has it. */
     bool lightmaps;
     float texels_per_m;
@@ -39,7 +42,7 @@ typedef struct lmb_bake_settings {
 /* Medium quality, no lightmaps, the level's own spacing and density, denoised; no level. */
 lmb_bake_settings lmb_bake_settings_default(void);
 
-/* Samples, tolerance and detail of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
+/* Samples, noise and detail of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
 bool lmb_bake_settings_quality(lmb_bake_settings *settings, const char *name);
 
 /* Lightmaps in that model too, by its name or short name; the default one is always among them. False: no lightmap has

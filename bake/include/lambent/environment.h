@@ -10,7 +10,8 @@ extern "C" {
 
 /* Sets the environment from a description:
  *     a path to .hdr or .exr, or #rrggbb (sRGB constant colour), or "none";
- * each may be followed by options, ",rotation=DEG" and ",strength=X". A picture must be twice as wide as high, within
+ * each may be followed by options, ",rotation=DEG", ",strength=X" and ",set=NAME", the set of lights that it belongs to
+ * (lambent/light_sets.h). A picture must be twice as wide as high, within
  * 1 % of its height. Continues scene->content_hash.
  * @return LMB_ERROR_FORMAT, _IO, _UNSUPPORTED, _MEMORY */
 lmb_result lmb_scene_set_environment(lmb_scene *scene, const char *description, lmb_error *error);

@@ -81,10 +81,17 @@ typedef struct lmb_gather_stats {
 /* Sums of errors and lengths over what was gathered, once it has changed. */
 void lmb_gather_stats_renew(lmb_gather_stats *stats, const lmb_gathered *gathered, size_t count);
 
+/* What was gathered in several groups, together. */
+lmb_gather_stats lmb_gather_stats_sum(const lmb_gather_stats *stats, size_t count);
+
 /* Gathers at the job's elements; gathered[i] is that of the i-th of them. The same for any number of threads.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,
                                lmb_gathered *gathered, lmb_gather_stats *stats);
+
+/* The same with stats for each of the job's groups, [group_count]. */
+lmb_result lmb_gather_elements_by_group(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,
+                                        lmb_gathered *gathered, lmb_gather_stats *stats);
 
 #ifdef __cplusplus
 }

@@ -1,10 +1,13 @@
-/* Where probes go: a uniform, world-aligned lattice over the level, without the points that no dynamic object needs. */
+/* Where probes go: a world-aligned lattice over the level, without the points that no dynamic object needs, and then
+ * levels of lattices beside it, finer ones where light changes fast and coarser ones where it does not. */
 #ifndef LAMBENT_PLACEMENT_H
 #define LAMBENT_PLACEMENT_H
 
-#include <lambent/probes.h>
+#include <lambent/gather_elements.h>
 #include <lambent/pool.h>
+#include <lambent/probes.h>
 #include <lambent/trace.h>
+#include <lambent/transport.h>
 #include <lambent/warning.h>
 
 #ifdef __cplusplus
@@ -30,7 +33,8 @@ float lmb_placement_default_spacing(const lmb_scene *scene);
 typedef struct lmb_placement_stats {
     int32_t probes_valid;   /* to be baked */
     int32_t probes_dilated; /* inside solids, or out of reach, beside valid ones */
-    int64_t cells;          /* cells with all eight probes */
+    int32_t probes_hanging; /* on coarser cells, whose light they have (lambent/probes.h) */
+    int64_t cells;          /* that light is interpolated in */
     int64_t cells_crossed;  /* of these, cells that a triangle passes through */
     uint64_t rays;
     bool seeds_in_solid;   /* at least one seed point lies inside something, or outside the level, and was ignored */
@@ -45,6 +49,27 @@ typedef struct lmb_placement_stats {
  * none lies in free space), _MEMORY, _INTERRUPTED */
 lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
                               lmb_probes **probes, lmb_placement_stats *stats, lmb_error *error);
+
+typedef struct lmb_levels_settings {
+    uint32_t coarser, finer;  /* levels beside the even one, each of twice, or of half the spacing of the one before */
+    double tolerance;         /* of interpolation, relative to the light at a place, or to `dark` where that is more */
+    double dark;              /* radiance */
+    lmb_gather_effort effort; /* of trials */
+    int32_t max_probes;       /* no more than this, but for those of the coarsest level */
+    bool has_seeds;           /* as the even level was placed with: the scene's own count too */
+    const lmb_progress *progress; /* NULL: none. Its phase is "levels" */
+} lmb_levels_settings;
+
+/* Puts levels in place of the one that lmb_placement_make made, whose spacing is one of theirs. Everything begins with
+ * the coarsest. Where the mean squared error of interpolation over a cell's centre and the centres of its faces is more
+ * than the tolerance's square, its cube of 2 x 2 x 2 cells gives way to the next finer level, worst ones first while
+ * there may be more probes. The error is of what an object sees: of normalised irradiance, by SH3 and key lights, over
+ * all normals. It is found by gathering a little light there and at the corners, and its noise is taken off.
+ * `*probes` are replaced on success; `*stats`, of the even level, become those of all. The same for any number of
+ * threads.
+ * @return LMB_ERROR_UNSUPPORTED (the finest spacing is too fine for the level's size), _MEMORY, _INTERRUPTED */
+lmb_result lmb_placement_levels(const lmb_transport *transport, const lmb_levels_settings *settings, lmb_pool *pool,
+                                lmb_probes **probes, lmb_placement_stats *stats, lmb_error *error);
 
 /* Where the light of a probe at lattice position `position` is gathered: there, or, when that is on a surface or
  * almost, a twentieth of the spacing in front of it. Adds to `*rays`. */

@@ -10,8 +10,8 @@
 extern "C" {
 #endif
 
-/* What light is gathered at: the probes of which `validity` says that they are worth it, relocated out of geometry
- * nearby; then the points of regions. All that is pointed to must outlive them. */
+/* What light is gathered at: the probes of which `validity` says that they are worth it, and that do not hang,
+ * relocated out of geometry nearby; then the points of regions. All that is pointed to must outlive them. */
 typedef struct lmb_probe_list {
     const lmb_probes *probes;
     const lmb_regions *regions; /* NULL: none */

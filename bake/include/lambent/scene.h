@@ -65,6 +65,7 @@ typedef struct lmb_material {
     float alpha_cutoff;
     bool double_sided; /* does not change transport: surfaces reflect on both sides */
     bool unlit;        /* neither emits nor bounces */
+    uint32_t set;      /* of lights (light_sets.h), that its emission belongs to */
 } lmb_material;
 
 /* Triangles of one glTF mesh, all its primitives together, in mesh space. */
@@ -124,6 +125,8 @@ typedef struct lmb_light {
     float radius;       /* metres; point, spot: of the sphere that it is; 0: none */
     bool indirect_only; /* extras {"lambent": {"light": "indirect"}}: only its bounces are baked, the game adds the rest
                          */
+    uint32_t set;       /* of lights that it belongs to (light_sets.h) */
+    bool dark;          /* its set is not shown */
 } lmb_light;
 
 /* A pixel of a picture whose sun became a light, as it was. */
@@ -139,6 +142,7 @@ typedef struct lmb_environment {
     lmb_latlong_axes axes;
     float rotation_rad; /* turns the environment about +Y, counter-clockwise seen from above */
     float strength;
+    uint32_t set;                 /* of lights that it belongs to */
     lmb_environment_pixel *taken; /* ascending; who looks at the picture sees these */
     uint32_t taken_count;
 } lmb_environment;
@@ -149,6 +153,9 @@ typedef struct lmb_scene_camera {
     lmb_affine to_world;    /* looks along its -Z, +Y upwards */
     float vertical_fov_rad; /* 0: not told */
 } lmb_scene_camera;
+
+/* Sets of lights beside those that name none (light_sets.h), and a name's bytes with its NUL. */
+enum { LMB_LIGHT_SETS_MOST = 16, LMB_LIGHT_SET_NAME = 64 };
 
 typedef struct lmb_scene {
     char *path;
@@ -167,6 +174,14 @@ typedef struct lmb_scene {
         key_light[LMB_KEY_LIGHTS_MOST]; /* of them, those that are kept apart (key_lights.h), the strongest first */
     uint32_t key_light_count;
     lmb_environment environment;
+    char light_set_name[LMB_LIGHT_SETS_MOST][LMB_LIGHT_SET_NAME]; /* [set - 1] */
+    uint32_t light_set_count;                                     /* named ones */
+    /* What lmb_scene_show_light_set took away, and what it shows. */
+    bool light_set_hides_others;
+    uint32_t light_set_shown;
+    lmb_rgb *lit; /* [material] its emission; NULL: nothing was hidden yet */
+    bool environment_lit;
+    uint32_t key_light_lit[LMB_KEY_LIGHTS_MOST], key_light_lit_count;
     lmb_vec3 bounds_min; /* of all static triangles, world space; min > max when there are none */
     lmb_vec3 bounds_max;
     lmb_vec3 *seed_points; /* nodes marked by extras {"lambent": {"seed": true}}, world space */

@@ -6,8 +6,12 @@
  * (lambent/key_light.h) are kept apart from it: once, with what is seen of them at each probe.
  *
  * Light is interpolated in the finest level's cell that is there: one whose eight corners hold probes, or one that is
- * cut. Cut cells (lambent/cell.h) have eight probes for each region of theirs: those at their corners, or ghosts, which
- * stand for a corner as a region that does not hold it needs it. Ghosts follow the levels' probes in the arrays. */
+ * cut. Levels give way to finer ones by cubes of 2 x 2 x 2 cells, the first at even points: where a finer level has a
+ * cell, the whole cube around it is the finer level's, 4 x 4 x 4 of its cells or what of them is there. The cells that
+ * light is interpolated in are leaves. A probe of a finer level on a coarser level's leaf, on its faces, edges and
+ * corners too, *hangs*: it has that leaf's interpolation, and no light of its own. Cut cells (lambent/cell.h) have
+ * eight probes for each region of theirs: those at their corners, or ghosts, which stand for a corner as a region that
+ * does not hold it needs it. Ghosts follow the levels' probes in the arrays. */
 #ifndef LAMBENT_PROBES_H
 #define LAMBENT_PROBES_H
 
@@ -125,6 +129,19 @@ void lmb_probes_destroy(lmb_probes *probes);
 /* The probe at a point of a level's lattice, or -1. */
 int32_t lmb_probes_find(const lmb_probes *probes, uint32_t level, int32_t x, int32_t y, int32_t z);
 
+/* The cell that light at a place is interpolated in. */
+typedef struct lmb_probe_cell {
+    uint32_t level;
+    int32_t point[3];   /* its first, on the level's lattice */
+    int32_t cut;        /* its number among cut cells, or -1: a plain one */
+    uint32_t region;    /* of a cut cell, that the place is in; else 0 */
+    int32_t probe[8];   /* [corner, bit 0 is x, 1 is y, 2 is z] of that region */
+    double fraction[3]; /* where in the cell, 0 to 1 along each axis */
+} lmb_probe_cell;
+
+/* @return false, and nothing is set, where no level has a cell */
+bool lmb_probes_cell(const lmb_probes *probes, lmb_vec3d position, lmb_probe_cell *cell);
+
 /* The eight probes around a place in its cell, and where in it that is, 0 to 1 along each axis.
  * @return false, and nothing is set, where no level has a cell */
 bool lmb_probes_around(const lmb_probes *probes, lmb_vec3d position, int32_t probe[8], double fraction[3]);
@@ -146,10 +163,30 @@ float lmb_probes_footprint(const lmb_probes *probes, int32_t probe);
  * `error` */
 lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error);
 
+/* Whether the place of a level's cell is the level's, wherever it has cells: coarser levels give way there, and no
+ * finer one's cell is in its cube of 2 x 2 x 2. What no level has cells near is the coarsest's. */
+bool lmb_probes_level_has(const lmb_probes *probes, uint32_t level, const int32_t cell[3]);
+
+/* Whether light is interpolated in a level's cell: it is there, and no finer cell is in its cube of 2 x 2 x 2. */
+bool lmb_probes_cell_is_leaf(const lmb_probes *probes, uint32_t level, const int32_t cell[3]);
+
+/* What a hanging probe's light is made of. */
+typedef struct lmb_probe_parents {
+    int32_t probe[8];
+    double weight[8]; /* sum 1 */
+} lmb_probe_parents;
+
+/* Whether a probe hangs, on the coarsest leaf that it touches; sets `*parents` then. No ghost does. */
+bool lmb_probes_hangs(const lmb_probes *probes, int32_t probe, lmb_probe_parents *parents);
+
+/* Gives all hanging probes their light in every set, and what is seen of key lights, coarse levels first. */
+void lmb_probes_hang(lmb_probes *probes);
+
 /* Gives every probe with validity below LMB_PROBES_MIN_VALIDITY the mean radiance, and the mean visibility of key
  * lights, of its 26 neighbours on its level that have light (valid, or filled by an earlier pass), nearer ones weighing
- * more, pass after pass until nothing changes, in each set by itself. Probes that no valid one reaches stay dark. The
- * result does not depend on the order of probes.
+ * more, pass after pass until nothing changes, in each set by itself. Probes that no valid one reaches stay dark.
+ * Hanging probes get their light as lmb_probes_hang gives it, and hand it on as valid ones do. The result does not
+ * depend on the order of probes.
  * @return LMB_ERROR_MEMORY */
 lmb_result lmb_probes_dilate(lmb_probes *probes);
 

@@ -1,0 +1,107 @@
+#include <lambent/local_set.h>
+
+#include <assert.h>
+#include <string.h>
+
+#include <lambent/vector.h>
+
+lmb_local_frame lmb_local_frame_of_box(lmb_vec3d centre, const lmb_vec3 half[3], const uint32_t size[3])
+{
+    lmb_local_frame frame = {.origin = centre};
+    for (int axis = 0; axis < 3; ++axis) {
+        assert(size[axis] >= 1 && size[axis] <= LMB_LOCAL_SET_SIDE);
+        const float cells = size[axis] > 1 ? (float)(size[axis] - 1) : 1.0f;
+        frame.size[axis] = size[axis];
+        frame.step[axis] = lmb_vec3_scale(half[axis], 2.0f / cells);
+        if (size[axis] > 1) {
+            frame.origin.x -= (double)half[axis].x;
+            frame.origin.y -= (double)half[axis].y;
+            frame.origin.z -= (double)half[axis].z;
+        }
+    }
+    return frame;
+}
+
+uint32_t lmb_local_frame_count(const lmb_local_frame *frame)
+{
+    return frame->size[0] * frame->size[1] * frame->size[2];
+}
+
+lmb_vec3d lmb_local_frame_position(const lmb_local_frame *frame, uint32_t probe)
+{
+    const uint32_t at[3] = {probe % frame->size[0], probe / frame->size[0] % frame->size[1],
+                            probe / frame->size[0] / frame->size[1]};
+    lmb_vec3d position = frame->origin;
+    for (int axis = 0; axis < 3; ++axis) {
+        position.x += (double)at[axis] * (double)frame->step[axis].x;
+        position.y += (double)at[axis] * (double)frame->step[axis].y;
+        position.z += (double)at[axis] * (double)frame->step[axis].z;
+    }
+    return position;
+}
+
+uint32_t lmb_local_set_resample(const lmb_volume *volume, const lmb_local_frame *frame, lmb_sh3_rgb *radiance,
+                                float (*visibility)[LMB_KEY_LIGHTS_MOST])
+{
+    assert(volume && frame && radiance);
+    enum { BATCH = 64 };
+    const uint32_t count = lmb_local_frame_count(frame);
+    uint32_t inside_count = 0;
+    for (uint32_t first = 0; first < count; first += BATCH) {
+        const uint32_t some = count - first < BATCH ? count - first : BATCH;
+        lmb_vec3d position[BATCH];
+        bool inside[BATCH];
+        for (uint32_t i = 0; i < some; ++i) {
+            position[i] = lmb_local_frame_position(frame, first + i);
+        }
+        lmb_volume_sample_batch(volume, position, some, radiance + first, visibility ? visibility + first : NULL,
+                                inside);
+        for (uint32_t i = 0; i < some; ++i) {
+            inside_count += inside[i];
+        }
+    }
+    return inside_count;
+}
+
+/* The cell along an axis that a position's distance from the origin is in, and where in it. */
+static uint32_t cell_along(const lmb_local_frame *frame, int axis, lmb_vec3 way, float *fraction)
+{
+    const lmb_vec3 step = frame->step[axis];
+    const float last = (float)(frame->size[axis] - 1), squared = lmb_vec3_dot(step, step);
+    float at = squared > 0.0f ? lmb_vec3_dot(way, step) / squared : 0.0f;
+    at = at > 0.0f ? at : 0.0f; /* NaN too */
+    at = at < last ? at : last;
+    const uint32_t cell = (uint32_t)at < frame->size[axis] - 1 ? (uint32_t)at : frame->size[axis] - 1;
+    *fraction = at - (float)cell;
+    return cell;
+}
+
+void lmb_local_set_sample(const lmb_local_frame *frame, const lmb_sh3_rgb *radiance, lmb_vec3d position,
+                          lmb_sh3_rgb *light)
+{
+    assert(frame && radiance && light);
+    const lmb_vec3 way = {(float)(position.x - frame->origin.x), (float)(position.y - frame->origin.y),
+                          (float)(position.z - frame->origin.z)};
+    uint32_t cell[3];
+    float t[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        cell[axis] = cell_along(frame, axis, way, &t[axis]);
+    }
+    memset(light, 0, sizeof *light);
+    for (uint32_t corner = 0; corner < 8; ++corner) {
+        float weight = 1.0f;
+        uint32_t at[3];
+        for (uint32_t axis = 0; axis < 3; ++axis) {
+            const uint32_t high = corner >> axis & 1u;
+            weight *= high ? t[axis] : 1.0f - t[axis];
+            at[axis] = cell[axis] + high;
+        }
+        if (weight > 0.0f) { /* where it is not, there may be no probe */
+            const lmb_sh3_rgb *const from = &radiance[at[0] + frame->size[0] * (at[1] + frame->size[1] * at[2])];
+            for (int i = 0; i < 3 * LMB_SH3_COUNT; ++i) {
+                light->channel[i / LMB_SH3_COUNT].c[i % LMB_SH3_COUNT] +=
+                    weight * from->channel[i / LMB_SH3_COUNT].c[i % LMB_SH3_COUNT];
+            }
+        }
+    }
+}

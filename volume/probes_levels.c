@@ -1,0 +1,161 @@
+/* Levels beside each other: which cells light is interpolated in, and the probes of a finer level on a coarser one's
+ * cells. These have no light of their own but the coarser cell's interpolation, so that there is no step between. */
+#include <lambent/probes.h>
+
+#include "volume_internal.h"
+
+#include <assert.h>
+#include <string.h>
+
+/* Whether the probes of any of a block's points, or a cut, make one of its cells be there. */
+static bool block_has_cell(const lmb_probes *probes, uint32_t level, const int32_t at[3])
+{
+    const lmb_probe_level *const own = &probes->level[level];
+    const lmb_probe_block *const points = lmb_probe_index_block(&own->index, at);
+    const lmb_probe_block *const cuts = lmb_probe_index_block(&own->cut, at);
+    for (int within = 0; within < LMB_PROBE_BLOCK_POINTS; ++within) {
+        const int32_t cell[3] = {at[0] * LMB_PROBE_BLOCK + within % LMB_PROBE_BLOCK,
+                                 at[1] * LMB_PROBE_BLOCK + within / LMB_PROBE_BLOCK % LMB_PROBE_BLOCK,
+                                 at[2] * LMB_PROBE_BLOCK + within / LMB_PROBE_BLOCK / LMB_PROBE_BLOCK};
+        const double first[3] = {0.0};
+        int32_t corner[8];
+        if ((cuts && cuts->probe[within] >= 0) ||
+            (points && points->probe[within] >= 0 && lmb_probes_cell_corners(probes, level, cell, first, corner))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whether there is a cell of a level, or of a finer one, within 4 x 4 x 4 of its cells, the first at 4 `at`. */
+static bool brick_has_cell(const lmb_probes *probes, uint32_t level, const int32_t at[3])
+{
+    bool has = block_has_cell(probes, level, at);
+    for (int part = 0; part < 8 && level > 0 && !has; ++part) {
+        const int32_t finer[3] = {2 * at[0] + (part & 1), 2 * at[1] + (part >> 1 & 1), 2 * at[2] + (part >> 2)};
+        has = brick_has_cell(probes, level - 1, finer);
+    }
+    return has;
+}
+
+/* Rounded down. */
+static int32_t divided(int32_t point, uint32_t power_of_two)
+{
+    const uint32_t rest = (uint32_t)point & (power_of_two - 1);
+    return (int32_t)(((int64_t)point - rest) / power_of_two);
+}
+
+bool lmb_probes_leaf_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
+                             int32_t probe[8])
+{
+    if (!lmb_probes_cell_corners(probes, level, cell, fraction, probe)) {
+        return false;
+    }
+    const int32_t cube[3] = {divided(cell[0], 2), divided(cell[1], 2), divided(cell[2], 2)};
+    return level == 0 || !brick_has_cell(probes, level - 1, cube);
+}
+
+bool lmb_probes_level_has(const lmb_probes *probes, uint32_t level, const int32_t cell[3])
+{
+    assert(probes && level < probes->level_count && cell);
+    bool has = true;
+    int32_t cube[3] = {divided(cell[0], 2), divided(cell[1], 2), divided(cell[2], 2)};
+    for (uint32_t at = level; at < probes->level_count && has; ++at) {
+        has = at == 0 || brick_has_cell(probes, at - 1, cube) == (at > level);
+        for (int axis = 0; axis < 3; ++axis) {
+            cube[axis] = divided(cube[axis], 2);
+        }
+    }
+    return has;
+}
+
+bool lmb_probes_cell_is_leaf(const lmb_probes *probes, uint32_t level, const int32_t cell[3])
+{
+    assert(probes && level < probes->level_count && cell);
+    const double first[3] = {0.0};
+    int32_t corner[8];
+    return lmb_probes_leaf_corners(probes, level, cell, first, corner);
+}
+
+/* The same for the cells of a coarser level that touch a point, `step` of whose spacings are one of its own. */
+static bool hangs_on_level(const lmb_probes *probes, const int32_t point[3], uint32_t level, uint32_t step,
+                           lmb_probe_parents *parents)
+{
+    for (int side = 0; side < 8; ++side) {
+        int32_t cell[3];
+        double fraction[3];
+        bool touches = true;
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool below = (side >> axis & 1) != 0;
+            const uint32_t rest = (uint32_t)point[axis] & (step - 1);
+            cell[axis] = divided(point[axis], step) - below;
+            fraction[axis] = below ? 1.0 : (double)rest / step;
+            touches = touches && !(below && rest != 0);
+        }
+        if (touches && lmb_probes_leaf_corners(probes, level, cell, fraction, parents->probe)) {
+            for (int corner = 0; corner < 8; ++corner) {
+                parents->weight[corner] = (corner & 1 ? fraction[0] : 1.0 - fraction[0]) *
+                                          (corner & 2 ? fraction[1] : 1.0 - fraction[1]) *
+                                          (corner & 4 ? fraction[2] : 1.0 - fraction[2]);
+            }
+            return true;
+        }
+    }
+    return false;
+}
+
+bool lmb_probes_hangs(const lmb_probes *probes, int32_t probe, lmb_probe_parents *parents)
+{
+    assert(probes && probe >= 0 && probe < probes->count && parents);
+    if (probe >= probes->count - probes->ghost_count) {
+        return false;
+    }
+    const uint32_t own = (uint32_t)(lmb_probes_level_of(probes, probe) - probes->level);
+    bool hangs = false;
+    for (uint32_t level = probes->level_count - 1; level > own && !hangs; --level) {
+        hangs = level - own < 31 &&
+                hangs_on_level(probes, probes->point[probe], level, UINT32_C(1) << (level - own), parents);
+    }
+    return hangs;
+}
+
+static void probe_hang(lmb_probes *probes, int32_t probe, const lmb_probe_parents *parents)
+{
+    for (uint32_t set = 0; set < probes->set_count; ++set) {
+        lmb_sh3_rgb *const light = probes->radiance[set];
+        for (int i = 0; i < 3 * LMB_SH3_COUNT; ++i) {
+            const int channel = i / LMB_SH3_COUNT, k = i % LMB_SH3_COUNT;
+            double sum = 0.0;
+            for (int corner = 0; corner < 8; ++corner) {
+                sum += parents->weight[corner] * (double)light[parents->probe[corner]].channel[channel].c[k];
+            }
+            light[probe].channel[channel].c[k] = (float)sum;
+        }
+    }
+    for (int key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
+        double sum = 0.0;
+        for (int corner = 0; corner < 8; ++corner) {
+            sum += parents->weight[corner] * (double)probes->key_visibility[parents->probe[corner]][key];
+        }
+        probes->key_visibility[probe][key] = sum < 1.0 ? (float)sum : 1.0f;
+    }
+}
+
+void lmb_probes_hang_level(lmb_probes *probes, uint32_t level)
+{
+    const lmb_probe_level *const own = &probes->level[level];
+    for (int32_t probe = own->first; probe < own->first + own->count; ++probe) {
+        lmb_probe_parents parents;
+        if (lmb_probes_hangs(probes, probe, &parents)) {
+            probe_hang(probes, probe, &parents);
+        }
+    }
+}
+
+void lmb_probes_hang(lmb_probes *probes)
+{
+    assert(probes);
+    for (uint32_t level = probes->level_count; level-- > 0;) {
+        lmb_probes_hang_level(probes, level);
+    }
+}
