@@ -22,7 +22,8 @@ lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_regions *re
     }
     for (int32_t i = 0; i < probes->count - probes->ghost_count; ++i) {
         lmb_probe_parents parents;
-        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY && !lmb_probes_hangs(probes, i, &parents)) {
+        const bool hangs = regions ? lmb_regions_hangs(regions, i) : lmb_probes_hangs(probes, i, &parents);
+        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY && !hangs) {
             list->probe[list->probe_count++] = i;
         }
     }
@@ -91,6 +92,14 @@ lmb_result lmb_probe_list_denoise(const lmb_probe_list *list, lmb_pool *pool, co
     return result;
 }
 
+static void probes_fill(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes)
+{
+    for (size_t i = 0; i < list->probe_count; ++i) {
+        probes->radiance[list->set][list->probe[i]] = gathered[i].moments;
+        memcpy(probes->key_visibility[list->probe[i]], gathered[i].key_visibility, sizeof gathered[i].key_visibility);
+    }
+}
+
 lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_pool *pool,
                                  lmb_probes *probes)
 {
@@ -98,19 +107,15 @@ lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered 
         return LMB_ERROR_ARGUMENT;
     }
     probes->key_light_count = lmb_scene_key_lights(lmb_tracer_scene(list->tracer), probes->key_light);
-    for (size_t i = 0; i < list->probe_count; ++i) {
-        probes->radiance[list->set][list->probe[i]] = gathered[i].moments;
-        memcpy(probes->key_visibility[list->probe[i]], gathered[i].key_visibility, sizeof gathered[i].key_visibility);
-    }
+    probes_fill(list, gathered, probes);
     /* The list's set alone: others have been fitted where this one is dilated. */
     lmb_probes own = *probes;
     own.set_count = 1;
     own.radiance = &probes->radiance[list->set];
     lmb_result result = lmb_probes_dilate(&own);
-    /* What hangs on a coarser level is known to a finer one when the coarser one is fitted. */
-    for (uint32_t level = 0; level < probes->level_count && list->regions && result == LMB_OK; ++level) {
+    if (result == LMB_OK && list->regions) {
+        probes_fill(list, gathered, probes); /* dilation takes a probe at a coarser cell's wall for one of its own */
         result = lmb_regions_fit(list->regions, gathered + list->probe_count, list->set, pool, probes);
-        lmb_probes_hang(&own);
     }
     return result;
 }

@@ -40,13 +40,6 @@ typedef struct fit_job {
     bool failed[4];   /* [task] out of memory */
 } fit_job;
 
-static void point_weights(const float t[3], float weight[8])
-{
-    for (int i = 0; i < 8; ++i) {
-        weight[i] = (i & 1 ? t[0] : 1.0f - t[0]) * (i & 2 ? t[1] : 1.0f - t[1]) * (i & 4 ? t[2] : 1.0f - t[2]);
-    }
-}
-
 /* What values of a region are held by: sums that are about 0, of four corners of a face or of the two of an edge. */
 typedef struct hold {
     int count, corner[4];
@@ -94,7 +87,7 @@ static void products_add(const lmb_regions *regions, const matrix_sink *sink)
     for (size_t i = 0; i < regions->point_count; ++i) {
         const int32_t *const corner = regions->corner[regions->point[i].region];
         float weight[8];
-        point_weights(regions->point[i].t, weight);
+        lmb_region_weights(regions->point[i].t, weight);
         for (int k = 0; k < 64; ++k) {
             sink_add(sink, unknown[corner[k / 8]], unknown[corner[k % 8]],
                      (double)weight[k / 8] * (double)weight[k % 8]);
@@ -225,7 +218,7 @@ static void right_make(const fit_job *job, size_t task, double (*right)[LANES])
     for (size_t i = 0; i < regions->point_count; ++i) {
         const int32_t *const corner = regions->corner[regions->point[i].region];
         float weight[8];
-        point_weights(regions->point[i].t, weight);
+        lmb_region_weights(regions->point[i].t, weight);
         gathered_get(job, task, i, value);
         for (int c = 0; c < 8; ++c) {
             if (unknown[corner[c]] < 0) {
@@ -358,11 +351,29 @@ static void coefficients_fit(void *context, size_t task, int worker)
     free(vectors);
 }
 
+/* Sets what hangs on coarser levels. */
+static void values_hang(const fit_job *job, size_t tasks)
+{
+    for (size_t i = 0; i < job->regions->hanging_count; ++i) {
+        const lmb_region_hanging *const hanging = &job->regions->hanging[i];
+        for (size_t task = 0; task < tasks; ++task) {
+            double sum[LANES] = {0.0}, parent[LANES];
+            for (int c = 0; c < 8; ++c) {
+                value_get(job, task, hanging->parent[c], parent);
+                for (int k = 0; k < LANES; ++k) {
+                    sum[k] += (double)hanging->weight[c] * parent[k];
+                }
+            }
+            value_set(job, task, hanging->value, sum);
+        }
+    }
+}
+
 lmb_result lmb_regions_fit(const lmb_regions *regions, const lmb_gathered *gathered, uint32_t set, lmb_pool *pool,
                            lmb_probes *probes)
 {
     const size_t rows = regions->unknown_count;
-    if (rows == 0) {
+    if (rows == 0 && regions->hanging_count == 0) {
         return LMB_OK;
     }
     fit_job job = {.regions = regions,
@@ -370,14 +381,17 @@ lmb_result lmb_regions_fit(const lmb_regions *regions, const lmb_gathered *gathe
                    .probes = probes,
                    .set = set,
                    .matrix.first = malloc((rows + 1) * sizeof *job.matrix.first),
-                   .diagonal = malloc(rows * sizeof *job.diagonal)};
+                   .diagonal = malloc((rows + 1) * sizeof *job.diagonal)};
     lmb_result result = LMB_ERROR_MEMORY;
     if (job.matrix.first && job.diagonal) {
         result = matrix_make(regions, &job.matrix, job.diagonal);
     }
-    if (result == LMB_OK) {
+    /* Each pass, one more level hangs on those that are done. */
+    for (uint32_t pass = 0; pass < probes->level_count && result == LMB_OK; ++pass) {
+        values_hang(&job, probes->key_light_count > 0 ? 4 : 3);
         result = lmb_pool_run(pool, probes->key_light_count > 0 ? 4 : 3, coefficients_fit, &job, "probes", NULL);
     }
+    values_hang(&job, probes->key_light_count > 0 ? 4 : 3);
     for (int i = 0; i < 4; ++i) {
         result = job.failed[i] ? LMB_ERROR_MEMORY : result;
     }

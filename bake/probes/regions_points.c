@@ -115,7 +115,7 @@ static void unknown_find(const lmb_region_work *all, uint32_t *kept)
         bool any = false;
         for (int corner = 0; corner < 8 && all->reached[region]; ++corner) {
             const int32_t value = all->corner[region][corner];
-            if (is_unknown(all->probes, value)) {
+            if (is_unknown(all->probes, value) && !made->hangs[value]) {
                 any = true;
                 if (made->unknown_of[value] < 0) {
                     made->unknown[made->unknown_count] = value;
