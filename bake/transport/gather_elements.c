@@ -12,6 +12,21 @@ static bool effort_adapts(const lmb_gather_effort *effort)
     return effort->max_samples > effort->samples;
 }
 
+/* Of brief elements: a quarter of the samples, with (1/4)^(-2/3) times the error. */
+#define BRIEF_PART 4
+#define BRIEF_ERROR 2.52
+
+static lmb_gather_effort effort_of(const lmb_gather_effort *effort, const lmb_gather_site *site)
+{
+    lmb_gather_effort own = *effort;
+    if (site->brief) {
+        own.samples = (effort->samples + BRIEF_PART - 1) / BRIEF_PART;
+        own.max_samples = (effort->max_samples + BRIEF_PART - 1) / BRIEF_PART;
+        own.tolerance *= BRIEF_ERROR;
+    }
+    return own;
+}
+
 static uint32_t effort_pilot(const lmb_gather_effort *effort)
 {
     return lmb_replicate_share(effort->samples, effort_adapts(effort) ? LMB_GATHER_BLOCK : 1);
@@ -91,9 +106,10 @@ static pilot_sums group_begin(const lmb_gather_job *job, size_t first, uint32_t 
     for (uint32_t i = 0; i < count; ++i) {
         lmb_gather_site *site = &work->site[i];
         site->rays = 0;
-        site->moved = false;
+        site->moved = site->brief = false;
         list->find_site(list->context, first + i, site);
-        lmb_sh3_sums_begin(job->transport, site->point, site->count, effort_pilot(job->effort), &work->sums[i]);
+        const lmb_gather_effort effort = effort_of(job->effort, site);
+        lmb_sh3_sums_begin(job->transport, site->point, site->count, effort_pilot(&effort), &work->sums[i]);
         lmb_sh3_sums_combine(&work->sums[i], &gathered[i]);
         pilot_sums_add(&all, job->effort, &gathered[i], 1.0);
     }
@@ -103,10 +119,10 @@ static pilot_sums group_begin(const lmb_gather_job *job, size_t first, uint32_t 
 static void group_gather(const lmb_gather_job *job, size_t first, uint32_t count, group_work *work,
                          lmb_gathered *gathered)
 {
-    const lmb_gather_effort *effort = job->effort;
     const pilot_sums all = group_begin(job, first, count, work, gathered);
-    for (uint32_t i = 0; i < count && effort_adapts(effort); ++i) {
-        const uint32_t share = share_by_others(effort, all, &gathered[i], count);
+    for (uint32_t i = 0; i < count && effort_adapts(job->effort); ++i) {
+        const lmb_gather_effort effort = effort_of(job->effort, &work->site[i]);
+        const uint32_t share = share_by_others(&effort, all, &gathered[i], count);
         if (share > work->sums[i].taken) {
             lmb_sh3_sums_continue(job->transport, work->site[i].point, share, &work->sums[i]);
             lmb_sh3_sums_combine(&work->sums[i], &gathered[i]);

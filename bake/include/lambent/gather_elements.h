@@ -32,6 +32,7 @@ typedef struct lmb_gather_site {
     lmb_gather_point *point; /* room for the list's `most_points` */
     uint32_t count;          /* to be set, > 0 */
     bool moved;              /* to be set: out of a solid */
+    bool brief;              /* to be set: a quarter of the samples will do */
     uint64_t rays;           /* to be added to */
 } lmb_gather_site;
 
