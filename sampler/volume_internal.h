@@ -4,50 +4,78 @@
 
 #include <lambent/lattice.h>
 #include <lambent/volume.h>
+#include <lambent/volume_format.h>
 
 #include "volume_kernel.h"
 
-/* A cell of the lattice by its first point, and where in it a position is, 0 to 1. */
-typedef struct lmb_cell {
-    uint32_t at[3];
-    float t[4]; /* the last is anything finite */
-} lmb_cell;
-
-/* Fields of three axes have a fourth one, 0, where kernels read four at once. */
+/* Positions are told in spacings of the finest level from the origin, a point that every level has cells at: a cell's
+ * number within its brick is then the last bits of that. Fields of three axes have a fourth one, 0, where kernels read
+ * four at once. */
 struct lmb_volume {
     const lmb_volume_kernel *kernel;
     const uint32_t *directory;
-    const unsigned char *bricks; /* each with what follows it */
-    size_t brick_stride;
-    const lmb_volume_keys *keys; /* NULL: none */
+    const lmb_volume_brick *bricks;
+    const unsigned char *probes;
+    const uint8_t *seen; /* of key lights: [probe][light] */
+    size_t first_entry;  /* that blocks counted from the origin have more than the directory: its first block's */
+    size_t entry_step[2];
     double inverse_spacing;
-    double slack;         /* lattice units that a float position near a lattice point may be off it */
-    double min[4];        /* lattice coordinates */
-    double last[4];       /* of the box's last point, relative to min */
-    double nearest[4];    /* that counts as inside: -slack, */
-    double farthest[4];   /* to last + slack */
-    int32_t last_cell[4]; /* >= 0 even where the box is one point thick */
-    size_t bricks_along[3];
-    size_t brick_step[2]; /* directory entries from a brick to the next one along y and z */
+    double origin[4];     /* lattice coordinates */
+    double first[4];      /* of the box's first point, from the origin */
+    double last[4];       /* and of its last one */
+    double nearest[4];    /* that counts as inside: a little before the first, as positions in floats round */
+    double farthest[4];   /* and a little behind the last */
+    int32_t last_cell[4]; /* from the origin; >= 0 even where the box is one point thick */
     float scale;
-    lmb_volume_header header;
+    const uint32_t *cut_offsets; /* in words of 4 bytes */
+    const uint32_t *cuts;
+    const lmb_volume_header *header;
     void *mapping;     /* NULL when the caller owns the bytes */
     bool is_allocated; /* false when the caller gave the handle's memory */
 };
 
-static inline const lmb_volume_brick *lmb_volume_brick_at(const lmb_volume *volume, uint32_t index)
+/* The brick at a cell, counted from the origin, and its level; NULL: there is none. */
+static inline const lmb_volume_brick *lmb_volume_brick_at(const lmb_volume *volume, const uint32_t cell[3],
+                                                          uint32_t *level)
 {
-    return (const lmb_volume_brick *)(volume->bricks + index * volume->brick_stride);
+    const size_t entry = (cell[0] >> 2) + volume->entry_step[0] * (cell[1] >> 2) +
+                         volume->entry_step[1] * (cell[2] >> 2) - volume->first_entry;
+    const uint32_t word = volume->directory[entry];
+    *level = word >> LMB_VOLUME_LEVEL_SHIFT;
+    const uint32_t number = word & ((UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT) - 1);
+    return word == LMB_VOLUME_NO_BRICK ? NULL : &volume->bricks[number];
 }
 
-/* Of each key light, from the brick itself on. */
-static inline const lmb_brick_visibility *lmb_volume_brick_visibility(const lmb_volume_brick *brick)
+/* How many bits are set. */
+static inline uint32_t lmb_volume_bits(uint64_t bits)
 {
-    return (const lmb_brick_visibility *)(brick + 1);
+    bits -= bits >> 1 & UINT64_C(0x5555555555555555);
+    bits = (bits & UINT64_C(0x3333333333333333)) + (bits >> 2 & UINT64_C(0x3333333333333333));
+    bits = (bits + (bits >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f);
+    return (uint32_t)(bits * UINT64_C(0x0101010101010101) >> 56);
 }
 
-/* Verifies the file in memory wholly and sets header, keys, directory, bricks, last_cell and bricks_along. Needs no
- * memory.
+/* The record of a brick's cut cell. */
+static inline const lmb_volume_cut *lmb_volume_cut_at(const lmb_volume *volume, const lmb_volume_brick *brick,
+                                                      uint32_t cell)
+{
+    const uint32_t before = lmb_volume_bits(brick->cut & ((UINT64_C(1) << cell) - 1));
+    return (const lmb_volume_cut *)(volume->cuts + volume->cut_offsets[brick->cut_first + before]);
+}
+
+/* The eight probes of a record's region, and its planes. */
+static inline const uint32_t *lmb_volume_cut_corners(const lmb_volume_cut *cut, uint32_t region)
+{
+    return (const uint32_t *)(cut + 1) + 8 * region;
+}
+
+static inline const lmb_cell_plane *lmb_volume_cut_planes(const lmb_volume_cut *cut)
+{
+    return (const lmb_cell_plane *)lmb_volume_cut_corners(cut, cut->region_count);
+}
+
+/* Verifies the file in memory wholly and sets header, directory, bricks, probes, seen and what there is of cut cells.
+ * Needs no memory.
  * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM */
 lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume *volume);
 

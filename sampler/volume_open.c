@@ -8,26 +8,34 @@
 _Static_assert(sizeof(lmb_volume) <= sizeof(lmb_volume_storage), "a handle fits what callers give for it");
 _Static_assert(_Alignof(lmb_volume) <= _Alignof(lmb_volume_storage), "and is aligned there");
 
-/* What sampling needs, from a sane header. */
+/* What sampling needs, from a file that was verified. */
 static void derive_constants(lmb_volume *volume)
 {
-    const lmb_volume_header *const header = &volume->header;
+    const lmb_volume_header *const header = volume->header;
+    const int32_t coarsest = LMB_BRICK_CELLS << (header->level_count - 1);
+    size_t first_block[3];
     double farthest = 1.0;
     for (int axis = 0; axis < 3; ++axis) {
-        volume->min[axis] = header->min[axis];
-        volume->last[axis] = header->size[axis] - 1.0;
-        farthest = fmax(farthest, fmax(fabs(volume->min[axis]), fabs(volume->min[axis] + volume->last[axis])));
+        const int32_t origin = lmb_volume_floor_divide(header->min[axis], coarsest) * coarsest;
+        const int32_t first = header->min[axis] - origin;
+        volume->origin[axis] = origin;
+        volume->first[axis] = first;
+        volume->last[axis] = first + (header->size[axis] - 1.0);
+        volume->last_cell[axis] = header->size[axis] > 1 ? first + (header->size[axis] - 2) : first;
+        first_block[axis] = (size_t)(first / LMB_BRICK_CELLS);
+        farthest =
+            fmax(farthest, fmax(fabs((double)header->min[axis]), fabs(header->min[axis] + (header->size[axis] - 1.0))));
     }
+    /* Four times the rounding of a float of that size, and never a share of a cell that matters. */
+    const double slack = fmin(farthest * 0x1p-22, 0x1p-6);
+    for (int axis = 0; axis < 4; ++axis) {
+        volume->nearest[axis] = volume->first[axis] - slack;
+        volume->farthest[axis] = volume->last[axis] + slack;
+    }
+    volume->first_entry =
+        first_block[0] + volume->entry_step[0] * first_block[1] + volume->entry_step[1] * first_block[2];
     volume->inverse_spacing = 1.0 / (double)header->spacing;
     volume->scale = header->scale;
-    /* Four times the rounding of a float of that size, and never a share of a cell that matters. */
-    volume->slack = fmin(farthest * 0x1p-22, 0x1p-6);
-    for (int axis = 0; axis < 4; ++axis) {
-        volume->nearest[axis] = -volume->slack;
-        volume->farthest[axis] = volume->last[axis] + volume->slack;
-    }
-    volume->brick_step[0] = volume->bricks_along[0];
-    volume->brick_step[1] = volume->bricks_along[0] * volume->bricks_along[1];
     volume->kernel = lmb_volume_kernel_choose();
 }
 
@@ -90,7 +98,7 @@ void lmb_volume_close(lmb_volume *volume)
 {
     if (volume) {
         if (volume->mapping) {
-            lmb_volume_unmap(volume->mapping, (size_t)volume->header.file_bytes);
+            lmb_volume_unmap(volume->mapping, (size_t)volume->header->file_bytes);
         }
         if (volume->is_allocated) {
             free(volume);
@@ -101,7 +109,7 @@ void lmb_volume_close(lmb_volume *volume)
 lmb_volume_info lmb_volume_get_info(const lmb_volume *volume)
 {
     assert(volume);
-    const lmb_volume_header *const header = &volume->header;
+    const lmb_volume_header *const header = volume->header;
     const lmb_lattice lattice = {.spacing = header->spacing,
                                  .min = {header->min[0], header->min[1], header->min[2]},
                                  .size = {header->size[0], header->size[1], header->size[2]}};
@@ -115,24 +123,30 @@ lmb_volume_info lmb_volume_get_info(const lmb_volume *volume)
         .bounds_max = lmb_lattice_position(&lattice, last),
         .scale = header->scale,
         .file_bytes = header->file_bytes,
-        .key_light_count = volume->keys ? volume->keys->count : 0,
+        .key_light_count = header->key_light_count,
+        .level_count = header->level_count,
+        .cut_count = header->cut_count,
     };
 }
 
 uint32_t lmb_volume_key_lights(const lmb_volume *volume, lmb_key_light light[LMB_KEY_LIGHTS_MOST])
 {
     assert(volume && light);
-    if (!volume->keys) {
-        memset(light, 0, LMB_KEY_LIGHTS_MOST * sizeof *light);
-        return 0;
-    }
-    memcpy(light, volume->keys->light, sizeof volume->keys->light);
-    return volume->keys->count;
+    memcpy(light, volume->header->key_light, sizeof volume->header->key_light);
+    return volume->header->key_light_count;
 }
 
 float lmb_volume_spacing_at(const lmb_volume *volume, lmb_vec3d position)
 {
     assert(volume);
-    (void)position; /* the format has one spacing */
-    return volume->header.spacing;
+    const double in[3] = {position.x, position.y, position.z};
+    uint32_t cell[3], level;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double at = in[axis] * volume->inverse_spacing - volume->origin[axis];
+        const double clamped = at > volume->first[axis] ? fmin(at, volume->last[axis]) : volume->first[axis];
+        const int32_t whole = (int32_t)clamped;
+        cell[axis] = (uint32_t)(whole < volume->last_cell[axis] ? whole : volume->last_cell[axis]);
+    }
+    return lmb_volume_brick_at(volume, cell, &level) ? ldexpf(volume->header->spacing, (int)level)
+                                                     : volume->header->spacing;
 }

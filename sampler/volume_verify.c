@@ -8,45 +8,36 @@
 #error "the .lmb file is used in place and is little-endian"
 #endif
 _Static_assert(sizeof(lmb_volume_header) == LMB_VOLUME_HEADER_BYTES, "the header has no padding");
-_Static_assert(sizeof(lmb_volume_keys) == LMB_VOLUME_KEYS_BYTES, "nor have key lights");
-_Static_assert(sizeof(lmb_volume_brick) == LMB_BRICK_BYTES, "a brick has no padding");
-_Static_assert(sizeof(lmb_brick_visibility) == LMB_BRICK_KEY_BYTES, "nor has what follows it");
+_Static_assert(sizeof(lmb_volume_brick) == 128, "a brick's head is two cache lines");
+_Static_assert(sizeof(lmb_volume_cut) == 4 && sizeof(lmb_cell_plane) == 10, "nor has a cut cell any");
 
-/* Of the header with key lights. */
-static uint32_t header_bytes(uint32_t version)
+/* What can be said before anything else is trusted. */
+static lmb_result check_envelope(const unsigned char *data, size_t size)
 {
-    return version == LMB_VOLUME_VERSION_WITH_KEYS ? LMB_VOLUME_HEADER_BYTES + LMB_VOLUME_KEYS_BYTES
-                                                   : LMB_VOLUME_HEADER_BYTES;
-}
-
-/* Magic, version, size and checksum: are these the bytes that were written, and can this library read them? */
-static lmb_result check_envelope(const unsigned char *data, size_t size, lmb_volume_header *header)
-{
-    const size_t magic_size = size < LMB_VOLUME_MAGIC_SIZE ? size : LMB_VOLUME_MAGIC_SIZE;
-    if (memcmp(data, LMB_VOLUME_MAGIC, magic_size) != 0) {
+    const size_t magic_bytes = size < LMB_VOLUME_MAGIC_SIZE ? size : LMB_VOLUME_MAGIC_SIZE;
+    if (memcmp(data, LMB_VOLUME_MAGIC, magic_bytes) != 0) {
         return LMB_ERROR_FORMAT;
     }
+    const lmb_volume_header *header;
     uint32_t version;
     if (size < LMB_VOLUME_MAGIC_SIZE + sizeof version) {
         return LMB_ERROR_TRUNCATED;
     }
     memcpy(&version, data + LMB_VOLUME_MAGIC_SIZE, sizeof version);
-    if (version != LMB_VOLUME_VERSION && version != LMB_VOLUME_VERSION_WITH_KEYS) {
-        return version > LMB_VOLUME_VERSION_WITH_KEYS ? LMB_ERROR_VERSION : LMB_ERROR_FORMAT;
+    if (version != LMB_VOLUME_VERSION) {
+        return LMB_ERROR_VERSION;
     }
-    if (size < header_bytes(version)) {
+    if (size < sizeof *header) {
         return LMB_ERROR_TRUNCATED;
     }
-    memcpy(header, data, sizeof *header);
-    if (header->header_bytes != header_bytes(version) || header->file_bytes < header_bytes(version) ||
-        header->file_bytes < size) {
+    header = (const lmb_volume_header *)data;
+    if (header->header_bytes != sizeof *header || header->file_bytes < sizeof *header || header->file_bytes < size) {
         return LMB_ERROR_FORMAT;
     }
     if (header->file_bytes > size) {
         return LMB_ERROR_TRUNCATED;
     }
-    const uint64_t checksum =
-        lmb_volume_hash(LMB_VOLUME_HASH_SEED, data + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
+    const uint64_t checksum = lmb_volume_hash(data + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
     return checksum == header->checksum ? LMB_OK : LMB_ERROR_CHECKSUM;
 }
 
@@ -60,22 +51,19 @@ static bool key_light_is_sane(const lmb_key_light *light)
     return sane;
 }
 
-static bool keys_are_sane(const lmb_volume_keys *keys)
+static bool key_lights_are_sane(const lmb_volume_header *header)
 {
     static const lmb_key_light none = {{0.0f, 0.0f, 0.0f}, {{0.0f, 0.0f, 0.0f}}};
-    bool sane = keys->count >= 1 && keys->count <= LMB_KEY_LIGHTS_MOST;
-    for (size_t i = 0; i < sizeof keys->reserved / sizeof keys->reserved[0]; ++i) {
-        sane = sane && keys->reserved[i] == 0;
-    }
+    bool sane = header->key_light_count <= LMB_KEY_LIGHTS_MOST;
     for (uint32_t i = 0; i < LMB_KEY_LIGHTS_MOST; ++i) {
-        sane = sane && (i < keys->count ? key_light_is_sane(&keys->light[i])
-                                        : memcmp(&keys->light[i], &none, sizeof none) == 0);
+        const lmb_key_light *const light = &header->key_light[i];
+        sane = sane && (i < header->key_light_count ? key_light_is_sane(light) : !memcmp(light, &none, sizeof none));
     }
     return sane;
 }
 
-/* Every number of the header by itself; `stride` of bricks with what follows them. */
-static bool header_is_sane(const lmb_volume_header *header, size_t stride)
+/* Every number of the header by itself. */
+static bool header_is_sane(const lmb_volume_header *header)
 {
     int exponent;
     if (!isfinite(header->spacing) || header->spacing <= 0.0f || !isfinite(header->scale) ||
@@ -83,158 +71,168 @@ static bool header_is_sane(const lmb_volume_header *header, size_t stride)
         exponent - 1 < -LMB_VOLUME_MAX_SCALE_LOG2) {
         return false;
     }
-    for (int axis = 0; axis < 3; ++axis) {
-        const int64_t first = header->min[axis];
-        const int64_t last = first + header->size[axis] - 1;
-        if (header->size[axis] < 1 || last > INT32_MAX || !isfinite((float)first * header->spacing) ||
-            !isfinite((float)last * header->spacing)) {
-            return false;
-        }
-    }
     for (size_t i = 0; i < sizeof header->reserved / sizeof header->reserved[0]; ++i) {
         if (header->reserved[i] != 0) {
             return false;
         }
     }
-    return header->probe_count > 0 && header->brick_count > 0 && header->brick_bytes == stride &&
-           header->directory_offset == header->header_bytes;
+    return header->level_count >= 1 && header->level_count <= LMB_VOLUME_LEVELS_MOST && header->probe_count > 0 &&
+           header->stored_count > 0 && header->brick_count > 0 &&
+           header->brick_count < UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT && header->probe_bytes == LMB_PROBE_BYTES &&
+           header->cut_bytes % 4 == 0 && header->cut_bytes <= header->file_bytes && key_lights_are_sane(header);
 }
 
-/* Directory and bricks fill the file exactly. Sets bricks_along and *entries. */
-static bool plan_layout(const lmb_volume_header *header, lmb_volume *volume, size_t *entries)
+/* The box in the world, and among cells counted from the origin. */
+static bool box_is_sane(const lmb_volume_header *header)
 {
-    uint64_t count = 1;
+    const int32_t coarsest = LMB_BRICK_CELLS << (header->level_count - 1);
     for (int axis = 0; axis < 3; ++axis) {
-        volume->last_cell[axis] = header->size[axis] > 1 ? header->size[axis] - 2 : 0;
-        volume->bricks_along[axis] = lmb_lattice_bricks_along(header->size[axis]);
-        count *= volume->bricks_along[axis]; /* below 2^32 * 2^30 before the next test */
-        if (count > header->file_bytes / sizeof(uint32_t)) {
-            return false;
-        }
-    }
-    const uint64_t end = header->header_bytes + count * sizeof(uint32_t);
-    const uint64_t bricks_offset = (end + LMB_VOLUME_ALIGNMENT - 1) / LMB_VOLUME_ALIGNMENT * LMB_VOLUME_ALIGNMENT;
-    *entries = (size_t)count;
-    return header->bricks_offset == bricks_offset && header->file_bytes >= bricks_offset &&
-           header->file_bytes - bricks_offset == header->brick_count * (uint64_t)volume->brick_stride;
-}
-
-/* All halfs finite: exponent 31 is infinity or NaN. Those of points without a probe, and the five at the end, are 0. */
-static bool brick_halfs_are_sane(const lmb_volume_brick *brick)
-{
-    uint32_t broken = 0;
-    for (uint32_t point = 0; point < LMB_BRICK_PROBES; ++point) {
-        const uint32_t allowed = lmb_brick_holds(brick, point) ? 0xffffu : 0;
-        for (uint32_t i = 0; i < LMB_BRICK_COEFFICIENTS; ++i) {
-            const uint32_t half = brick->sh[point * LMB_BRICK_COEFFICIENTS + i];
-            broken |= (half & ~allowed) | (uint32_t)((half & 0x7c00u) == 0x7c00u);
-        }
-    }
-    for (uint32_t i = LMB_BRICK_PROBES * LMB_BRICK_COEFFICIENTS; i < sizeof brick->sh / sizeof brick->sh[0]; ++i) {
-        broken |= brick->sh[i];
-    }
-    return broken == 0;
-}
-
-/* What is seen of key lights is 0 at points without a probe, and in the three bytes at the end. */
-static bool brick_visibility_is_sane(const lmb_volume *volume, const lmb_volume_brick *brick)
-{
-    const lmb_brick_visibility *const stored = lmb_volume_brick_visibility(brick);
-    bool sane = true;
-    for (uint32_t key = 0; volume->keys && key < volume->keys->count; ++key) {
-        for (uint32_t point = 0; point < LMB_BRICK_KEY_BYTES; ++point) {
-            const bool held = point < LMB_BRICK_PROBES && lmb_brick_holds(brick, point);
-            sane = sane && (held || stored[key].seen[point] == 0);
-        }
-    }
-    return sane;
-}
-
-static bool complete_cells_are_sane(const lmb_volume_brick *brick)
-{
-    for (uint32_t cell = 0; cell < 64; ++cell) {
-        const uint32_t first =
-            lmb_brick_point(cell % LMB_BRICK_CELLS, cell / LMB_BRICK_CELLS % LMB_BRICK_CELLS, cell / 16);
-        bool complete = true;
-        for (uint32_t corner = 0; corner < 8; ++corner) {
-            complete = complete && lmb_brick_holds(brick, first + lmb_brick_corner(corner));
-        }
-        if (complete != (brick->complete_cells >> cell & 1u)) {
+        const int64_t first = header->min[axis];
+        const int64_t last = first + header->size[axis] - 1;
+        const int64_t origin = (int64_t)lmb_volume_floor_divide(header->min[axis], coarsest) * coarsest;
+        if (last - origin >= INT32_MAX || !isfinite((float)first * header->spacing) ||
+            !isfinite((float)last * header->spacing)) {
             return false;
         }
     }
     return true;
 }
 
-/* Probes of the brick that lie in the box, each counted by one brick only: the one that it is not the far border of,
- * unless the box ends there. @return false when a probe lies outside the box */
-static bool count_probes(const lmb_volume *volume, const lmb_volume_brick *brick, const size_t at[3], uint64_t *count)
+/* All halfs finite: exponent 31 is infinity or NaN. */
+static bool halfs_are_finite(const unsigned char *data, size_t count)
 {
-    for (uint32_t point = 0; point < LMB_BRICK_PROBES; ++point) {
-        if (!lmb_brick_holds(brick, point)) {
-            continue;
-        }
-        const uint32_t local[3] = {point % LMB_BRICK_POINTS, point / LMB_BRICK_POINTS % LMB_BRICK_POINTS,
-                                   point / (LMB_BRICK_POINTS * LMB_BRICK_POINTS)};
-        bool owned = true;
-        for (int axis = 0; axis < 3; ++axis) {
-            if (at[axis] * LMB_BRICK_CELLS + local[axis] >= (size_t)volume->header.size[axis]) {
-                return false;
-            }
-            owned = owned && (local[axis] < LMB_BRICK_CELLS || at[axis] + 1 == volume->bricks_along[axis]);
-        }
-        *count += owned;
+    uint32_t most = 0;
+    for (size_t i = 0; i < count; ++i) {
+        uint16_t half;
+        memcpy(&half, data + i * sizeof half, sizeof half);
+        const uint32_t exponent = half & 0x7c00u;
+        most = exponent > most ? exponent : most;
     }
-    return brick->probes[1] >> (LMB_BRICK_PROBES - 64) == 0;
+    return most < 0x7c00u;
 }
 
-/* The n-th entry that names a brick names brick n; each brick is sane; the header counted right. */
-static bool contents_are_sane(const lmb_volume *volume, size_t entries)
+/* Every word names a brick, at a level that there is. */
+static bool directory_is_sane(const lmb_volume *volume, size_t entries)
 {
-    uint32_t next = 0;
-    uint64_t probe_count = 0;
-    for (size_t entry = 0; entry < entries; ++entry) {
-        if (volume->directory[entry] == LMB_VOLUME_NO_BRICK) {
-            continue;
-        }
-        if (volume->directory[entry] != next || next == volume->header.brick_count) {
-            return false;
-        }
-        const lmb_volume_brick *const brick = lmb_volume_brick_at(volume, next++);
-        const size_t along_x = volume->bricks_along[0], along_y = volume->bricks_along[1];
-        const size_t at[3] = {entry % along_x, entry / along_x % along_y, entry / along_x / along_y};
-        if (!brick_halfs_are_sane(brick) || !brick_visibility_is_sane(volume, brick) ||
-            !complete_cells_are_sane(brick) || !count_probes(volume, brick, at, &probe_count)) {
-            return false;
+    const uint32_t number_bits = (UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT) - 1;
+    uint32_t broken = 0;
+    for (size_t i = 0; i < entries; ++i) {
+        const uint32_t word = volume->directory[i];
+        const uint32_t is_none = word == LMB_VOLUME_NO_BRICK;
+        const uint32_t is_brick = (word & number_bits) < volume->header->brick_count &&
+                                  word >> LMB_VOLUME_LEVEL_SHIFT < volume->header->level_count;
+        broken |= !(is_none | is_brick);
+    }
+    return broken == 0;
+}
+
+/* The points of a row of cells' corners: bits of the cells moved to their low and their high ends. */
+static uint32_t row_points(uint64_t cells, uint32_t y, uint32_t z)
+{
+    uint32_t points = 0;
+    for (uint32_t side = 0; side < 4; ++side) {
+        const uint32_t cell_y = y - (side & 1u), cell_z = z - (side >> 1);
+        if (cell_y < LMB_BRICK_CELLS && cell_z < LMB_BRICK_CELLS) {
+            const uint32_t four = (uint32_t)(cells >> (4 * (cell_y + 4 * cell_z))) & 15u;
+            points |= four | four << 1;
         }
     }
-    const unsigned char *padding = (const unsigned char *)(volume->directory + entries);
-    for (; padding < volume->bricks; ++padding) {
-        if (*padding != 0) {
-            return false;
+    return points;
+}
+
+/* What plain cells interpolate is among the probes. */
+static bool rows_are_sane(const lmb_volume_brick *brick, uint32_t stored_count)
+{
+    static const uint8_t lowest[32] = {0, 0, 1, 0, 2, 0, 1, 0, 3, 0, 1, 0, 2, 0, 1, 0,
+                                       4, 0, 1, 0, 2, 0, 1, 0, 3, 0, 1, 0, 2, 0, 1, 0};
+    static const uint8_t highest[32] = {0, 0, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3,
+                                        4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4};
+    bool sane = true;
+    for (uint32_t z = 0; z < LMB_BRICK_POINTS; ++z) {
+        for (uint32_t y = 0; y < LMB_BRICK_POINTS; ++y) {
+            const uint32_t points = row_points(brick->plain, y, z);
+            const uint32_t start = brick->row[y + LMB_BRICK_POINTS * z];
+            const uint32_t first = start + lowest[points], last = start + highest[points];
+            sane &= points == 0 || (first <= last && last < stored_count);
         }
     }
-    return next == volume->header.brick_count && probe_count == volume->header.probe_count;
+    return sane;
+}
+
+static bool planes_are_sane(const lmb_volume_cut *cut)
+{
+    const lmb_cell_plane *const plane = lmb_volume_cut_planes(cut);
+    bool sane = true;
+    for (uint32_t i = 0; i < cut->plane_count; ++i) {
+        for (int side = 0; side < 2; ++side) {
+            const uint32_t child = plane[i].child[side];
+            sane = sane && (child < LMB_CELL_REGION ? child > i && child < cut->plane_count
+                                                    : child - LMB_CELL_REGION < cut->region_count);
+        }
+    }
+    return sane;
+}
+
+/* The record at an offset lies wholly in the file, and names probes and planes that there are. */
+static bool cut_is_sane(const lmb_volume *volume, uint32_t offset)
+{
+    const uint64_t at = (uint64_t)offset * sizeof(uint32_t), end = volume->header->cut_bytes;
+    if (at + sizeof(lmb_volume_cut) > end) {
+        return false;
+    }
+    const lmb_volume_cut *const cut = (const lmb_volume_cut *)(volume->cuts + offset);
+    if (cut->region_count < 1 || cut->region_count > LMB_CELL_REGIONS_MOST || cut->plane_count > LMB_CELL_PLANES_MOST ||
+        cut->reserved != 0 || at + lmb_volume_cut_bytes(cut->region_count, cut->plane_count) > end) {
+        return false;
+    }
+    const uint32_t *const corner = lmb_volume_cut_corners(cut, 0);
+    bool sane = planes_are_sane(cut);
+    for (uint32_t i = 0; i < cut->region_count * 8u; ++i) {
+        sane = sane && corner[i] < volume->header->stored_count;
+    }
+    return sane;
+}
+
+/* Each cut cell is one brick's: their counts follow each other. */
+static bool bricks_are_sane(const lmb_volume *volume)
+{
+    uint64_t cut_count = 0;
+    bool sane = true;
+    for (uint32_t i = 0; sane && i < volume->header->brick_count; ++i) {
+        const lmb_volume_brick *const brick = &volume->bricks[i];
+        sane = (brick->plain & brick->cut) == 0 && (brick->plain | brick->cut) != 0 && brick->cut_first == cut_count &&
+               brick->reserved[0] == 0 && brick->reserved[1] == 0 && rows_are_sane(brick, volume->header->stored_count);
+        cut_count += lmb_volume_bits(brick->cut);
+    }
+    sane = sane && cut_count == volume->header->cut_count;
+    for (uint32_t i = 0; sane && i < volume->header->cut_count; ++i) {
+        sane = cut_is_sane(volume, volume->cut_offsets[i]);
+    }
+    return sane;
 }
 
 lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume *volume)
 {
-    const lmb_result result = check_envelope(data, size, &volume->header);
+    const lmb_result result = check_envelope(data, size);
     if (result != LMB_OK) {
         return result;
     }
-    const lmb_volume_header *const header = &volume->header;
-    const bool with_keys = header->version == LMB_VOLUME_VERSION_WITH_KEYS;
-    volume->keys = with_keys ? (const lmb_volume_keys *)(data + LMB_VOLUME_HEADER_BYTES) : NULL;
-    if (volume->keys && !keys_are_sane(volume->keys)) {
+    const lmb_volume_header *const header = volume->header = (const lmb_volume_header *)data;
+    lmb_volume_layout layout;
+    if (!header_is_sane(header) || !lmb_volume_layout_find(header, &layout) || layout.end != size ||
+        !box_is_sane(header)) {
         return LMB_ERROR_FORMAT;
     }
-    volume->brick_stride = LMB_BRICK_BYTES + (volume->keys ? volume->keys->count * (size_t)LMB_BRICK_KEY_BYTES : 0);
-    size_t entries;
-    if (!header_is_sane(header, volume->brick_stride) || !plan_layout(header, volume, &entries)) {
-        return LMB_ERROR_FORMAT;
-    }
-    volume->directory = (const uint32_t *)(data + header->directory_offset);
-    volume->bricks = data + header->bricks_offset;
-    return contents_are_sane(volume, entries) ? LMB_OK : LMB_ERROR_FORMAT;
+    volume->directory = (const uint32_t *)(data + layout.directory);
+    volume->bricks = (const lmb_volume_brick *)(data + layout.bricks);
+    volume->probes = data + layout.probes;
+    volume->seen = data + layout.seen;
+    volume->cut_offsets = (const uint32_t *)(data + layout.cut_offsets);
+    volume->cuts = (const uint32_t *)(data + layout.cuts);
+    volume->entry_step[0] = layout.blocks[0];
+    volume->entry_step[1] = (size_t)layout.blocks[0] * layout.blocks[1];
+    const size_t halfs = (size_t)(layout.seen - layout.probes) / sizeof(uint16_t);
+    const bool sane = directory_is_sane(volume, (size_t)layout.entries) && bricks_are_sane(volume) &&
+                      halfs_are_finite(volume->probes, halfs);
+    return sane ? LMB_OK : LMB_ERROR_FORMAT;
 }

@@ -62,6 +62,10 @@ static void exit_statuses(void)
         {"bake " QUOTED " -o " OUTPUT "/x --spacing 0.000001", 3, "too fine"},
         {"info " QUOTED, 3, "cornell"},
         {"info " OUTPUT "/missing.lmb", 3, "missing.lmb"},
+        {"info " OUTPUT "/missing.vdb --at 1", 2, "--slices DIR has to go with --at"},
+        {"info " OUTPUT "/missing.vdb --slices x --axis w", 2, "--axis takes"},
+        {"info " OUTPUT "/missing.vdb --slices x --at nan", 2, "--at takes"},
+        {"info " QUOTED " --slices x", 3, "--slices takes a .vdb"},
         {"sample " QUOTED " --at 0,0,0", 3, "cornell"},
         {"sample x.lmb --at 0,0", 2, "--at takes"},
         {"probe " QUOTED " --at 0,1,0 --vertex-normal 0,1,0", 2, "--normal"},
@@ -175,7 +179,9 @@ static void json_outputs(void)
         const char *keys[20];
     } table[] = {
         {" info --json " OUTPUT "/b/probes.lmb", {"kind", "probes", "spacing", "bytes", NULL}},
-        {" info --json " OUTPUT "/b/probes.vdb", {"kind", "probes", "settings", "scene_hash", NULL}},
+        {" info --json " OUTPUT "/b/probes.vdb",
+         {"kind", "probes", "ghosts", "cut_cells", "levels", "settings", "scene_hash", NULL}},
+        {" info --json " OUTPUT "/b/probes.vdb --slices " OUTPUT "/slices --axis x", {"kind", "slices_at", NULL}},
         {" info --json " OUTPUT "/b/lightmap/lightmap_0.exr", {"kind", "width", "height", "channels", NULL}},
         {" sample --json " OUTPUT "/b/probes.lmb --at 0,1,0 --normal 0,1,0",
          {"position", "normal", "irradiance", "sh3", "outside", NULL}},

@@ -5,6 +5,7 @@
 
 #include <cjson/cJSON.h>
 
+#include <lambent/vector.h>
 #include <lambent/exr.h>
 #include <lambent/file.h>
 

@@ -1,6 +1,6 @@
 /* Samples by every kernel that the library has here, and in batches, are the same bits: at all kinds of positions, with
- * probes missing and without, with key lights and without. */
-#include "probes_fixture.h"
+ * probes missing and without, with key lights and without, in one level and in several, with cut cells. */
+#include "levels_fixture.h"
 #include "harness.h"
 
 #include <lambent/pack.h>
@@ -39,6 +39,16 @@ static void positions_make(const lmb_lattice *lattice, uint64_t seed, lmb_vec3d 
     }
 }
 
+static void volume_open(const lmb_probes *probes, opened *made)
+{
+    size_t size;
+    const lmb_result result = lmb_pack(probes, &made->data, &size, NULL);
+    CHECK(result == LMB_OK && lmb_volume_open_memory(made->data, size, &made->volume) == LMB_OK, "pack: %d", result);
+    if (!made->volume) {
+        abort();
+    }
+}
+
 static opened volume_make(const lmb_lattice *lattice, double density, double magnitude, uint32_t keys, uint64_t seed)
 {
     opened made = {.data = NULL};
@@ -51,12 +61,7 @@ static opened volume_make(const lmb_lattice *lattice, double density, double mag
             probes->key_visibility[probe][key] = (float)fixture_random(&state);
         }
     }
-    size_t size;
-    const lmb_result result = lmb_pack(probes, &made.data, &size, NULL);
-    CHECK(result == LMB_OK && lmb_volume_open_memory(made.data, size, &made.volume) == LMB_OK, "pack: %d", result);
-    if (!made.volume) {
-        abort();
-    }
+    volume_open(probes, &made);
     positions_make(lattice, seed + 5, made.position);
     lmb_probes_destroy(probes);
     return made;
@@ -66,6 +71,17 @@ static void volume_free(opened *made)
 {
     lmb_volume_close(made->volume);
     free(made->data);
+}
+
+/* Of several levels, with cut cells. */
+static opened levels_volume_make(const levels_recipe *recipe)
+{
+    opened made = {.data = NULL};
+    lmb_probes *const probes = levels_make(recipe);
+    volume_open(probes, &made);
+    positions_make(&probes->level[0].lattice, recipe->seed + 5, made.position);
+    lmb_probes_destroy(probes);
+    return made;
 }
 
 static const struct {
@@ -83,7 +99,14 @@ static const struct {
     {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {9, 9, 9}}, 1.0, 1e-5, 3},
     {{.spacing = 0.5f, .min = {20000, -30000, 7}, .size = {6, 7, 8}}, 0.8, 2.0, 1},
 };
-enum { CASES = sizeof cases / sizeof cases[0] };
+enum { BOXES = sizeof cases / sizeof cases[0], CASES = BOXES + LEVELS_RECIPES };
+
+static opened case_make(int k, uint64_t seed)
+{
+    return k < BOXES
+               ? volume_make(&cases[k].lattice, cases[k].density, cases[k].magnitude, cases[k].keys, seed + (uint64_t)k)
+               : levels_volume_make(&levels_recipes[k - BOXES]);
+}
 
 /* What a call leaves. */
 typedef struct sampled {
@@ -115,8 +138,7 @@ static void kernels_give_the_same_bits(void)
         return;
     }
     for (int k = 0; k < CASES; ++k) {
-        opened made =
-            volume_make(&cases[k].lattice, cases[k].density, cases[k].magnitude, cases[k].keys, 1 + (uint64_t)k);
+        opened made = case_make(k, 1);
         CHECK(made.volume->kernel == chosen, "a volume is opened with it");
         for (int i = 0; i < MOST_POSITIONS; ++i) {
             const lmb_vec3d at = made.position[i];
@@ -164,8 +186,7 @@ static void batches_give_the_bits_of_single_calls(void)
     static const size_t counts[] = {0, 1, 2, 11, 12, 13, 15, 16, 17, 31, 32, 100, MOST_POSITIONS};
     const lmb_volume_kernel *const kernels[2] = {&lmb_volume_kernel_scalar, lmb_volume_kernel_choose()};
     for (int k = 0; k < CASES; ++k) {
-        opened made =
-            volume_make(&cases[k].lattice, cases[k].density, cases[k].magnitude, cases[k].keys, 50 + (uint64_t)k);
+        opened made = case_make(k, 50);
         for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
             const size_t first = (i * 37) % (MOST_POSITIONS - counts[i] + 1);
             batch_check(kernels[0], &made, first, counts[i]);

@@ -11,12 +11,26 @@
 
 #include "command.h"
 #include "query.h"
+#include "slices.h"
 
-static const char usage[] = "usage: lambent info FILE [--json]\n"
-                            "\n"
-                            "Says what is in a probes.vdb, a probes.lmb or a lightmap .exr of ours.\n"
-                            "\n"
-                            "  --json                one JSON object\n";
+static const char usage[] =
+    "usage: lambent info FILE [--json]\n"
+    "       lambent info FILE.vdb --slices DIR [--axis x|y|z] [--at M]\n"
+    "\n"
+    "Says what is in a probes.vdb, a probes.lmb or a lightmap .exr of ours.\n"
+    "\n"
+    "  --json                one JSON object\n"
+    "  --slices DIR          pictures of a plane through the probes too: levels.png, regions.png,\n"
+    "                        validity.png and irradiance.png\n"
+    "  --axis x|y|z          what the plane is at right angles to (default y)\n"
+    "  --at M                where on that axis, metres (default: half way)\n";
+
+typedef struct info_options {
+    const char *path;
+    bool json;
+    const char *slices;
+    lmb_slice slice;
+} info_options;
 
 static void json_add_range(cJSON *json, const char *key, const int32_t value[3])
 {
@@ -61,23 +75,49 @@ static cJSON *lmb_describe(const lmb_volume *volume)
     return json;
 }
 
+static cJSON *level_describe(const lmb_probes *probes, uint32_t number)
+{
+    const lmb_probe_level *const level = &probes->level[number];
+    uint32_t cut_cells = 0, regions = 0;
+    for (uint32_t i = 0; i < probes->cut.count; ++i) {
+        cut_cells += probes->cut.cell[i].level == number;
+        regions += probes->cut.cell[i].level == number ? probes->cut.cell[i].region_count : 0;
+    }
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddNumberToObject(json, "spacing", (double)level->lattice.spacing);
+    json_add_range(json, "lattice_min", level->lattice.min);
+    json_add_range(json, "lattice_size", level->lattice.size);
+    cJSON_AddNumberToObject(json, "probes", level->count);
+    cJSON_AddNumberToObject(json, "ghosts", level->ghost_count);
+    cJSON_AddNumberToObject(json, "cut_cells", cut_cells);
+    cJSON_AddNumberToObject(json, "cut_regions", regions);
+    return json;
+}
+
 static cJSON *vdb_describe(const lmb_probes *probes, const char *settings, const char *scene_hash)
 {
+    const int32_t count = probes->count - probes->ghost_count;
     double mean[3] = {0.0, 0.0, 0.0};
     int32_t valid = 0;
-    for (int32_t i = 0; i < probes->count; ++i) {
+    for (int32_t i = 0; i < count; ++i) {
         valid += probes->validity[i] >= LMB_PROBES_MIN_VALIDITY;
         for (int c = 0; c < 3; ++c) {
-            mean[c] += (double)probes->radiance[0][i].channel[c].c[0] * 0.28209479177387814 / probes->count;
+            mean[c] += (double)probes->radiance[0][i].channel[c].c[0] * 0.28209479177387814 / count;
         }
     }
     cJSON *json = cJSON_CreateObject();
     cJSON_AddStringToObject(json, "kind", "lambent probe grid");
-    cJSON_AddNumberToObject(json, "probes", probes->count);
+    cJSON_AddNumberToObject(json, "probes", count);
     cJSON_AddNumberToObject(json, "probes_valid", valid);
+    cJSON_AddNumberToObject(json, "ghosts", probes->ghost_count);
+    cJSON_AddNumberToObject(json, "cut_cells", probes->cut.count);
     cJSON_AddNumberToObject(json, "spacing", (double)probes->level[0].lattice.spacing);
     json_add_range(json, "lattice_min", probes->level[0].lattice.min);
     json_add_range(json, "lattice_size", probes->level[0].lattice.size);
+    cJSON *levels = cJSON_AddArrayToObject(json, "levels");
+    for (uint32_t i = 0; i < probes->level_count; ++i) {
+        cJSON_AddItemToArray(levels, level_describe(probes, i));
+    }
     cJSON_AddItemToObject(json, "mean_radiance", cJSON_CreateDoubleArray(mean, 3));
     json_add_key_lights(json, probes->key_light, probes->key_light_count);
     cJSON_AddStringToObject(json, "scene_hash", scene_hash);
@@ -98,20 +138,32 @@ static lmb_result lmb_info(const char *path, cJSON **json, lmb_error *error)
     return LMB_OK;
 }
 
-static lmb_result vdb_info(const char *path, cJSON **json, lmb_error *error)
+static lmb_result vdb_info(const info_options *options, cJSON **json, lmb_error *error)
 {
     lmb_probes *probes;
     char *settings;
     char *scene_hash;
-    const lmb_result result = lmb_vdb_read(path, &probes, &settings, &scene_hash, error);
+    lmb_result result = lmb_vdb_read(options->path, &probes, &settings, &scene_hash, error);
     if (result != LMB_OK) {
         return result;
     }
-    *json = vdb_describe(probes, settings, scene_hash);
+    lmb_slice_pictures pictures = {0};
+    if (options->slices) {
+        result = slice_draw(probes, &options->slice, &pictures);
+        result = result == LMB_OK ? slice_write(&pictures, options->slices, error)
+                                  : lmb_error_set(error, result, "%s: out of memory for pictures", options->path);
+    }
+    if (result == LMB_OK) {
+        *json = vdb_describe(probes, settings, scene_hash);
+        if (options->slices) {
+            cJSON_AddNumberToObject(*json, "slices_at", pictures.at);
+        }
+    }
+    slice_free(&pictures);
     lmb_probes_destroy(probes);
     free(settings);
     free(scene_hash);
-    return LMB_OK;
+    return result;
 }
 
 static cJSON *channel_describe(const float *values, size_t count)
@@ -164,8 +216,9 @@ static lmb_result exr_info(const char *path, cJSON **json, lmb_error *error)
 }
 
 /* Told apart by content: OpenEXR and OpenVDB have their magic numbers, the rest is for lmb_volume_open to judge. */
-static lmb_result file_info(const char *path, cJSON **json, lmb_error *error)
+static lmb_result file_info(const info_options *options, cJSON **json, lmb_error *error)
 {
+    const char *const path = options->path;
     unsigned char magic[4] = {0};
     FILE *file = fopen(path, "rb");
     if (!file) {
@@ -173,49 +226,84 @@ static lmb_result file_info(const char *path, cJSON **json, lmb_error *error)
     }
     const size_t read = fread(magic, 1, sizeof magic, file);
     fclose(file);
+    if (read == sizeof magic && memcmp(magic, " BDV", 4) == 0) {
+        return vdb_info(options, json, error);
+    }
+    if (options->slices) {
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: --slices takes a .vdb", path);
+    }
     if (read == sizeof magic && memcmp(magic, "\x76\x2f\x31\x01", 4) == 0) {
         return exr_info(path, json, error);
     }
-    if (read == sizeof magic && memcmp(magic, " BDV", 4) == 0) {
-        return vdb_info(path, json, error);
-    }
     return lmb_info(path, json, error);
+}
+
+static void axis_read(lmb_arguments *arguments, const char *option, lmb_slice *slice)
+{
+    const char *const text = arguments_text(arguments, option);
+    if (!arguments->failed && (strlen(text) != 1 || text[0] < 'x' || text[0] > 'z')) {
+        arguments_error(arguments, "--axis takes x, y or z, not", text);
+    }
+    slice->axis = arguments->failed ? 0 : text[0] - 'x';
+}
+
+static void options_read(lmb_arguments *arguments, info_options *options)
+{
+    const char *of_slices = NULL; /* an option that says nothing without --slices */
+    for (const char *argument; (argument = arguments_next(arguments));) {
+        if (strcmp(argument, "--json") == 0) {
+            options->json = true;
+        } else if (strcmp(argument, "--slices") == 0) {
+            options->slices = arguments_text(arguments, argument);
+        } else if (strcmp(argument, "--axis") == 0) {
+            axis_read(arguments, of_slices = argument, &options->slice);
+        } else if (strcmp(argument, "--at") == 0) {
+            options->slice.at = arguments_number(arguments, of_slices = argument, -1e9, 1e9);
+            options->slice.has_at = true;
+        } else if (argument[0] != '-' && !options->path) {
+            options->path = argument;
+        } else {
+            arguments_error(arguments, "unexpected argument", argument);
+        }
+    }
+    if (!arguments->failed && !arguments->help && !options->path) {
+        arguments_error(arguments, "missing argument", "FILE");
+    } else if (!arguments->failed && !arguments->help && of_slices && !options->slices) {
+        arguments_error(arguments, "--slices DIR has to go with", of_slices);
+    }
+}
+
+/* A line for each item; for each element of an array of objects. */
+static void text_print(const cJSON *object)
+{
+    for (const cJSON *item = object->child; item; item = item->next) {
+        const bool is_list = cJSON_IsArray(item) && cJSON_IsObject(item->child);
+        for (const cJSON *line = is_list ? item->child : item; line; line = is_list ? line->next : NULL) {
+            char *text = cJSON_IsString(line) ? NULL : cJSON_PrintUnformatted(line);
+            printf("%-16s %s\n", item->string, text ? text : line->valuestring);
+            cJSON_free(text);
+        }
+    }
 }
 
 int command_info(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "info", usage);
-    const char *path = NULL;
-    bool json = false;
-    for (const char *argument; (argument = arguments_next(&arguments));) {
-        if (strcmp(argument, "--json") == 0) {
-            json = true;
-        } else if (argument[0] != '-' && !path) {
-            path = argument;
-        } else {
-            arguments_error(&arguments, "unexpected argument", argument);
-        }
-    }
-    if (!arguments.failed && !arguments.help && !path) {
-        arguments_error(&arguments, "missing argument", "FILE");
-    }
+    info_options options = {.slice = {.axis = 1}};
+    options_read(&arguments, &options);
     if (arguments.failed || arguments.help) {
         return arguments_status(&arguments);
     }
     cJSON *object = NULL;
     lmb_error error = {{0}};
-    const lmb_result result = file_info(path, &object, &error);
+    const lmb_result result = file_info(&options, &object, &error);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    if (json) {
+    if (options.json) {
         return json_print_line(object);
     }
-    for (const cJSON *item = object->child; item; item = item->next) {
-        char *text = cJSON_IsString(item) ? NULL : cJSON_PrintUnformatted(item);
-        printf("%-16s %s\n", item->string, text ? text : item->valuestring);
-        cJSON_free(text);
-    }
+    text_print(object);
     cJSON_Delete(object);
     return EXIT_DONE;
 }

@@ -190,5 +190,9 @@ cleanup:
 
 uint64_t lmb_hash(uint64_t hash, const void *data, size_t size)
 {
-    return lmb_volume_hash(hash, data, size);
+    const unsigned char *const bytes = data;
+    for (size_t i = 0; i < size; ++i) {
+        hash = (hash ^ bytes[i]) * UINT64_C(0x100000001b3);
+    }
+    return hash;
 }

@@ -1,60 +1,26 @@
 #include <lambent/pack.h>
 
+#include "pack_internal.h"
 #include "volume_internal.h"
 
-#include <lambent/file.h>
 #include <lambent/lattice.h>
 #include <lambent/vector.h>
 
 #include <Imath/half.h>
 #include <assert.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 _Static_assert(sizeof(lmb_volume_header) == LMB_VOLUME_HEADER_BYTES, "the header has no padding");
-_Static_assert(sizeof(lmb_volume_keys) == LMB_VOLUME_KEYS_BYTES, "nor have key lights");
-_Static_assert(sizeof(lmb_volume_brick) == LMB_BRICK_BYTES, "a brick has no padding");
-_Static_assert(sizeof(lmb_brick_visibility) == LMB_BRICK_KEY_BYTES, "nor has what follows it");
 
-/* A probe as it is stored. */
-typedef struct packed_probe {
-    uint16_t sh[LMB_BRICK_COEFFICIENTS];
-    uint8_t seen[LMB_KEY_LIGHTS_MOST]; /* of key lights */
-    bool has_light;
-} packed_probe;
-
-/* @return coefficients that even the scale does not bring into fp16 */
-static uint64_t pack_probe(const lmb_sh3_rgb *radiance, float scale, packed_probe *packed)
-{
-    float value[LMB_BRICK_COEFFICIENTS];
-    float largest = 0.0f;
-    uint64_t overflow_count = 0;
-    for (int i = 0; i < LMB_BRICK_COEFFICIENTS; ++i) {
-        value[i] = radiance->channel[i / LMB_SH3_COUNT].c[i % LMB_SH3_COUNT] / scale;
-        largest = fmaxf(largest, fabsf(value[i]));
-        overflow_count += fabsf(value[i]) > LMB_HALF_MAX;
-    }
-    for (int i = 0; i < LMB_BRICK_COEFFICIENTS; ++i) {
-        /* Down to exactly the largest half at most: the quotient is at most 1. */
-        packed->sh[i] = imath_float_to_half(overflow_count > 0 ? LMB_HALF_MAX * (value[i] / largest) : value[i]);
-    }
-    return overflow_count;
-}
-
-static void pack_visibility(const lmb_probes *probes, int32_t probe, packed_probe *packed)
-{
-    for (uint32_t key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
-        const float seen = key < probes->key_light_count ? probes->key_visibility[probe][key] : 0.0f;
-        packed->seen[key] = (uint8_t)(lmb_saturate(seen) * 255.0f + 0.5f);
-    }
-}
+/* Room that all numbers of points and bricks have to what an int32_t holds. */
+enum { COORDINATES_MOST = INT32_MAX - (LMB_BRICK_CELLS << LMB_VOLUME_LEVELS_MOST) };
 
 static bool radiance_is_finite(const lmb_probes *probes)
 {
     for (int32_t probe = 0; probe < probes->count; ++probe) {
-        for (int i = 0; i < LMB_BRICK_COEFFICIENTS; ++i) {
+        for (int i = 0; i < LMB_PROBE_COEFFICIENTS; ++i) {
             if (!isfinite(probes->radiance[0][probe].channel[i / LMB_SH3_COUNT].c[i % LMB_SH3_COUNT])) {
                 return false;
             }
@@ -63,252 +29,245 @@ static bool radiance_is_finite(const lmb_probes *probes)
     return true;
 }
 
-/* Converts all probes. A probe that dilation never reaches has no light and is not stored. */
-static lmb_result pack_probes(const lmb_probes *probes, packed_probe *packed, lmb_pack_stats *stats,
-                              uint64_t *stored_count)
+/* Each level has twice the spacing of the one before, and the world's axes. */
+static bool levels_are_sane(const lmb_probes *probes)
 {
-    int32_t *const pass = malloc((size_t)probes->count * sizeof *pass);
-    int32_t *const order = malloc((size_t)probes->count * sizeof *order);
-    lmb_result result = LMB_ERROR_MEMORY;
-    if (!pass || !order) {
-        goto cleanup;
+    bool sane = probes->level_count >= 1 && probes->level_count <= LMB_VOLUME_LEVELS_MOST;
+    for (uint32_t level = 0; sane && level < probes->level_count; ++level) {
+        const lmb_lattice *const lattice = &probes->level[level].lattice;
+        sane =
+            !lmb_lattice_is_turned(lattice) && lattice->spacing == ldexpf(probes->level[0].lattice.spacing, (int)level);
     }
-    int32_t reached;
-    lmb_probes_dilation_passes(probes, pass, order, &reached);
-    stats->scale = lmb_probes_scale(probes);
-    stats->overflow_count = 0;
-    for (int32_t probe = 0; probe < probes->count; ++probe) {
-        packed[probe].has_light = pass[probe] >= 0;
-        if (packed[probe].has_light) {
-            stats->overflow_count += pack_probe(&probes->radiance[0][probe], stats->scale, &packed[probe]);
-            pack_visibility(probes, probe, &packed[probe]);
-        }
-    }
-    *stored_count = (uint64_t)reached;
-    result = LMB_OK;
-cleanup:
-    free(pass);
-    free(order);
-    return result;
+    return sane;
 }
 
-/* Number of the lit probe at one of the 125 points of the brick whose first point is `first`, or -1. */
-static int32_t stored_probe_at(const lmb_probes *probes, const packed_probe *packed, const int32_t first[3],
-                               int32_t point)
+/* The box of all levels that have probes, on the finest lattice. */
+static bool box_find(const lmb_probes *probes, lmb_volume_header *header)
 {
-    const lmb_lattice *lattice = &probes->level[0].lattice;
-    const int32_t offset[3] = {point % LMB_BRICK_POINTS, point / LMB_BRICK_POINTS % LMB_BRICK_POINTS,
-                               point / (LMB_BRICK_POINTS * LMB_BRICK_POINTS)};
-    int32_t at[3];
     for (int axis = 0; axis < 3; ++axis) {
-        const int64_t end = (int64_t)lattice->min[axis] + lattice->size[axis];
-        if (first[axis] + (int64_t)offset[axis] >= end) {
-            return -1;
+        int64_t low = INT64_MAX, high = INT64_MIN;
+        for (uint32_t level = 0; level < probes->level_count; ++level) {
+            const lmb_lattice *const lattice = &probes->level[level].lattice;
+            const int64_t along = INT64_C(1) << level;
+            const int64_t first = lattice->min[axis] * along;
+            const int64_t last = ((int64_t)lattice->min[axis] + lattice->size[axis] - 1) * along;
+            const bool counts = probes->level[level].count + probes->level[level].ghost_count > 0;
+            low = counts && first < low ? first : low;
+            high = counts && last > high ? last : high;
         }
-        at[axis] = first[axis] + offset[axis];
-    }
-    const int32_t probe = lmb_probes_find(probes, 0, at[0], at[1], at[2]);
-    return probe >= 0 && packed[probe].has_light ? probe : -1;
-}
-
-static void mark_complete_cells(lmb_volume_brick *brick)
-{
-    for (unsigned cell = 0; cell < 64; ++cell) {
-        const unsigned first =
-            lmb_brick_point(cell % LMB_BRICK_CELLS, cell / LMB_BRICK_CELLS % LMB_BRICK_CELLS, cell / 16);
-        bool complete = true;
-        for (unsigned corner = 0; corner < 8; ++corner) {
-            complete = complete && lmb_brick_holds(brick, first + lmb_brick_corner(corner));
-        }
-        brick->complete_cells |= (uint64_t)complete << cell;
-    }
-}
-
-static void fill_brick(const lmb_probes *probes, const packed_probe *packed, const int32_t first[3],
-                       lmb_volume_brick *brick)
-{
-    lmb_brick_visibility *const visibility = (lmb_brick_visibility *)(brick + 1);
-    memset(brick, 0, sizeof *brick);
-    memset(visibility, 0, probes->key_light_count * sizeof *visibility);
-    for (int32_t point = 0; point < LMB_BRICK_PROBES; ++point) {
-        const int32_t probe = stored_probe_at(probes, packed, first, point);
-        if (probe >= 0) {
-            brick->probes[point / 64] |= UINT64_C(1) << point % 64;
-            memcpy(&brick->sh[point * LMB_BRICK_COEFFICIENTS], packed[probe].sh, sizeof packed[probe].sh);
-            for (uint32_t key = 0; key < probes->key_light_count; ++key) {
-                visibility[key].seen[point] = packed[probe].seen[key];
-            }
-        }
-    }
-    mark_complete_cells(brick);
-}
-
-/* More bricks than lattices of 2^31 points have. */
-#define MOST_ENTRIES ((size_t)1 << 31)
-
-/* Where everything lies. */
-typedef struct layout {
-    size_t header_bytes;
-    size_t brick_bytes; /* with what follows it */
-    size_t bricks_along[3];
-    size_t entries;
-    uint32_t brick_count;
-    size_t bricks_offset;
-    size_t bytes;
-} layout;
-
-/* The first point of the brick of a directory entry. */
-static void brick_first_point(const lmb_lattice *lattice, const layout *at, size_t entry, int32_t first[3])
-{
-    const size_t brick[3] = {entry % at->bricks_along[0], entry / at->bricks_along[0] % at->bricks_along[1],
-                             entry / at->bricks_along[0] / at->bricks_along[1]};
-    for (int axis = 0; axis < 3; ++axis) {
-        first[axis] = (int32_t)(lattice->min[axis] + (int64_t)(LMB_BRICK_CELLS * brick[axis]));
-    }
-}
-
-/* The directory has an entry for every brick of the box. */
-static bool plan_directory(const lmb_probes *probes, layout *at)
-{
-    const lmb_lattice *lattice = &probes->level[0].lattice;
-    const size_t keys = probes->key_light_count;
-    *at = (layout){.header_bytes = LMB_VOLUME_HEADER_BYTES + (keys > 0 ? LMB_VOLUME_KEYS_BYTES : 0),
-                   .brick_bytes = LMB_BRICK_BYTES + keys * LMB_BRICK_KEY_BYTES,
-                   .entries = 1};
-    for (int axis = 0; axis < 3; ++axis) {
-        at->bricks_along[axis] = lmb_lattice_bricks_along(lattice->size[axis]);
-        if (at->bricks_along[axis] > MOST_ENTRIES / at->entries) {
+        if (low < -COORDINATES_MOST || high > COORDINATES_MOST || high - low >= COORDINATES_MOST) {
             return false;
         }
-        at->entries *= at->bricks_along[axis];
+        header->min[axis] = (int32_t)low;
+        header->size[axis] = (int32_t)(high - low + 1);
     }
     return true;
 }
 
-/* Marks the bricks that hold a point: along each axis one, or two where they share it. */
-static void mark_bricks(const lmb_lattice *lattice, const layout *at, const int32_t point[3], uint8_t *has_light)
+/* What can be said of the header from the start. @return false: not what a file holds */
+static bool header_begin(const lmb_probes *probes, lmb_volume_header *header)
 {
-    size_t first[3], last[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        const size_t local = (size_t)((int64_t)point[axis] - lattice->min[axis]);
-        const size_t brick = local / LMB_BRICK_CELLS;
-        first[axis] = local > 0 && local % LMB_BRICK_CELLS == 0 ? brick - 1 : brick;
-        last[axis] = brick < at->bricks_along[axis] ? brick : brick - 1;
+    *header = (lmb_volume_header){.version = LMB_VOLUME_VERSION,
+                                  .header_bytes = LMB_VOLUME_HEADER_BYTES,
+                                  .probe_bytes = LMB_PROBE_BYTES,
+                                  .level_count = probes->level_count,
+                                  .key_light_count = probes->key_light_count};
+    if (probes->count == 0 || probes->set_count != 1 || !levels_are_sane(probes) ||
+        !lmb_probes_key_lights_are_sane(probes) || !lmb_probes_cuts_are_sane(probes) || !radiance_is_finite(probes) ||
+        !box_find(probes, header)) {
+        return false;
     }
-    for (size_t z = first[2]; z <= last[2]; ++z) {
-        for (size_t y = first[1]; y <= last[1]; ++y) {
-            for (size_t x = first[0]; x <= last[0]; ++x) {
-                has_light[lmb_lattice_brick(at->bricks_along, x, y, z)] = 1;
+    memcpy(header->magic, LMB_VOLUME_MAGIC, sizeof header->magic);
+    memcpy(header->key_light, probes->key_light, probes->key_light_count * sizeof *probes->key_light);
+    header->spacing = probes->level[0].lattice.spacing;
+    header->scale = lmb_probes_scale(probes);
+    return true;
+}
+
+/* Coefficients that even the largest scale does not bring into fp16. */
+static uint64_t overflow_count(const lmb_packing *packing)
+{
+    uint64_t count = 0;
+    for (int32_t probe = 0; probe < packing->probes->count; ++probe) {
+        const lmb_sh3 *const channel = packing->probes->radiance[0][probe].channel;
+        for (int i = 0; i < LMB_PROBE_COEFFICIENTS && packing->slot[probe] != LMB_PACK_NOTHING; ++i) {
+            const float value = channel[i / LMB_SH3_COUNT].c[i % LMB_SH3_COUNT];
+            count += fabsf(value / packing->header.scale) > LMB_HALF_MAX;
+        }
+    }
+    return count;
+}
+
+void lmb_pack_halfs(const lmb_sh3_rgb *radiance, float scale, uint16_t half[LMB_PROBE_COEFFICIENTS])
+{
+    float value[LMB_PROBE_COEFFICIENTS];
+    float largest = 0.0f;
+    for (int i = 0; i < LMB_PROBE_COEFFICIENTS; ++i) {
+        value[i] = radiance->channel[i / LMB_SH3_COUNT].c[i % LMB_SH3_COUNT] / scale;
+        largest = fmaxf(largest, fabsf(value[i]));
+    }
+    for (int i = 0; i < LMB_PROBE_COEFFICIENTS; ++i) {
+        /* Down to exactly the largest half at most: the quotient is at most 1. */
+        half[i] = imath_float_to_half(largest > LMB_HALF_MAX ? LMB_HALF_MAX * (value[i] / largest) : value[i]);
+    }
+}
+
+static void write_probes(const lmb_packing *packing, unsigned char *image)
+{
+    const lmb_probes *const probes = packing->probes;
+    const lmb_volume_header *const header = &packing->header;
+    const uint32_t count = (uint32_t)probes->count;
+    for (size_t i = 0; i < header->stored_count; ++i) {
+        const uint32_t source = packing->stored[i];
+        if (source == LMB_PACK_NOTHING) {
+            continue;
+        }
+        const lmb_pack_corner *const corner = source >= count ? &packing->corner[source - count] : NULL;
+        const float *const seen = corner ? corner->seen : probes->key_visibility[source];
+        uint16_t half[LMB_PROBE_COEFFICIENTS];
+        lmb_pack_halfs(corner ? &corner->light : &probes->radiance[0][source], header->scale, half);
+        memcpy(image + packing->layout.probes + i * LMB_PROBE_BYTES, half, sizeof half);
+        unsigned char *const to = image + packing->layout.seen + i * header->key_light_count;
+        for (uint32_t key = 0; key < header->key_light_count; ++key) {
+            to[key] = (uint8_t)(lmb_saturate(seen[key]) * 255.0f + 0.5f);
+        }
+    }
+}
+
+/* Where a corner of a cut cell's region is stored. */
+static uint32_t corner_slot(const lmb_packing *packing, const lmb_pack_brick *brick, int32_t number, int32_t i,
+                            int32_t probe)
+{
+    if (probe >= packing->probes->count - packing->probes->ghost_count) {
+        return packing->slot[probe];
+    }
+    const int32_t x = number % 4 + (i & 1), y = number / 4 % 4 + (i >> 1 & 1), z = number / 16 + (i >> 2);
+    return brick->row[y + LMB_BRICK_POINTS * z] + (uint32_t)x;
+}
+
+/* @return bytes written */
+static size_t write_cut_cell(const lmb_packing *packing, const lmb_pack_brick *brick, int32_t number, unsigned char *to)
+{
+    const lmb_cut_cells *const cuts = &packing->probes->cut;
+    const lmb_cut_cell *const cut = lmb_pack_cut(packing, brick, number);
+    const lmb_volume_cut head = {.region_count = (uint8_t)cut->region_count, .plane_count = (uint8_t)cut->plane_count};
+    memcpy(to, &head, sizeof head);
+    unsigned char *at = to + sizeof head;
+    for (uint32_t region = 0; region < cut->region_count; ++region) {
+        for (int32_t i = 0; i < 8; ++i) {
+            const uint32_t slot = corner_slot(packing, brick, number, i, cuts->corner[cut->region_first + region][i]);
+            memcpy(at, &slot, sizeof slot);
+            at += sizeof slot;
+        }
+    }
+    if (cut->plane_count > 0) {
+        memcpy(at, &cuts->plane[cut->plane_first], cut->plane_count * sizeof *cuts->plane);
+    }
+    return lmb_volume_cut_bytes(cut->region_count, cut->plane_count);
+}
+
+static void write_bricks(const lmb_packing *packing, unsigned char *image)
+{
+    lmb_volume_brick *const heads = (lmb_volume_brick *)(image + packing->layout.bricks);
+    uint32_t *offset = (uint32_t *)(image + packing->layout.cut_offsets);
+    unsigned char *const cuts = image + packing->layout.cuts;
+    size_t at = 0;
+    for (uint32_t i = 0; i < packing->brick_count; ++i) {
+        const lmb_pack_brick *const brick = &packing->brick[i];
+        heads[i] = (lmb_volume_brick){.plain = brick->plain, .cut = brick->cut_stored, .cut_first = brick->cut_first};
+        memcpy(heads[i].row, brick->row, sizeof heads[i].row);
+        for (int32_t number = 0; number < 64; ++number) {
+            if (brick->cut_stored >> number & 1u) {
+                *offset++ = (uint32_t)(at / sizeof *offset);
+                at += write_cut_cell(packing, brick, number, cuts + at);
             }
         }
     }
 }
 
-/* Finds by way of the probes, as few of a large box's bricks hold any. */
-static void plan_bricks(const lmb_probes *probes, const packed_probe *packed, uint8_t *has_light, layout *at)
+static lmb_result image_make(lmb_packing *packing, unsigned char **data)
 {
-    for (int32_t probe = 0; probe < probes->count; ++probe) {
-        if (packed[probe].has_light) {
-            mark_bricks(&probes->level[0].lattice, at, probes->point[probe], has_light);
-        }
+    lmb_volume_header *const header = &packing->header;
+    if (!lmb_volume_layout_find(header, &packing->layout) || packing->layout.end > SIZE_MAX ||
+        header->cut_bytes / sizeof(uint32_t) > UINT32_MAX ||
+        header->brick_count >= UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT) {
+        return LMB_ERROR_ARGUMENT;
     }
-    for (size_t entry = 0; entry < at->entries; ++entry) {
-        at->brick_count += has_light[entry];
+    unsigned char *const image = aligned_alloc(LMB_VOLUME_ALIGNMENT, (size_t)packing->layout.end);
+    if (!image) {
+        return LMB_ERROR_MEMORY;
     }
-    const size_t end = at->header_bytes + at->entries * sizeof(uint32_t);
-    at->bricks_offset = (end + LMB_VOLUME_ALIGNMENT - 1) / LMB_VOLUME_ALIGNMENT * LMB_VOLUME_ALIGNMENT;
-    at->bytes = at->bricks_offset + at->brick_count * at->brick_bytes;
+    memset(image, 0, (size_t)packing->layout.end);
+    lmb_pack_directory(packing, (uint32_t *)(image + packing->layout.directory));
+    write_bricks(packing, image);
+    write_probes(packing, image);
+    header->file_bytes = packing->layout.end;
+    memcpy(image, header, sizeof *header);
+    header->checksum =
+        lmb_volume_hash(image + LMB_VOLUME_CHECKSUM_START, (size_t)packing->layout.end - LMB_VOLUME_CHECKSUM_START);
+    memcpy(image, header, sizeof *header);
+    *data = image;
+    return LMB_OK;
 }
 
-static void write_key_lights(const lmb_probes *probes, unsigned char *image)
+static lmb_result packing_begin(lmb_packing *packing)
 {
-    lmb_volume_keys keys = {.count = probes->key_light_count};
-    memcpy(keys.light, probes->key_light, keys.count * sizeof *keys.light);
-    memcpy(image + LMB_VOLUME_HEADER_BYTES, &keys, sizeof keys);
-}
-
-static void write_header(const lmb_probes *probes, const layout *at, float scale, uint64_t probe_count,
-                         unsigned char *image)
-{
-    const lmb_lattice *lattice = &probes->level[0].lattice;
-    lmb_volume_header header = {
-        .version = probes->key_light_count > 0 ? LMB_VOLUME_VERSION_WITH_KEYS : LMB_VOLUME_VERSION,
-        .header_bytes = (uint32_t)at->header_bytes,
-        .file_bytes = at->bytes,
-        .spacing = lattice->spacing,
-        .scale = scale,
-        .min = {lattice->min[0], lattice->min[1], lattice->min[2]},
-        .size = {lattice->size[0], lattice->size[1], lattice->size[2]},
-        .probe_count = probe_count,
-        .brick_count = at->brick_count,
-        .brick_bytes = (uint32_t)at->brick_bytes,
-        .directory_offset = at->header_bytes,
-        .bricks_offset = at->bricks_offset,
-    };
-    memcpy(header.magic, LMB_VOLUME_MAGIC, sizeof header.magic);
-    memcpy(image, &header, sizeof header);
-    header.checksum = lmb_hash(LMB_HASH_SEED, image + LMB_VOLUME_CHECKSUM_START, at->bytes - LMB_VOLUME_CHECKSUM_START);
-    memcpy(image, &header, sizeof header);
-}
-
-static void write_bricks(const lmb_probes *probes, const packed_probe *packed, const uint8_t *has_light,
-                         const layout *at, unsigned char *image)
-{
-    uint32_t *const directory = (uint32_t *)(image + at->header_bytes);
-    uint32_t brick = 0;
-    for (size_t entry = 0; entry < at->entries; ++entry) {
-        directory[entry] = LMB_VOLUME_NO_BRICK;
-        if (has_light[entry]) {
-            int32_t first[3];
-            brick_first_point(&probes->level[0].lattice, at, entry, first);
-            unsigned char *const to = image + at->bricks_offset + brick * at->brick_bytes;
-            fill_brick(probes, packed, first, (lmb_volume_brick *)to);
-            directory[entry] = brick++;
-        }
+    const size_t count = (size_t)packing->probes->count;
+    packing->pass = malloc(count * sizeof *packing->pass);
+    packing->level_of = malloc((size_t)packing->layout.entries);
+    int32_t *const order = malloc(count * sizeof *order);
+    const bool good = packing->pass && packing->level_of && order;
+    if (good) {
+        int32_t reached;
+        lmb_probes_dilation_passes(packing->probes, packing->pass, order, &reached);
     }
-    memset(directory + at->entries, 0, at->bricks_offset - at->header_bytes - at->entries * sizeof *directory);
+    free(order);
+    return good ? LMB_OK : LMB_ERROR_MEMORY;
+}
+
+static void packing_free(lmb_packing *packing)
+{
+    for (uint32_t level = 0; level < LMB_VOLUME_LEVELS_MOST; ++level) {
+        lmb_probe_index_free(&packing->brick_at[level]);
+        lmb_probe_index_free(&packing->corner_at[level]);
+        lmb_probe_index_free(&packing->row_at[level]);
+    }
+    free(packing->pass);
+    free(packing->level_of);
+    free(packing->brick);
+    free(packing->corner);
+    free(packing->row);
+    free(packing->stored);
+    free(packing->slot);
 }
 
 lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size, lmb_pack_stats *stats)
 {
     assert(probes && data && size);
-    layout at;
-    if (probes->count == 0 || probes->level_count != 1 || probes->set_count != 1 ||
-        lmb_lattice_is_turned(&probes->level[0].lattice) || !lmb_probes_key_lights_are_sane(probes) ||
-        !radiance_is_finite(probes) || !plan_directory(probes, &at)) {
+    lmb_packing packing = {.probes = probes};
+    if (!header_begin(probes, &packing.header) || !lmb_volume_layout_find(&packing.header, &packing.layout)) {
         return LMB_ERROR_ARGUMENT;
     }
-    packed_probe *const packed = malloc((size_t)probes->count * sizeof *packed);
-    uint8_t *const has_light = calloc(at.entries, 1);
-    lmb_pack_stats counted;
-    uint64_t stored_count;
-    lmb_result result = packed && has_light ? pack_probes(probes, packed, &counted, &stored_count) : LMB_ERROR_MEMORY;
-    if (result != LMB_OK) {
-        goto cleanup;
+    lmb_result result = packing_begin(&packing);
+    if (result == LMB_OK) {
+        result = lmb_pack_cells(&packing);
     }
-    if (stored_count == 0) {
-        result = LMB_ERROR_ARGUMENT;
-        goto cleanup;
+    if (result == LMB_OK) {
+        lmb_pack_corners(&packing);
+        result = lmb_pack_drop(&packing);
     }
-    plan_bricks(probes, packed, has_light, &at);
-    unsigned char *const image = aligned_alloc(LMB_VOLUME_ALIGNMENT, at.bytes);
-    if (!image) {
-        result = LMB_ERROR_MEMORY;
-        goto cleanup;
+    if (result == LMB_OK) {
+        result = lmb_pack_rows(&packing);
     }
-    write_bricks(probes, packed, has_light, &at, image);
-    if (probes->key_light_count > 0) {
-        write_key_lights(probes, image);
+    if (result == LMB_OK) {
+        result = image_make(&packing, data);
     }
-    write_header(probes, &at, counted.scale, stored_count, image);
-    counted.bytes = at.bytes;
-    if (stats) {
-        *stats = counted;
+    if (result == LMB_OK) {
+        *size = (size_t)packing.layout.end;
     }
-    *data = image;
-    *size = at.bytes;
-cleanup:
-    free(has_light);
-    free(packed);
+    if (result == LMB_OK && stats) {
+        *stats = (lmb_pack_stats){packing.header.scale, overflow_count(&packing), packing.layout.end};
+    }
+    packing_free(&packing);
     return result;
 }

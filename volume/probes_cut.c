@@ -53,28 +53,39 @@ static bool cell_is_sane(const lmb_probes *probes, uint32_t level, const int32_t
     return sane && lmb_lattice_has(lattice, point);
 }
 
+static bool ghosts_are_sane(const lmb_probes *probes)
+{
+    int64_t ghosts = 0;
+    bool sane = true;
+    for (uint32_t level = 0; sane && level < probes->level_count; ++level) {
+        const lmb_probe_level *const own = &probes->level[level];
+        ghosts += own->ghost_count;
+        sane =
+            own->ghost_count == 0 || (own->ghost_count > 0 && own->ghost_first >= probes->count - probes->ghost_count &&
+                                      (int64_t)own->ghost_first + own->ghost_count <= probes->count);
+        for (int32_t i = 0; sane && i < own->ghost_count; ++i) {
+            sane = lmb_lattice_has(&own->lattice, probes->point[own->ghost_first + i]);
+        }
+    }
+    return sane && ghosts == probes->ghost_count;
+}
+
 bool lmb_probes_cuts_are_sane(const lmb_probes *probes)
 {
     const lmb_cut_cells *const cut = &probes->cut;
-    int64_t ghosts = 0;
-    bool sane = true;
-    for (uint32_t level = 0; level < probes->level_count; ++level) {
-        const lmb_probe_level *const own = &probes->level[level];
-        ghosts += own->ghost_count;
-        for (int32_t ghost = own->ghost_first; ghost < own->ghost_first + own->ghost_count; ++ghost) {
-            sane = sane && lmb_lattice_has(&own->lattice, probes->point[ghost]);
-        }
-    }
+    bool sane = ghosts_are_sane(probes);
     for (uint32_t i = 0; sane && i < cut->count; ++i) {
         const lmb_cut_cell *const cell = &cut->cell[i];
-        sane = cell->level < probes->level_count && cell_is_sane(probes, cell->level, cell->point) &&
+        sane = (uint64_t)cell->plane_first + cell->plane_count <= cut->plane_count &&
+               (uint64_t)cell->region_first + cell->region_count <= cut->region_count &&
+               cell->level < probes->level_count && cell_is_sane(probes, cell->level, cell->point) &&
                lmb_probe_index_find(&probes->level[cell->level].cut, cell->point) == (int32_t)i &&
                planes_are_sane(&cut->plane[cell->plane_first], cell->plane_count, cell->region_count);
         for (uint32_t region = 0; sane && region < cell->region_count; ++region) {
             sane = corners_are_sane(probes, cell->level, cell->point, cut->corner[cell->region_first + region]);
         }
     }
-    return sane && ghosts == probes->ghost_count;
+    return sane;
 }
 
 /* Room for `added` more elements; it doubles with every power of two. */
@@ -142,42 +153,64 @@ lmb_result lmb_probes_cut(lmb_probes *probes, uint32_t level, const int32_t poin
     return LMB_OK;
 }
 
-bool lmb_probes_cell_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
-                             int32_t probe[8])
+/* Completes a cell whose level, point and fraction are set. @return whether it is there */
+static bool cell_complete(const lmb_probes *probes, lmb_probe_cell *cell)
 {
-    const lmb_probe_level *const own = &probes->level[level];
-    const int32_t cut = lmb_probe_index_find(&own->cut, cell);
-    if (cut >= 0) {
-        const lmb_cut_cell *const found = &probes->cut.cell[cut];
-        const float t[3] = {(float)fraction[0], (float)fraction[1], (float)fraction[2]};
-        const uint32_t region = lmb_cell_region(&probes->cut.plane[found->plane_first], found->plane_count, t);
-        memcpy(probe, probes->cut.corner[found->region_first + region], 8 * sizeof *probe);
+    const lmb_probe_level *const own = &probes->level[cell->level];
+    cell->cut = lmb_probe_index_find(&own->cut, cell->point);
+    cell->region = 0;
+    if (cell->cut >= 0) {
+        const lmb_cut_cell *const found = &probes->cut.cell[cell->cut];
+        const float t[3] = {(float)cell->fraction[0], (float)cell->fraction[1], (float)cell->fraction[2]};
+        cell->region = lmb_cell_region(&probes->cut.plane[found->plane_first], found->plane_count, t);
+        memcpy(cell->probe, probes->cut.corner[found->region_first + cell->region], sizeof cell->probe);
         return true;
     }
     bool whole = true;
     for (int i = 0; whole && i < 8; ++i) {
         int32_t at[3];
-        corner_point(cell, i, at);
-        probe[i] = lmb_probe_index_find(&own->index, at);
-        whole = probe[i] >= 0;
+        corner_point(cell->point, i, at);
+        cell->probe[i] = lmb_probe_index_find(&own->index, at);
+        whole = cell->probe[i] >= 0;
     }
     return whole;
+}
+
+bool lmb_probes_cell_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
+                             int32_t probe[8])
+{
+    lmb_probe_cell found = {.level = level};
+    memcpy(found.point, cell, sizeof found.point);
+    memcpy(found.fraction, fraction, sizeof found.fraction);
+    const bool is_there = cell_complete(probes, &found);
+    memcpy(probe, found.probe, sizeof found.probe);
+    return is_there;
+}
+
+bool lmb_probes_cell(const lmb_probes *probes, lmb_vec3d position, lmb_probe_cell *cell)
+{
+    assert(probes && cell);
+    lmb_probe_cell found;
+    for (found.level = 0; found.level < probes->level_count; ++found.level) {
+        if (lmb_lattice_cell(&probes->level[found.level].lattice, position, found.point, found.fraction) &&
+            cell_complete(probes, &found) && lmb_probes_cell_is_leaf(probes, found.level, found.point)) {
+            *cell = found;
+            return true;
+        }
+    }
+    return false;
 }
 
 bool lmb_probes_around(const lmb_probes *probes, lmb_vec3d position, int32_t probe[8], double fraction[3])
 {
     assert(probes && probe && fraction);
-    for (uint32_t level = 0; level < probes->level_count; ++level) {
-        int32_t cell[3], around[8];
-        double within[3];
-        if (lmb_lattice_cell(&probes->level[level].lattice, position, cell, within) &&
-            lmb_probes_leaf_corners(probes, level, cell, within, around)) {
-            memcpy(probe, around, sizeof around);
-            memcpy(fraction, within, sizeof within);
-            return true;
-        }
+    lmb_probe_cell cell;
+    if (!lmb_probes_cell(probes, position, &cell)) {
+        return false;
     }
-    return false;
+    memcpy(probe, cell.probe, sizeof cell.probe);
+    memcpy(fraction, cell.fraction, sizeof cell.fraction);
+    return true;
 }
 
 lmb_sh3_rgb lmb_probes_light(const lmb_probes *probes, uint32_t set, lmb_vec3d position)

@@ -5,45 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/base64.h>
 #include <lambent/file.h>
 
 #include "base/hex_digit.h"
-
-static int base64_digit(unsigned char c)
-{
-    if (c >= 'A' && c <= 'Z') {
-        return c - 'A';
-    }
-    if (c >= 'a' && c <= 'z') {
-        return c - 'a' + 26;
-    }
-    if (c >= '0' && c <= '9') {
-        return c - '0' + 52;
-    }
-    return c == '+' ? 62 : c == '/' ? 63 : -1;
-}
-
-/* Decodes base64 up to its end or padding. @return false on any other character */
-static bool base64_decode(const char *text, unsigned char *bytes, size_t *size)
-{
-    uint32_t bits = 0;
-    unsigned bit_count = 0;
-    size_t used = 0;
-    for (; *text && *text != '='; ++text) {
-        const int digit = base64_digit((unsigned char)*text);
-        if (digit < 0) {
-            return false;
-        }
-        bits = (bits << 6 | (uint32_t)digit) & 0xffffffu;
-        bit_count += 6;
-        if (bit_count >= 8) {
-            bit_count -= 8;
-            bytes[used++] = (unsigned char)(bits >> bit_count);
-        }
-    }
-    *size = used;
-    return strspn(text, "=") == strlen(text) && strlen(text) <= 2;
-}
 
 /* Undoes %XX; anything else stays. @return number of bytes written, at most strlen(text) */
 static size_t percent_decode(const char *text, unsigned char *bytes)
@@ -75,7 +40,7 @@ static lmb_result read_data_uri(const lmb_gltf_file *file, const char *uri, cons
     const size_t head = (size_t)(comma - uri);
     size_t size = 0;
     if (head >= sizeof base64 - 1 && memcmp(comma - (sizeof base64 - 1), base64, sizeof base64 - 1) == 0) {
-        if (!base64_decode(comma + 1, data, &size)) {
+        if (!lmb_base64_decode(comma + 1, data, &size)) {
             free(data);
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: broken base64", file->path, where);
         }

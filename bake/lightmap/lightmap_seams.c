@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include <lambent/vector.h>
-#include <lambent/volume_format.h>
+#include <lambent/file.h>
 
 /* Corners this near (texels) are the same. Normals that differ by less than 10 degrees are of one surface, unless its
  * triangles bend by more than 37: shading is smooth on bevels too, light is not. */
@@ -66,7 +66,7 @@ static lmb_result border_find(const lmb_mesh *mesh, const lmb_vec2 *corner_uv, b
     for (size_t i = 0; table && inner && i < edges; ++i) {
         edge_end end[2], other[2];
         edge_ends(mesh, corner_uv, (mesh_edge)i, end);
-        size_t slot = (size_t)lmb_volume_hash(LMB_VOLUME_HASH_SEED, end, sizeof end) & (size - 1);
+        size_t slot = (size_t)lmb_hash(LMB_HASH_SEED, end, sizeof end) & (size - 1);
         for (; table[slot] != 0; slot = (slot + 1) & (size - 1)) {
             edge_ends(mesh, corner_uv, table[slot] - 1, other);
             if (memcmp(end, other, sizeof end) == 0) {
@@ -134,7 +134,7 @@ static uint64_t middle_key(const seam_search *search, const world_edge *edge)
     const int64_t cell[3] = {(int64_t)floor(0.5 * ((double)a.x + (double)b.x) / search->cell + 0.5),
                              (int64_t)floor(0.5 * ((double)a.y + (double)b.y) / search->cell + 0.5),
                              (int64_t)floor(0.5 * ((double)a.z + (double)b.z) / search->cell + 0.5)};
-    return lmb_volume_hash(LMB_VOLUME_HASH_SEED, cell, sizeof cell);
+    return lmb_hash(LMB_HASH_SEED, cell, sizeof cell);
 }
 
 static lmb_result borders_find(seam_search *search)

@@ -1,8 +1,7 @@
-/* Lattice and brick arithmetic, the same for whoever bakes, packs or samples a volume.
+/* Lattice arithmetic, the same for whoever bakes, packs or samples a volume.
  *
  * Point (i, j, k) of a lattice lies at spacing * (i axis[0] + j axis[1] + k axis[2]) in the world, which for the
- * world's own axes is spacing * (i, j, k): lattices of one spacing and one set of axes always line up. Points are
- * stored in bricks of 4 x 4 x 4 cells with all their corners, 5 x 5 x 5 points (lambent/volume_format.h). */
+ * world's own axes is spacing * (i, j, k): lattices of one spacing and one set of axes always line up. */
 #ifndef LAMBENT_LATTICE_H
 #define LAMBENT_LATTICE_H
 
@@ -12,7 +11,6 @@
 #include <stdint.h>
 
 #include <lambent/types.h>
-#include <lambent/volume_format.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -152,42 +150,6 @@ static inline bool lmb_lattice_cell(const lmb_lattice *lattice, lmb_vec3d positi
         fraction[axis] = at[axis] - below;
     }
     return true;
-}
-
-/* Bricks along an axis: every cell has one, and a lattice one point thick still has its points. */
-static inline size_t lmb_lattice_bricks_along(int32_t size)
-{
-    const size_t cells = size > 1 ? (size_t)size - 1 : 1;
-    return (cells + LMB_BRICK_CELLS - 1) / LMB_BRICK_CELLS;
-}
-
-/* Number of a brick in the directory, of `bricks` along each axis. */
-static inline size_t lmb_lattice_brick(const size_t bricks[3], size_t x, size_t y, size_t z)
-{
-    return x + bricks[0] * (y + bricks[1] * z);
-}
-
-/* Numbers of a point and a cell within their brick. */
-static inline unsigned lmb_brick_point(unsigned x, unsigned y, unsigned z)
-{
-    return x + LMB_BRICK_POINTS * (y + LMB_BRICK_POINTS * z);
-}
-
-static inline unsigned lmb_brick_cell(unsigned x, unsigned y, unsigned z)
-{
-    return x + LMB_BRICK_CELLS * (y + LMB_BRICK_CELLS * z);
-}
-
-/* Whether a brick holds a probe at a point. */
-static inline bool lmb_brick_holds(const lmb_volume_brick *brick, unsigned point)
-{
-    return (brick->probes[point / 64] >> point % 64 & 1u) != 0;
-}
-
-/* How far corner 0 .. 7 of a cell (bit 0 is x, 1 is y, 2 is z) is from its first among the brick's points. */
-static inline unsigned lmb_brick_corner(unsigned corner)
-{
-    return lmb_brick_point(corner & 1u, corner >> 1 & 1u, corner >> 2);
 }
 
 #ifdef __cplusplus

@@ -24,13 +24,15 @@ enum { LMB_VOLUME_STORAGE_WORDS = 64 };
 
 typedef struct lmb_volume_info {
     uint32_t version;     /* of the file format */
-    uint64_t probe_count; /* distinct probes stored */
+    uint64_t probe_count; /* that were baked and are stored, each counted once */
     uint32_t brick_count;
     lmb_vec3d bounds_min; /* metres, world space: of the lattice points */
     lmb_vec3d bounds_max;
     float scale; /* the power of two that stored radiance was divided by */
     uint64_t file_bytes;
     uint32_t key_light_count;
+    uint32_t level_count; /* of the probes' spacing: each has twice that of the one before */
+    uint32_t cut_count;   /* cells that geometry parts */
 } lmb_volume_info;
 
 /* Memory for a handle, from the caller: a member of a game's own struct, an entry of a pool, a static. Its contents
@@ -61,15 +63,16 @@ LMB_API void lmb_volume_close(lmb_volume *volume);
 
 LMB_API lmb_volume_info lmb_volume_get_info(const lmb_volume *volume);
 
-/* Metres between probes at a position; outside of the bounds, at the nearest position within. */
+/* Metres between probes at a position, the finest level's where there are none; outside of the bounds, at the nearest
+ * position within. */
 LMB_API float lmb_volume_spacing_at(const lmb_volume *volume, lmb_vec3d position);
 
 /* The key lights, whose direct light the stored radiance leaves out; how many there are. Those beyond are 0. */
 LMB_API uint32_t lmb_volume_key_lights(const lmb_volume *volume, lmb_key_light light[LMB_KEY_LIGHTS_MOST]);
 
 /* Trilinear SH3 radiance at `position`, without the direct light of key lights.
- * @return true inside the baked volume; false outside (or NaN), where `radiance` gets the nearest baked point's light
- *         in the clamped bounds, or 0 where the cell holds no probes. Never NaN or infinity. `volume` and `radiance`
+ * @return true inside the baked volume; false outside (or NaN), where `radiance` gets the light of the nearest position
+ *         in the bounds, or 0 where the cell there holds no probes. Never NaN or infinity. `volume` and `radiance`
  *         must not be NULL (asserted only). */
 LMB_API bool lmb_volume_sample(const lmb_volume *volume, lmb_vec3 position, lmb_sh3_rgb *radiance);
 

@@ -1,18 +1,21 @@
-/* The layout of a .lmb file, versions 1 and 2, as C structs: for those who write one. docs/formats.md is normative and
- * says what every field means and what must hold; everything is little-endian, and the structs have no padding of their
- * own.
+/* The layout of a .lmb file, version 3, as C structs: for those who write one. docs/formats.md is normative and says
+ * what every field means and what must hold; everything is little-endian, and the structs have no padding of their own.
  *
- *     header | key lights | directory: one 32-bit brick number per brick of the box | zeros up to 64 | bricks
+ *     header | directory | heads of bricks | probes | what is seen of key lights | cut cells' offsets | cut cells
  *
- * A brick is 4 x 4 x 4 cells with all their corners, 5 x 5 x 5 lattice points: neighbours repeat the border that they
- * share, so that an interpolation never leaves its brick. Version 2 has key lights, and behind each brick their
- * visibility; version 1 has neither. */
+ * each part from the next multiple of 64 on. A brick is 4 x 4 x 4 cells of one level. The directory has a word for each
+ * 4 x 4 x 4 cells of the finest level, which names the brick that is there. A brick's head says which of its cells are
+ * there, and for each of its 25 rows of points along x where they are among the probes: rows are shared by the bricks
+ * that touch there, and run on through bricks beside each other. */
 #ifndef LAMBENT_VOLUME_FORMAT_H
 #define LAMBENT_VOLUME_FORMAT_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
+#include <lambent/cell.h>
 #include <lambent/key_light.h>
 
 #ifdef __cplusplus
@@ -25,30 +28,52 @@ extern "C" {
 
 enum {
     LMB_VOLUME_MAGIC_SIZE = 8,
-    LMB_VOLUME_VERSION = 1, /* of files without key lights */
-    LMB_VOLUME_VERSION_WITH_KEYS = 2,
-    LMB_VOLUME_HEADER_BYTES = 128,
-    LMB_VOLUME_KEYS_BYTES = 128,
+    LMB_VOLUME_VERSION = 3,
+    LMB_VOLUME_HEADER_BYTES = 256,
     LMB_VOLUME_CHECKSUM_START = 32, /* the checksum covers everything from here to the end */
-    LMB_VOLUME_ALIGNMENT = 64,      /* of the bricks, in the file */
+    LMB_VOLUME_ALIGNMENT = 64,      /* of every part, in the file */
     LMB_VOLUME_MAX_SCALE_LOG2 = 96, /* scale is 2^-96 .. 2^96: 65504 * 2^96 is still a float */
-    LMB_BRICK_CELLS = 4,            /* along an axis */
+    LMB_VOLUME_LEVELS_MOST = 15,
+    LMB_VOLUME_LEVEL_SHIFT = 28, /* a word of the directory: level above, number of the brick below */
+    LMB_BRICK_CELLS = 4,         /* along an axis */
     LMB_BRICK_POINTS = 5,
-    LMB_BRICK_PROBES = 125,
-    LMB_BRICK_COEFFICIENTS = 27, /* of a probe: red 0..8, green 0..8, blue 0..8 */
-    LMB_BRICK_BYTES = 6784,
-    LMB_BRICK_KEY_BYTES = 128 /* of each key light: 125 points and 3 zeros */
+    LMB_BRICK_ROWS = 25,         /* of points along x: y + 5 z */
+    LMB_PROBE_COEFFICIENTS = 27, /* red 0..8, green 0..8, blue 0..8 */
+    LMB_PROBE_BYTES = 54,
+    LMB_PROBE_READ_BYTES = 64 /* that may be read from the last probe on */
 };
 
-/* 64-bit FNV-1a, the file's checksum: from LMB_VOLUME_HASH_SEED, or on from an earlier result. */
-#define LMB_VOLUME_HASH_SEED UINT64_C(0xcbf29ce484222325)
-static inline uint64_t lmb_volume_hash(uint64_t hash, const void *data, size_t size)
+/* The file's checksum. Eight hashes of every eighth word each, so that processors multiply several at once; every step
+ * is one to one in the word and in the hash, so that no change of a single word is missed. What is missing of the last
+ * 64 bytes counts as zeros. */
+static inline uint64_t lmb_volume_hash_step(uint64_t hash, uint64_t word)
 {
-    const unsigned char *bytes = (const unsigned char *)data;
-    for (size_t i = 0; i < size; ++i) {
-        hash = (hash ^ bytes[i]) * UINT64_C(0x100000001b3);
+    const uint64_t product = (hash ^ word) * UINT64_C(0x9e3779b97f4a7c15);
+    return product << 29 | product >> 35;
+}
+
+static inline uint64_t lmb_volume_hash(const void *data, size_t size)
+{
+    enum { LANES = 8 };
+    const unsigned char *const bytes = (const unsigned char *)data;
+    uint64_t lane[LANES], word[LANES];
+    for (int i = 0; i < LANES; ++i) {
+        lane[i] = UINT64_C(0xcbf29ce484222325) + (uint64_t)i;
     }
-    return hash;
+    for (size_t at = 0; at < size; at += sizeof word) {
+        if (size - at < sizeof word) {
+            memset(word, 0, sizeof word);
+        }
+        memcpy(word, bytes + at, size - at < sizeof word ? size - at : sizeof word);
+        for (int i = 0; i < LANES; ++i) {
+            lane[i] = lmb_volume_hash_step(lane[i], word[i]);
+        }
+    }
+    uint64_t hash = size;
+    for (int i = 0; i < LANES; ++i) {
+        hash = lmb_volume_hash_step(hash, lane[i]);
+    }
+    return hash ^ hash >> 32;
 }
 
 typedef struct lmb_volume_header {
@@ -56,37 +81,96 @@ typedef struct lmb_volume_header {
     uint32_t version;
     uint32_t header_bytes;
     uint64_t file_bytes;
-    uint64_t checksum; /* FNV-1a, 64 bits */
-    float spacing;     /* metres */
-    float scale;       /* radiance = stored half * scale */
-    int32_t min[3];    /* lattice coordinates of the box's first point */
-    int32_t size[3];   /* lattice points per axis */
-    uint64_t probe_count;
+    uint64_t checksum;     /* lmb_volume_hash */
+    float spacing;         /* metres, of the finest level; each next one has twice that */
+    float scale;           /* radiance = stored half * scale */
+    int32_t min[3];        /* the box of all levels on the finest lattice: first point, */
+    int32_t size[3];       /* points per axis */
+    uint64_t probe_count;  /* that were baked, or stand for one that was, without copies */
+    uint32_t stored_count; /* in the array */
     uint32_t brick_count;
-    uint32_t brick_bytes;
-    uint64_t directory_offset;
-    uint64_t bricks_offset;
-    uint32_t reserved[8]; /* 0 */
+    uint32_t level_count;
+    uint32_t key_light_count;
+    uint32_t probe_bytes; /* of a probe in the array */
+    uint32_t cut_count;   /* cut cells */
+    uint64_t cut_bytes;   /* of all of them */
+    uint32_t reserved[14];
+    lmb_key_light key_light[LMB_KEY_LIGHTS_MOST]; /* those beyond the count are 0 */
 } lmb_volume_header;
 
-/* Follows the header in version 2. */
-typedef struct lmb_volume_keys {
-    uint32_t count;                           /* 1 to 4 */
-    uint32_t reserved[7];                     /* 0 */
-    lmb_key_light light[LMB_KEY_LIGHTS_MOST]; /* those beyond `count` are 0 */
-} lmb_volume_keys;
-
+/* Bit x + 4 (y + 4 z) of a mask is a cell. A cell is plain, cut, or not there. */
 typedef struct lmb_volume_brick {
-    uint64_t complete_cells; /* bit x + 4 (y + 4 z): all eight corners of the cell hold probes */
-    uint64_t probes[2];      /* bit x + 5 (y + 5 z): the point holds a probe */
-    uint16_t sh[LMB_BRICK_PROBES * LMB_BRICK_COEFFICIENTS + 5]; /* halfs, probe by probe; the last five are 0, so that
-                                                                   32 may be read from any probe on */
+    uint64_t plain; /* its eight corners are interpolated */
+    uint64_t cut;
+    uint32_t row[LMB_BRICK_ROWS]; /* [y + 5 z] the probe at x = 0, modulo 2^32: where the row begins at a later x, there
+                                     may be none before it. 0 where no cell has a point of the row */
+    uint32_t cut_first;           /* its first cut cell, among all; the others follow in the order of their bits */
+    uint32_t reserved[2];
 } lmb_volume_brick;
 
-/* Follows a brick in version 2, once for each key light: what of it is seen from each point, in 255ths. */
-typedef struct lmb_brick_visibility {
-    uint8_t seen[LMB_BRICK_KEY_BYTES];
-} lmb_brick_visibility;
+/* A cut cell: this, then 8 probes (uint32_t) for each region, corner by corner, then its planes (lmb_cell_plane), then
+ * zeros up to a multiple of 4 bytes. */
+typedef struct lmb_volume_cut {
+    uint8_t region_count; /* 1 to LMB_CELL_REGIONS_MOST */
+    uint8_t plane_count;  /* 0 to LMB_CELL_PLANES_MOST */
+    uint16_t reserved;
+} lmb_volume_cut;
+
+static inline size_t lmb_volume_cut_bytes(uint32_t regions, uint32_t planes)
+{
+    return (sizeof(lmb_volume_cut) + regions * 8 * sizeof(uint32_t) + planes * sizeof(lmb_cell_plane) + 3) / 4 * 4;
+}
+
+/* Where everything lies, in bytes. */
+typedef struct lmb_volume_layout {
+    int32_t block_first[3]; /* 4 x 4 x 4 cells of the finest level, which begin at multiples of 4: the box's first, */
+    uint32_t blocks[3];     /* how many along each axis */
+    uint64_t entries;       /* of the directory: x + blocks[0] (y + blocks[1] z) */
+    uint64_t directory, bricks, probes, seen, cut_offsets, cuts, end;
+} lmb_volume_layout;
+
+/* The quotient of a division by a positive number, rounded down. */
+static inline int32_t lmb_volume_floor_divide(int32_t a, int32_t b)
+{
+    return a / b - (a % b < 0);
+}
+
+/* From box and counts of a header.
+ * @return false: the box is none, or the directory would have more than 2^31 words */
+static inline bool lmb_volume_layout_find(const lmb_volume_header *header, lmb_volume_layout *layout)
+{
+    layout->entries = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int64_t first = header->min[axis];
+        const int64_t last = first + header->size[axis] - 1;
+        if (header->size[axis] < 1 || last > INT32_MAX) {
+            return false;
+        }
+        const int64_t last_cell = header->size[axis] > 1 ? last - 1 : first;
+        layout->block_first[axis] = lmb_volume_floor_divide((int32_t)first, LMB_BRICK_CELLS);
+        layout->blocks[axis] =
+            (uint32_t)(lmb_volume_floor_divide((int32_t)last_cell, LMB_BRICK_CELLS) - layout->block_first[axis] + 1);
+        if (layout->blocks[axis] > (UINT64_C(1) << 31) / layout->entries) {
+            return false;
+        }
+        layout->entries *= layout->blocks[axis];
+    }
+    const uint64_t size[] = {LMB_VOLUME_HEADER_BYTES,
+                             layout->entries * sizeof(uint32_t),
+                             (uint64_t)header->brick_count * sizeof(lmb_volume_brick),
+                             (uint64_t)header->stored_count * header->probe_bytes + LMB_PROBE_READ_BYTES,
+                             (uint64_t)header->stored_count * header->key_light_count,
+                             (uint64_t)header->cut_count * sizeof(uint32_t),
+                             header->cut_bytes};
+    uint64_t *const place[] = {&layout->directory,   &layout->bricks, &layout->probes, &layout->seen,
+                               &layout->cut_offsets, &layout->cuts,   &layout->end};
+    uint64_t at = 0;
+    for (size_t i = 0; i < sizeof size / sizeof size[0]; ++i) {
+        at = (at + size[i] + LMB_VOLUME_ALIGNMENT - 1) / LMB_VOLUME_ALIGNMENT * LMB_VOLUME_ALIGNMENT;
+        *place[i] = at;
+    }
+    return true;
+}
 
 #ifdef __cplusplus
 }

@@ -6,7 +6,6 @@
 #include <stdint.h>
 
 #include <lambent/error.h>
-#include <lambent/volume_format.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -36,7 +35,7 @@ lmb_result lmb_file_commit(const char *temporary_path, const char *path, lmb_err
 lmb_result lmb_file_write(const char *path, const void *data, size_t size, lmb_error *error);
 
 /* 64-bit FNV-1a; start with LMB_HASH_SEED, or continue from an earlier result. Not cryptographic. */
-#define LMB_HASH_SEED LMB_VOLUME_HASH_SEED
+#define LMB_HASH_SEED UINT64_C(0xcbf29ce484222325)
 uint64_t lmb_hash(uint64_t hash, const void *data, size_t size);
 
 #ifdef __cplusplus

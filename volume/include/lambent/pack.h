@@ -15,11 +15,14 @@ typedef struct lmb_pack_stats {
     uint64_t bytes;
 } lmb_pack_stats;
 
-/* The .lmb image of probes, of one level whose lattice is not turned and one set of lights, in malloc'ed memory,
- * 16-byte aligned; the caller frees `*data`. `stats` may be NULL.
- * @return LMB_ERROR_MEMORY, _ARGUMENT (no probes, several levels or sets, a lattice that is turned, a box of too many
- * bricks for the format's directory, non-finite radiance, or key lights without direction or irradiance); then no
- * output is touched */
+/* The .lmb image of probes, of levels whose lattices are not turned, each with twice the spacing of the one before, and
+ * of one set of lights, in malloc'ed memory, 16-byte aligned; the caller frees `*data`. A cell is stored where it is cut,
+ * where its eight corners hold probes with light, and where one of them was baked: then the others get light here. Each
+ * 4 x 4 x 4 cells of the finest level that begin at multiples of 4 are the finest level's that has a cell there.
+ * `stats` may be NULL.
+ * @return LMB_ERROR_MEMORY, _ARGUMENT (no probes, several sets, levels that are turned or of other spacings, a box of
+ * too many blocks for the format's directory or farther than 2^31 - 2^17 spacings away, non-finite radiance, key lights
+ * without direction or irradiance, or no cell has light); then no output is touched */
 lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size, lmb_pack_stats *stats);
 
 #ifdef __cplusplus

@@ -129,6 +129,19 @@ void lmb_probes_destroy(lmb_probes *probes);
 /* The probe at a point of a level's lattice, or -1. */
 int32_t lmb_probes_find(const lmb_probes *probes, uint32_t level, int32_t x, int32_t y, int32_t z);
 
+/* The cell that light at a place is interpolated in. */
+typedef struct lmb_probe_cell {
+    uint32_t level;
+    int32_t point[3];   /* its first, on the level's lattice */
+    int32_t cut;        /* its number among cut cells, or -1: a plain one */
+    uint32_t region;    /* of a cut cell, that the place is in; else 0 */
+    int32_t probe[8];   /* [corner, bit 0 is x, 1 is y, 2 is z] of that region */
+    double fraction[3]; /* where in the cell, 0 to 1 along each axis */
+} lmb_probe_cell;
+
+/* @return false, and nothing is set, where no level has a cell */
+bool lmb_probes_cell(const lmb_probes *probes, lmb_vec3d position, lmb_probe_cell *cell);
+
 /* The eight probes around a place in its cell, and where in it that is, 0 to 1 along each axis.
  * @return false, and nothing is set, where no level has a cell */
 bool lmb_probes_around(const lmb_probes *probes, lmb_vec3d position, int32_t probe[8], double fraction[3]);

@@ -1,0 +1,274 @@
+/* Volumes of several levels with cut cells: what comes out of the file is what the probes give in memory
+ * (lmb_probes_light), up to the rounding of halfs. */
+#include "harness.h"
+#include "levels_fixture.h"
+
+#include <lambent/pack.h>
+#include <lambent/volume.h>
+#include <lambent/volume_format.h>
+
+#include <stddef.h>
+
+typedef struct packed {
+    unsigned char *data;
+    size_t size;
+    lmb_volume *volume;
+} packed;
+
+static packed pack_and_open(const lmb_probes *probes)
+{
+    packed p = {NULL, 0, NULL};
+    const lmb_result result = lmb_pack(probes, &p.data, &p.size, NULL);
+    CHECK(result == LMB_OK && lmb_volume_open_memory(p.data, p.size, &p.volume) == LMB_OK, "pack: %d", result);
+    if (!p.volume) {
+        abort();
+    }
+    return p;
+}
+
+static void close_packed(packed *p)
+{
+    lmb_volume_close(p->volume);
+    free(p->data);
+}
+
+static lmb_vec3d random_place(const lmb_volume_info *info, uint64_t *state)
+{
+    const lmb_vec3d low = info->bounds_min, high = info->bounds_max;
+    const double x = fixture_random(state), y = fixture_random(state), z = fixture_random(state);
+    return (lmb_vec3d){low.x + x * (high.x - low.x), low.y + y * (high.y - low.y), low.z + z * (high.z - low.z)};
+}
+
+/* The finest level that has a cell at a place, and whether that is cut; -1: none has. A place so near to one of a cut
+ * cell's planes that rounding chooses its side is none. */
+static int level_there(const lmb_probes *probes, lmb_vec3d at, bool *is_cut)
+{
+    int32_t probe[8], cell[3];
+    double t[3];
+    if (!lmb_probes_around(probes, at, probe, t)) {
+        return -1;
+    }
+    const uint32_t level = (uint32_t)(lmb_probes_level_of(probes, probe[0]) - probes->level);
+    lmb_lattice_cell(&probes->level[level].lattice, at, cell, t);
+    const int32_t cut = lmb_probe_index_find(&probes->level[level].cut, cell);
+    *is_cut = cut >= 0;
+    for (uint32_t i = 0; cut >= 0 && i < probes->cut.cell[cut].plane_count; ++i) {
+        const lmb_cell_plane *const plane = &probes->cut.plane[probes->cut.cell[cut].plane_first + i];
+        const double along = plane->normal[0] * t[0] + plane->normal[1] * t[1] + plane->normal[2] * t[2];
+        if (fabs(along - plane->offset) < 1.0) {
+            return -1;
+        }
+    }
+    return (int)level;
+}
+
+static void volumes_give_the_light_of_their_probes(void)
+{
+    enum { PLACES = 20000 };
+    for (int k = 0; k < LEVELS_RECIPES; ++k) {
+        lmb_probes *const probes = levels_make(&levels_recipes[k]);
+        packed p = pack_and_open(probes);
+        const lmb_volume_info info = lmb_volume_get_info(p.volume);
+        CHECK(info.level_count == levels_recipes[k].levels && info.key_light_count == levels_recipes[k].keys, "%d", k);
+        uint64_t state = 7;
+        int plain[LEVELS_MOST] = {0}, cut[LEVELS_MOST] = {0};
+        for (int i = 0; i < PLACES; ++i) {
+            const lmb_vec3d at = random_place(&info, &state);
+            bool is_cut = false;
+            const int level = level_there(probes, at, &is_cut);
+            lmb_sh3_rgb light;
+            const bool inside = lmb_volume_sample_at(p.volume, at, &light);
+            if (level < 0) {
+                continue;
+            }
+            const lmb_sh3_rgb expected = lmb_probes_light(probes, 0, at);
+            CHECK(inside, "recipe %d: (%g, %g, %g)", k, at.x, at.y, at.z);
+            for (int c = 0; c < 27; ++c) {
+                CHECK_NEAR(light.channel[c / 9].c[c % 9], expected.channel[c / 9].c[c % 9], 0x1p-11 + 1e-5,
+                           "recipe %d, level %d, %s: (%g, %g, %g), coefficient %d", k, level, is_cut ? "cut" : "plain",
+                           at.x, at.y, at.z, c);
+            }
+            CHECK(lmb_volume_spacing_at(p.volume, at) == ldexpf(levels_recipes[k].spacing, level), "spacing of %d",
+                  level);
+            ++(is_cut ? cut : plain)[level];
+        }
+        for (uint32_t level = 0; level < levels_recipes[k].levels; ++level) {
+            CHECK(plain[level] > 0 && (cut[level] > 0) == (levels_recipes[k].cut > 0.0),
+                  "recipe %d, level %u: %d places in plain cells, %d in cut ones", k, level, plain[level], cut[level]);
+        }
+        close_packed(&p);
+        lmb_probes_destroy(probes);
+    }
+}
+
+/* Trilinear visibility of the probes around a place, each in 255ths. */
+static void visibility_is_that_of_the_probes(void)
+{
+    for (int k = 0; k < LEVELS_RECIPES; ++k) {
+        lmb_probes *const probes = levels_make(&levels_recipes[k]);
+        packed p = pack_and_open(probes);
+        const lmb_volume_info info = lmb_volume_get_info(p.volume);
+        uint64_t state = 8;
+        for (int i = 0; i < 3000; ++i) {
+            const lmb_vec3d at = random_place(&info, &state);
+            bool is_cut;
+            int32_t probe[8];
+            double t[3];
+            lmb_sh3_rgb light, alone;
+            float seen[LMB_KEY_LIGHTS_MOST];
+            const bool inside = lmb_volume_sample_with_keys(p.volume, at, &light, seen);
+            CHECK(lmb_volume_sample_at(p.volume, at, &alone) == inside && memcmp(&alone, &light, sizeof light) == 0,
+                  "the same light, with keys and without");
+            if (level_there(probes, at, &is_cut) < 0 || !lmb_probes_around(probes, at, probe, t)) {
+                continue;
+            }
+            for (uint32_t key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
+                double expected = 0.0;
+                for (int c = 0; c < 8; ++c) {
+                    expected += (c & 1 ? t[0] : 1.0 - t[0]) * (c & 2 ? t[1] : 1.0 - t[1]) *
+                                (c & 4 ? t[2] : 1.0 - t[2]) * (double)probes->key_visibility[probe[c]][key];
+                }
+                CHECK_NEAR(seen[key], expected, 0.5 / 255.0 + 1e-5, "recipe %d, light %u", k, key);
+            }
+        }
+        close_packed(&p);
+        lmb_probes_destroy(probes);
+    }
+}
+
+/* A fine cell that is missing among others, in a block where a coarser one is: it has that one's light. */
+static void holes_have_the_light_of_coarser_cells(void)
+{
+    const lmb_lattice fine = {.spacing = 1.0f, .size = {9, 5, 5}}, coarse = {.spacing = 2.0f, .size = {5, 3, 3}};
+    int32_t point[45][3];
+    for (int32_t i = 0; i < 45; ++i) {
+        memcpy(point[i], (const int32_t[3]){i % 5, i / 5 % 3, i / 15}, sizeof point[i]);
+    }
+    lmb_probes *probes = NULL;
+    CHECK(lmb_probes_create(&probes) == LMB_OK &&
+              lmb_probes_add_level(probes, &fine, (const int32_t(*)[3])point, 45) == LMB_OK &&
+              lmb_probes_add_level(probes, &coarse, (const int32_t(*)[3])point, 45) == LMB_OK,
+          "two levels");
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        const int32_t along = probe < 45 ? 1 : 2;
+        probes->validity[probe] = 1.0f;
+        for (int axis = 0; axis < 3; ++axis) { /* linear: every interpolation agrees */
+            probes->radiance[0][probe].channel[axis].c[0] = (float)(probes->point[probe][axis] * along);
+        }
+    }
+    packed p = pack_and_open(probes);
+    uint64_t state = 9;
+    for (int i = 0; i < 2000; ++i) {
+        const lmb_vec3d at = {8.0 * fixture_random(&state), 4.0 * fixture_random(&state), 4.0 * fixture_random(&state)};
+        lmb_sh3_rgb light;
+        CHECK(lmb_volume_sample_at(p.volume, at, &light), "(%g, %g, %g)", at.x, at.y, at.z);
+        CHECK_NEAR(light.channel[0].c[0], at.x, 0.01, "x at (%g, %g, %g)", at.x, at.y, at.z);
+        CHECK_NEAR(light.channel[1].c[0], at.y, 0.01, "y at (%g, %g, %g)", at.x, at.y, at.z);
+        CHECK_NEAR(light.channel[2].c[0], at.z, 0.01, "z at (%g, %g, %g)", at.x, at.y, at.z);
+    }
+    close_packed(&p);
+    lmb_probes_destroy(probes);
+}
+
+/* Rows are shared: a box full of probes stores few of them twice, and heads are small beside them. */
+static void full_boxes_are_small(void)
+{
+    const lmb_lattice lattice = {.spacing = 1.0f, .min = {-7, 5, 1}, .size = {65, 49, 33}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 1.0, 5);
+    packed p = pack_and_open(probes);
+    const double bytes = (double)p.size / probes->count;
+    CHECK(lmb_volume_get_info(p.volume).probe_count == (uint64_t)probes->count, "all are stored");
+    CHECK(bytes < 60.0, "%.1f bytes a probe", bytes);
+    close_packed(&p);
+    lmb_probes_destroy(probes);
+}
+
+/* ---------------------------------------------------------------------------------------- broken contents */
+
+static void repair_checksum(unsigned char *data, size_t size)
+{
+    const uint64_t checksum = lmb_volume_hash(data + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
+    memcpy(data + offsetof(lmb_volume_header, checksum), &checksum, sizeof checksum);
+}
+
+static bool samples_are_finite(const lmb_volume *volume)
+{
+    const lmb_volume_info info = lmb_volume_get_info(volume);
+    uint64_t state = 5;
+    bool finite = true;
+    for (int i = 0; i < 100; ++i) {
+        lmb_sh3_rgb light;
+        float seen[LMB_KEY_LIGHTS_MOST];
+        lmb_volume_sample_with_keys(volume, random_place(&info, &state), &light, seen);
+        for (int k = 0; k < 27; ++k) {
+            finite = finite && isfinite(light.channel[k / 9].c[k % 9]);
+        }
+    }
+    return finite;
+}
+
+/* Bits of directory, heads, cut cells' offsets and their records, one after the other, with the checksum right:
+ * refused, or sampled without a bad read and without NaN. */
+static void forged_bits_do_no_harm(void)
+{
+    static const levels_recipe recipe = {
+        .spacing = 1.0f, .levels = 2, .low = -1, .cubes = 2, .split = 0.3, .cut = 0.2, .keys = 1, .seed = 3};
+    lmb_probes *const probes = levels_make(&recipe);
+    packed p = pack_and_open(probes);
+    lmb_volume_header header;
+    lmb_volume_layout layout = {.end = 0};
+    memcpy(&header, p.data, sizeof header);
+    CHECK(lmb_volume_layout_find(&header, &layout) && layout.end == p.size, "layout");
+    const uint64_t parts[3][2] = {
+        {0, layout.probes}, {layout.cut_offsets, layout.end}, {layout.probes, layout.probes + 64}};
+    unsigned char *const copy = aligned_alloc(LMB_VOLUME_ALIGNMENT, p.size);
+    memcpy(copy, p.data, p.size);
+    int accepted = 0, refused = 0;
+    for (int part = 0; part < 3; ++part) {
+        for (uint64_t i = parts[part][0]; i < parts[part][1]; i += part == 0 && i >= layout.bricks ? 3 : 1) {
+            const unsigned char kept = copy[i];
+            copy[i] ^= (unsigned char)(1u << (i * 5 % 8));
+            repair_checksum(copy, p.size);
+            lmb_volume *volume = NULL;
+            if (lmb_volume_open_memory(copy, p.size, &volume) == LMB_OK) {
+                CHECK(samples_are_finite(volume), "byte %llu", (unsigned long long)i);
+                ++accepted;
+            } else {
+                ++refused;
+            }
+            lmb_volume_close(volume);
+            copy[i] = kept;
+        }
+    }
+    CHECK(accepted > 0 && refused > 0, "%d accepted, %d refused", accepted, refused);
+    free(copy);
+    close_packed(&p);
+    lmb_probes_destroy(probes);
+}
+
+static void truncations_are_refused(void)
+{
+    static const levels_recipe recipe = {
+        .spacing = 1.0f, .levels = 2, .low = -1, .cubes = 1, .split = 0.5, .cut = 0.3, .keys = 1, .seed = 3};
+    lmb_probes *const probes = levels_make(&recipe);
+    packed p = pack_and_open(probes);
+    for (size_t size = 0; size < p.size; ++size) {
+        unsigned char *const copy = malloc(size + 1); /* so that AddressSanitizer sees every read beyond */
+        lmb_volume *volume = NULL;
+        memcpy(copy, p.data, size);
+        CHECK(lmb_volume_open_memory(copy, size, &volume) == LMB_ERROR_TRUNCATED && !volume, "%zu bytes", size);
+        free(copy);
+    }
+    close_packed(&p);
+    lmb_probes_destroy(probes);
+}
+
+static const test_case cases[] = {
+    {"volumes give the light of their probes", volumes_give_the_light_of_their_probes},
+    {"visibility is that of the probes", visibility_is_that_of_the_probes},
+    {"holes have the light of coarser cells", holes_have_the_light_of_coarser_cells},
+    {"full boxes are small", full_boxes_are_small},
+    {"forged bits do no harm", forged_bits_do_no_harm},
+    {"truncations are refused", truncations_are_refused},
+};
+TEST_MAIN(cases)

@@ -1,0 +1,156 @@
+#include "vdb_editor.h"
+
+#include <cstring>
+#include <functional>
+#include <string>
+
+#include <openvdb/openvdb.h>
+
+namespace {
+
+using openvdb::GridBase;
+
+// Reads all grids, lets `edit` see each, and writes those that it returns true for.
+bool edit_grids(const char *path, const std::function<bool(GridBase &)> &edit)
+{
+    try {
+        openvdb::initialize();
+        openvdb::io::File source(path);
+        source.open(false);
+        const openvdb::GridPtrVecPtr grids = source.getGrids();
+        const openvdb::MetaMap::Ptr metadata = source.getMetadata();
+        source.close();
+        openvdb::GridPtrVec kept;
+        for (const GridBase::Ptr &grid : *grids) {
+            if (edit(*grid)) {
+                kept.push_back(grid);
+            }
+        }
+        openvdb::io::File(path).write(kept, *metadata);
+        return true;
+    } catch (const std::exception &) {
+        return false;
+    }
+}
+
+// Edits one grid. @return whether it was there and `edit` returned true
+bool edit_grid(const char *path, const std::string &name, const std::function<bool(GridBase &)> &edit)
+{
+    bool done = false;
+    return edit_grids(path,
+                      [&](GridBase &grid) {
+                          if (grid.getName() == name) {
+                              done = edit(grid);
+                          }
+                          return true;
+                      }) &&
+           done;
+}
+
+template <typename GridType> void remove_voxel(GridBase &grid, const openvdb::Coord &at)
+{
+    GridType *const typed = dynamic_cast<GridType *>(&grid);
+    if (typed) {
+        typed->tree().setValueOff(at, typed->background());
+    }
+}
+
+bool is_of_layer(const std::string &name, const std::string &suffix)
+{
+    const auto matches = [&](const std::string &stem) { return name == stem + suffix; };
+    bool found = matches("validity");
+    for (int i = 0; i < 9; ++i) {
+        found = found || matches("sh_" + std::to_string(i)) || matches("key_visibility_" + std::to_string(i));
+    }
+    return found;
+}
+
+} // namespace
+
+bool vdb_editor_save(const char *path)
+{
+    return edit_grids(path, [](GridBase &) { return true; });
+}
+
+bool vdb_editor_remove(const char *path, const char *suffix, const int32_t point[3])
+{
+    int count = 0;
+    return edit_grids(path,
+                      [&](GridBase &grid) {
+                          if (is_of_layer(grid.getName(), suffix)) {
+                              remove_voxel<openvdb::FloatGrid>(grid, openvdb::Coord(point));
+                              remove_voxel<openvdb::Vec3SGrid>(grid, openvdb::Coord(point));
+                              ++count;
+                          }
+                          return true;
+                      }) &&
+           count >= 10;
+}
+
+bool vdb_editor_multiply(const char *path, const char *grid, float factor)
+{
+    return edit_grid(path, grid, [&](GridBase &found) {
+        openvdb::Vec3SGrid &vectors = dynamic_cast<openvdb::Vec3SGrid &>(found);
+        for (auto value = vectors.beginValueOn(); value; ++value) {
+            value.setValue(*value * factor);
+        }
+        return true;
+    });
+}
+
+bool vdb_editor_drop_grid(const char *path, const char *grid)
+{
+    bool found = false;
+    return edit_grids(path,
+                      [&](GridBase &each) {
+                          const bool is_it = each.getName() == grid;
+                          found = found || is_it;
+                          return !is_it;
+                      }) &&
+           found;
+}
+
+bool vdb_editor_drop_metadata(const char *path, const char *grid, const char *name)
+{
+    return edit_grid(path, grid, [&](GridBase &found) {
+        const bool is_there = bool(found[name]);
+        found.removeMeta(name);
+        return is_there;
+    });
+}
+
+bool vdb_editor_set_spacing(const char *path, const char *grid, double spacing)
+{
+    return edit_grid(path, grid, [&](GridBase &found) {
+        found.setTransform(openvdb::math::Transform::createLinearTransform(spacing));
+        return true;
+    });
+}
+
+bool vdb_editor_set_version(const char *path, const char *grid, int32_t version)
+{
+    return edit_grid(path, grid, [&](GridBase &found) {
+        found.insertMeta("lambent_version", openvdb::Int32Metadata(version));
+        return true;
+    });
+}
+
+char *vdb_editor_text(const char *path, const char *grid, const char *name)
+{
+    try {
+        openvdb::initialize();
+        openvdb::io::File source(path);
+        source.open(false);
+        return strdup(source.readGridMetadata(grid)->metaValue<std::string>(name).c_str());
+    } catch (const std::exception &) {
+        return nullptr;
+    }
+}
+
+bool vdb_editor_set_text(const char *path, const char *grid, const char *name, const char *text)
+{
+    return edit_grid(path, grid, [&](GridBase &found) {
+        found.insertMeta(name, openvdb::StringMetadata(text));
+        return true;
+    });
+}

@@ -1,0 +1,36 @@
+/* What other tools do to a .vdb: its grids are read by OpenVDB, changed, and written again with a UUID of OpenVDB's. */
+#ifndef LMB_TESTS_VDB_EDITOR_H
+#define LMB_TESTS_VDB_EDITOR_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* All return false where the file, the grid or the metadata is not there. */
+
+/* Makes a voxel inactive in the grids of one layer: those called sh_N, validity and key_visibility_N with `suffix`. */
+bool vdb_editor_remove(const char *path, const char *suffix, const int32_t point[3]);
+
+/* Multiplies the values of all active voxels of a grid of vectors. */
+bool vdb_editor_multiply(const char *path, const char *grid, float factor);
+
+/* Saves it again, as it is. */
+bool vdb_editor_save(const char *path);
+
+bool vdb_editor_drop_grid(const char *path, const char *grid);
+bool vdb_editor_drop_metadata(const char *path, const char *grid, const char *name);
+bool vdb_editor_set_spacing(const char *path, const char *grid, double spacing);
+bool vdb_editor_set_version(const char *path, const char *grid, int32_t version);
+
+/* A text among the metadata of a grid, malloc'ed; or puts another there. */
+char *vdb_editor_text(const char *path, const char *grid, const char *name);
+bool vdb_editor_set_text(const char *path, const char *grid, const char *name, const char *text);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

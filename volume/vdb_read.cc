@@ -1,0 +1,561 @@
+// Reading probes.vdb: whatever the file claims is looked at before it is believed.
+#include "vdb_cells.h"
+#include "vdb_internal.hh"
+
+#include <lambent/base64.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <new>
+#include <unordered_map>
+
+#include <openvdb/openvdb.h>
+#include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
+
+namespace lmb_vdb {
+namespace {
+
+// Tiles of a few bytes may stand for any number.
+constexpr openvdb::Index64 kMostProbes = openvdb::Index64(1) << 28;
+
+// Spacings of more would not fit into a float of the finest one's.
+constexpr int32_t kMostLevels = 32;
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+using openvdb::Vec3SGrid;
+
+struct ProbesDeleter {
+    void operator()(lmb_probes *probes) const
+    {
+        lmb_probes_destroy(probes);
+    }
+};
+using ProbesHandle = std::unique_ptr<lmb_probes, ProbesDeleter>;
+
+struct FreeDeleter {
+    void operator()(char *text) const
+    {
+        std::free(text);
+    }
+};
+using TextHandle = std::unique_ptr<char, FreeDeleter>;
+
+void check(lmb_result result, const char *what)
+{
+    if (result != LMB_OK) {
+        fail(result == LMB_ERROR_MEMORY ? result : LMB_ERROR_FORMAT, what);
+    }
+}
+
+// A layer's grids, its points, and the probes that they become.
+struct LayerGrids {
+    Layer layer;
+    Vec3SGrid::Ptr coefficient[LMB_SH3_COUNT];
+    FloatGrid::Ptr validity;
+    std::vector<FloatGrid::Ptr> visibility; // of key lights
+    std::vector<Coord> point;
+    std::vector<int32_t> probe;
+};
+
+struct LevelGrids {
+    std::vector<LayerGrids> layer; // its probes, then its ghosts
+    std::vector<unsigned char> cut_cells;
+};
+
+struct Contents {
+    std::vector<LevelGrids> level;
+    openvdb::MetaMap::Ptr metadata;
+};
+
+// --------------------------------------------------------------------------------------------- finding grids
+
+// All of a file's, by name.
+using GridMap = std::unordered_map<std::string, openvdb::GridBase::Ptr>;
+
+template <typename GridType> typename GridType::Ptr find_grid(const GridMap &grids, const std::string &name)
+{
+    const auto found = grids.find(name);
+    if (found == grids.end()) {
+        fail(LMB_ERROR_FORMAT, "has no grid " + name);
+    }
+    const typename GridType::Ptr typed = openvdb::gridPtrCast<GridType>(found->second);
+    if (!typed) {
+        fail(LMB_ERROR_FORMAT,
+             "grid " + name + " is of type " + found->second->type() + ", not " + GridType::gridType());
+    }
+    return typed;
+}
+
+// The metadata alone tells whether it is worth reading the rest. The version stands on every grid.
+void check_version(const openvdb::MetaMap &grid)
+{
+    const openvdb::Int32Metadata::ConstPtr version = grid.getMetadata<openvdb::Int32Metadata>("lambent_version");
+    if (!version) {
+        fail(LMB_ERROR_FORMAT, "not written by Lambent: grid sh_0 has no lambent_version, so its units and signs are "
+                               "unknown");
+    }
+    if (version->value() != kFormatVersion) {
+        fail(LMB_ERROR_VERSION, "format version " + std::to_string(version->value()) + " is not " +
+                                    std::to_string(kFormatVersion) + ", which this Lambent reads");
+    }
+}
+
+void check_descriptors(const std::string &path)
+{
+    openvdb::io::File file(path);
+    file.open(false);
+    if (!file.hasGrid("sh_0")) {
+        fail(LMB_ERROR_FORMAT, "not written by Lambent: has no grid sh_0");
+    }
+    check_version(*file.readGridMetadata("sh_0"));
+    file.close();
+}
+
+// Of the grid that probes are known by.
+uint32_t key_light_count(const openvdb::MetaMap &grid)
+{
+    uint32_t count = 0;
+    while (grid[key_direction_name(count)]) {
+        if (++count > LMB_KEY_LIGHTS_MOST) {
+            fail(LMB_ERROR_FORMAT, "has more than " + std::to_string(LMB_KEY_LIGHTS_MOST) + " key lights");
+        }
+    }
+    return count;
+}
+
+int32_t read_count(const openvdb::GridBase &grid, const char *name, int32_t least, int32_t most)
+{
+    const auto count = grid.getMetadata<openvdb::Int32Metadata>(name);
+    if (!count || count->value() < least || count->value() > most) {
+        fail(LMB_ERROR_FORMAT, "grid " + grid.getName() + " has no usable " + name);
+    }
+    return count->value();
+}
+
+std::vector<unsigned char> read_cut_cells(const openvdb::GridBase &validity)
+{
+    const auto text = validity.getMetadata<openvdb::StringMetadata>("lambent_cut_cells");
+    if (!text) {
+        fail(LMB_ERROR_FORMAT, "grid " + validity.getName() + " has no usable lambent_cut_cells");
+    }
+    std::vector<unsigned char> bytes(text->value().size() + 1);
+    size_t size = 0;
+    if (!lmb_base64_decode(text->value().c_str(), bytes.data(), &size)) {
+        fail(LMB_ERROR_FORMAT, "grid " + validity.getName() + ": lambent_cut_cells is broken");
+    }
+    bytes.resize(size);
+    return bytes;
+}
+
+// Calls `visit` with each of a level's cut cells.
+template <typename Visit> void for_each_cut_cell(const LevelGrids &level, const Visit &visit)
+{
+    const unsigned char *at = level.cut_cells.data();
+    size_t size = level.cut_cells.size();
+    while (size > 0) {
+        lmb_vdb_cell cell;
+        if (!lmb_vdb_cell_read(&at, &size, &cell)) {
+            fail(LMB_ERROR_FORMAT, "grid " + level.layer[0].validity->getName() + ": lambent_cut_cells is broken");
+        }
+        visit(cell);
+    }
+}
+
+LayerGrids find_layer(const GridMap &grids, const Layer &layer, uint32_t key_lights)
+{
+    LayerGrids found{layer, {}, find_grid<FloatGrid>(grids, validity_name(layer)), {}, {}, {}};
+    for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+        found.coefficient[i] = find_grid<Vec3SGrid>(grids, coefficient_name(i, layer));
+    }
+    for (uint32_t key = 0; key < key_lights; ++key) {
+        found.visibility.push_back(find_grid<FloatGrid>(grids, visibility_name(key, layer)));
+    }
+    return found;
+}
+
+std::vector<LevelGrids> find_levels(const GridMap &grids)
+{
+    const FloatGrid &finest = *find_grid<FloatGrid>(grids, validity_name({0, 0}));
+    const uint32_t key_lights = key_light_count(finest);
+    std::vector<LevelGrids> levels(static_cast<size_t>(read_count(finest, "lambent_levels", 1, kMostLevels)));
+    for (uint32_t number = 0; number < levels.size(); ++number) {
+        LevelGrids &level = levels[number];
+        level.layer.push_back(find_layer(grids, {number, 0}, key_lights));
+        const FloatGrid &validity = *level.layer[0].validity;
+        if (validity["lambent_ghosts"] || validity["lambent_cut_cells"]) {
+            const int32_t ghosts = read_count(validity, "lambent_ghosts", 0, kMostLayers);
+            level.cut_cells = read_cut_cells(validity);
+            for (uint32_t layer = 1; layer <= static_cast<uint32_t>(ghosts); ++layer) {
+                level.layer.push_back(find_layer(grids, {number, layer}, key_lights));
+            }
+        }
+    }
+    return levels;
+}
+
+Contents read_contents(const std::string &path)
+{
+    std::ifstream stream(path, std::ios::binary);
+    char magic[4] = {};
+    stream.read(magic, sizeof magic);
+    if (!stream || std::memcmp(magic, " BDV", sizeof magic) != 0) {
+        fail(LMB_ERROR_FORMAT, "not a .vdb file");
+    }
+    check_uuid(path);
+    check_descriptors(path);
+
+    // OpenVDB does not look whether a read succeeded: the stream throws instead.
+    stream.seekg(0);
+    stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    Contents contents;
+    try {
+        openvdb::io::Stream archive(stream, false);
+        GridMap grids;
+        for (const openvdb::GridBase::Ptr &grid : *archive.getGrids()) {
+            if (grid) {
+                grids.emplace(grid->getName(), grid);
+            }
+        }
+        contents.level = find_levels(grids);
+        contents.metadata = archive.getMetadata();
+    } catch (const std::ios::failure &) {
+        fail(LMB_ERROR_FORMAT, "the file is cut short");
+    }
+    return contents;
+}
+
+// -------------------------------------------------------------------------------------------------- lattices
+
+// Lattice coordinates are voxel coordinates: metres = spacing * voxel, nothing else.
+float read_spacing(const openvdb::GridBase &grid)
+{
+    const double spacing = grid.transform().voxelSize()[0];
+    openvdb::math::Mat4d expected;
+    expected.setToScale(openvdb::Vec3d(spacing));
+    if (!grid.transform().isLinear() ||
+        !grid.transform().baseMap()->getAffineMap()->getMat4().eq(expected, 1e-6 * spacing)) {
+        fail(LMB_ERROR_FORMAT, "grid " + grid.getName() + " was moved, turned or scaled unevenly");
+    }
+    return static_cast<float>(spacing);
+}
+
+float read_scale(const openvdb::GridBase &grid)
+{
+    const openvdb::FloatMetadata::ConstPtr scale = grid.getMetadata<openvdb::FloatMetadata>("lambent_scale");
+    if (!scale || !std::isfinite(scale->value()) || !(scale->value() > 0.0f)) {
+        fail(LMB_ERROR_FORMAT, "grid " + grid.getName() + " has no usable lambent_scale");
+    }
+    return scale->value();
+}
+
+// The box that was written, where it still holds all of a level's voxels; else the box around them.
+CoordBBox read_box(const LevelGrids &level)
+{
+    const FloatGrid &validity = *level.layer[0].validity;
+    CoordBBox box;
+    bool has_probes = false;
+    for (const LayerGrids &layer : level.layer) {
+        CoordBBox around;
+        if (layer.validity->tree().evalActiveVoxelBoundingBox(around)) {
+            box.expand(around);
+            has_probes = true;
+        }
+    }
+    const auto min = validity.getMetadata<openvdb::Vec3IMetadata>("lambent_min");
+    const auto size = validity.getMetadata<openvdb::Vec3IMetadata>("lambent_size");
+    if (min && size) {
+        bool holds = true;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int64_t first = min->value()[axis];
+            const int64_t last = first + size->value()[axis] - 1;
+            holds = holds && size->value()[axis] >= 1 && last <= INT32_MAX &&
+                    (!has_probes || (first <= box.min()[axis] && last >= box.max()[axis]));
+        }
+        if (holds) {
+            return CoordBBox(Coord(min->value().asPointer()),
+                             Coord(min->value().asPointer()) + Coord(size->value().asPointer()).offsetBy(-1));
+        }
+    }
+    if (!has_probes) {
+        fail(LMB_ERROR_FORMAT, "grid " + validity.getName() + " holds no probes and no box of them");
+    }
+    return box;
+}
+
+lmb_lattice read_lattice(const LevelGrids &level)
+{
+    const CoordBBox box = read_box(level);
+    lmb_lattice lattice{};
+    lattice.spacing = read_spacing(*level.layer[0].validity);
+    for (int axis = 0; axis < 3; ++axis) {
+        const int64_t length = static_cast<int64_t>(box.max()[axis]) - box.min()[axis] + 1;
+        lattice.min[axis] = box.min()[axis];
+        lattice.size[axis] = length > INT32_MAX ? 0 : static_cast<int32_t>(length); /* 0 is refused later */
+    }
+    return lattice;
+}
+
+// -------------------------------------------------------------------------------------------- placing probes
+
+// Active voxels, x fastest; tiles count as the voxels that they cover.
+std::vector<Coord> active_voxels(const FloatGrid &validity)
+{
+    std::vector<Coord> points;
+    for (auto value = validity.tree().cbeginValueOn(); value; ++value) {
+        CoordBBox covered;
+        value.getBoundingBox(covered);
+        for (auto point = covered.begin(); point; ++point) {
+            points.push_back(*point);
+        }
+    }
+    std::sort(points.begin(), points.end(), [](const Coord &a, const Coord &b) {
+        return a.z() != b.z() ? a.z() < b.z() : a.y() != b.y() ? a.y() < b.y() : a.x() < b.x();
+    });
+    return points;
+}
+
+static_assert(sizeof(Coord) == sizeof(int32_t[3]), "points are coordinates");
+using Points = const int32_t (*)[3];
+
+void corner_point(const lmb_vdb_cell &cell, int corner, int32_t point[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        point[axis] = static_cast<int32_t>(static_cast<uint32_t>(cell.point[axis]) + (corner >> axis & 1));
+    }
+}
+
+// A level's ghosts, as (layer, voxel of it): in the order in which cut cells name them, then those that none names.
+std::vector<std::pair<uint32_t, int32_t>> order_ghosts(const LevelGrids &level)
+{
+    LayerIndex voxels;
+    std::vector<std::vector<bool>> is_listed(level.layer.size());
+    for (uint32_t layer = 1; layer < level.layer.size(); ++layer) {
+        const std::vector<Coord> &point = level.layer[layer].point;
+        is_listed[layer].resize(point.size());
+        for (size_t i = 0; i < point.size(); ++i) {
+            voxels.add(layer, point[i].asPointer(), static_cast<int32_t>(i));
+        }
+    }
+    std::vector<std::pair<uint32_t, int32_t>> ghosts;
+    const auto list = [&](uint32_t layer, int32_t voxel) {
+        if (voxel >= 0 && !is_listed[layer][static_cast<size_t>(voxel)]) {
+            is_listed[layer][static_cast<size_t>(voxel)] = true;
+            ghosts.emplace_back(layer, voxel);
+        }
+    };
+    for_each_cut_cell(level, [&](const lmb_vdb_cell &cell) {
+        for (uint32_t k = 0; k < 8 * cell.region_count; ++k) {
+            int32_t point[3];
+            corner_point(cell, static_cast<int>(k % 8), point);
+            const uint32_t layer = cell.layer[k / 8][k % 8];
+            list(layer, layer > 0 ? voxels.find(layer, point) : -1);
+        }
+    });
+    for (uint32_t layer = 1; layer < level.layer.size(); ++layer) {
+        for (size_t i = 0; i < level.layer[layer].point.size(); ++i) {
+            list(layer, static_cast<int32_t>(i));
+        }
+    }
+    return ghosts;
+}
+
+void add_ghosts(lmb_probes &probes, uint32_t number, LevelGrids &level)
+{
+    const std::vector<std::pair<uint32_t, int32_t>> ghosts = order_ghosts(level);
+    std::vector<Coord> points;
+    for (const auto &ghost : ghosts) {
+        points.push_back(level.layer[ghost.first].point[static_cast<size_t>(ghost.second)]);
+    }
+    int32_t next = 0;
+    check(lmb_probes_add_ghosts(&probes, number, reinterpret_cast<Points>(points.data()),
+                                static_cast<int32_t>(points.size()), &next),
+          "the ghosts are out of range");
+    for (const auto &ghost : ghosts) {
+        level.layer[ghost.first].probe[static_cast<size_t>(ghost.second)] = next++;
+    }
+}
+
+// Cuts the cells that still have all of their probes; others are what their level's probes make of them.
+void cut_cells(lmb_probes &probes, uint32_t number, const LevelGrids &level)
+{
+    LayerIndex index;
+    for (const LayerGrids &layer : level.layer) {
+        for (size_t i = 0; i < layer.point.size(); ++i) {
+            index.add(layer.layer.number, layer.point[i].asPointer(), layer.probe[i]);
+        }
+    }
+    for_each_cut_cell(level, [&](const lmb_vdb_cell &cell) {
+        int32_t corner[LMB_CELL_REGIONS_MOST][8];
+        bool whole = true;
+        for (uint32_t k = 0; k < 8 * cell.region_count; ++k) {
+            int32_t point[3];
+            corner_point(cell, static_cast<int>(k % 8), point);
+            corner[k / 8][k % 8] = index.find(cell.layer[k / 8][k % 8], point);
+            whole = whole && corner[k / 8][k % 8] >= 0;
+        }
+        if (whole) {
+            check(lmb_probes_cut(&probes, number, cell.point, cell.plane, cell.plane_count, corner, cell.region_count),
+                  "a cut cell has planes or regions that it cannot have, or is there twice");
+        }
+    });
+}
+
+// Dark probes and ghosts, one at every active voxel, and the cut cells between them.
+ProbesHandle make_probes(Contents &contents)
+{
+    openvdb::Index64 voxels = 0;
+    for (const LevelGrids &level : contents.level) {
+        for (const LayerGrids &layer : level.layer) {
+            voxels += layer.validity->tree().activeVoxelCount();
+        }
+    }
+    if (voxels > kMostProbes) {
+        fail(LMB_ERROR_FORMAT, "holds too many probes");
+    }
+    lmb_probes *created = nullptr;
+    check(lmb_probes_create(&created), "out of memory");
+    ProbesHandle probes(created);
+    float spacing = read_spacing(*contents.level[0].layer[0].validity);
+    for (LevelGrids &level : contents.level) {
+        for (LayerGrids &layer : level.layer) {
+            layer.point = active_voxels(*layer.validity);
+            layer.probe.resize(layer.point.size());
+        }
+        const lmb_lattice lattice = read_lattice(level);
+        if (lattice.spacing != spacing) {
+            fail(LMB_ERROR_FORMAT,
+                 "grid " + level.layer[0].validity->getName() + " has not twice the spacing of the level before it");
+        }
+        spacing *= 2.0f;
+        LayerGrids &own = level.layer[0];
+        for (size_t i = 0; i < own.probe.size(); ++i) {
+            own.probe[i] = created->count + static_cast<int32_t>(i);
+        }
+        check(lmb_probes_add_level(created, &lattice, reinterpret_cast<Points>(own.point.data()),
+                                   static_cast<int32_t>(own.point.size())),
+              "the box of probes, or the spacing, is out of range");
+    }
+    for (uint32_t number = 0; number < contents.level.size(); ++number) {
+        add_ghosts(*created, number, contents.level[number]);
+        cut_cells(*created, number, contents.level[number]);
+    }
+    return probes;
+}
+
+// ---------------------------------------------------------------------------------------------------- values
+
+[[noreturn]] void fail_topology(const openvdb::GridBase &grid, const LayerGrids &layer)
+{
+    fail(LMB_ERROR_FORMAT,
+         "grids " + grid.getName() + " and " + layer.validity->getName() + " differ in spacing or active voxels");
+}
+
+void check_topology(const openvdb::GridBase &grid, const LayerGrids &layer)
+{
+    if (read_spacing(grid) != read_spacing(*layer.validity) || grid.activeVoxelCount() != layer.point.size()) {
+        fail_topology(grid, layer);
+    }
+}
+
+void read_coefficient(const LayerGrids &layer, int i, lmb_probes &probes)
+{
+    const Vec3SGrid &coefficient = *layer.coefficient[i];
+    check_topology(coefficient, layer);
+    check_version(coefficient);
+    const float scale = read_scale(coefficient);
+    const Vec3SGrid::ConstAccessor accessor = coefficient.getConstAccessor();
+    for (size_t k = 0; k < layer.point.size(); ++k) {
+        openvdb::Vec3s value;
+        if (!accessor.probeValue(layer.point[k], value)) {
+            fail_topology(coefficient, layer);
+        }
+        for (int channel = 0; channel < 3; ++channel) {
+            probes.radiance[0][layer.probe[k]].channel[channel].c[i] = value[channel] * scale;
+        }
+    }
+}
+
+void read_layer(const LayerGrids &layer, lmb_probes &probes)
+{
+    check_topology(*layer.validity, layer);
+    const FloatGrid::ConstAccessor accessor = layer.validity->getConstAccessor();
+    for (size_t k = 0; k < layer.point.size(); ++k) {
+        probes.validity[layer.probe[k]] = accessor.getValue(layer.point[k]);
+    }
+    for (int i = 0; i < LMB_SH3_COUNT; ++i) {
+        read_coefficient(layer, i, probes);
+    }
+    for (uint32_t key = 0; key < layer.visibility.size(); ++key) {
+        const FloatGrid &visibility = *layer.visibility[key];
+        const FloatGrid::ConstAccessor seen = visibility.getConstAccessor();
+        for (size_t k = 0; k < layer.point.size(); ++k) {
+            if (!seen.probeValue(layer.point[k], probes.key_visibility[layer.probe[k]][key])) {
+                fail_topology(visibility, layer);
+            }
+        }
+    }
+}
+
+// What the key lights are.
+void read_key_lights(const LayerGrids &finest, lmb_probes &probes)
+{
+    const FloatGrid &validity = *finest.validity;
+    for (uint32_t key = 0; key < finest.visibility.size(); ++key) {
+        const auto direction = validity.getMetadata<openvdb::Vec3SMetadata>(key_direction_name(key));
+        const auto irradiance = validity.getMetadata<openvdb::Vec3SMetadata>(key_irradiance_name(key));
+        if (!direction || !irradiance) {
+            fail(LMB_ERROR_FORMAT, "grid validity has no usable " + key_irradiance_name(key));
+        }
+        const openvdb::Vec3s to_light = direction->value(), light = irradiance->value();
+        probes.key_light[key] = {{to_light[0], to_light[1], to_light[2]}, {{light[0], light[1], light[2]}}};
+        probes.key_light_count = key + 1;
+    }
+}
+
+ProbesHandle read_probes(Contents &contents)
+{
+    ProbesHandle probes = make_probes(contents);
+    read_key_lights(contents.level[0].layer[0], *probes);
+    for (const LevelGrids &level : contents.level) {
+        for (const LayerGrids &layer : level.layer) {
+            read_layer(layer, *probes);
+        }
+    }
+    lmb_error error;
+    if (lmb_probes_validate(probes.get(), &error) != LMB_OK) {
+        fail(LMB_ERROR_FORMAT, error.message);
+    }
+    return probes;
+}
+
+// Empty when another tool has dropped it.
+TextHandle read_text(const openvdb::MetaMap &metadata, const char *name)
+{
+    const openvdb::StringMetadata::ConstPtr text = metadata.getMetadata<openvdb::StringMetadata>(name);
+    TextHandle copy(strdup(text ? text->value().c_str() : ""));
+    if (!copy) {
+        throw std::bad_alloc();
+    }
+    return copy;
+}
+
+} // namespace
+
+File read_file(const std::string &path)
+{
+    openvdb::initialize();
+    Contents contents = read_contents(path);
+    ProbesHandle probes = read_probes(contents);
+    TextHandle settings = read_text(*contents.metadata, "lambent_settings");
+    TextHandle scene_hash = read_text(*contents.metadata, "lambent_scene_hash");
+    return {probes.release(), settings.release(), scene_hash.release()};
+}
+
+} // namespace lmb_vdb
