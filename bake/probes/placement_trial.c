@@ -335,6 +335,7 @@ static lmb_result corners_cut(lmb_sites *sites, lmb_probes *corners)
         list.count -= list.probe_count;
         list.probe_count = 0;
         gathered = malloc((list.count + 1) * sizeof *gathered);
+        sites->done += sites->share;
         const lmb_gather_list elements = lmb_probe_list_elements(&list);
         result = gathered ? lmb_sites_gather(sites, &elements, gathered) : LMB_ERROR_MEMORY;
     }
