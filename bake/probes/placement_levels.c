@@ -110,8 +110,9 @@ static lmb_result level_divide(level_tree *tree, uint32_t level)
 {
     lmb_level_cubes *const cubes = &tree->level[level];
     cubes->level = level;
-    tree->sites.share = 1.0 / tree->count;
-    tree->sites.done = tree->sites.share * (tree->count - 1 - level);
+    /* Corners and trial points take one half of a level's time, regions the other. */
+    tree->sites.share = 0.5 / tree->count;
+    tree->sites.done = 2.0 * tree->sites.share * (tree->count - 1 - level);
     lmb_result result = lmb_cubes_open(&tree->sites, cubes);
     if (result != LMB_OK || level == 0) {
         return result;

@@ -16,9 +16,8 @@ lmb_result lmb_sites_open(lmb_sites *sites)
     const lmb_scene *scene = lmb_tracer_scene(sites->transport->tracer);
     const float even_spacing = sites->even->level[0].lattice.spacing;
     sites->spacing = even_spacing / (float)(UINT32_C(1) << sites->even_level);
-    lmb_lattice finest;
     const bool fits =
-        lmb_placement_box(scene, even_spacing, &sites->box) && lmb_placement_box(scene, sites->spacing, &finest);
+        lmb_placement_box(scene, even_spacing, &sites->box) && lmb_placement_box(scene, sites->spacing, &sites->bounds);
     return fits ? LMB_OK : LMB_ERROR_UNSUPPORTED;
 }
 
@@ -55,6 +54,24 @@ lmb_result lmb_sites_add(lmb_sites *sites, uint32_t level, const int32_t point[3
         sites->site[count] = (lmb_site){.level = (uint8_t)level};
     }
     return result;
+}
+
+bool lmb_sites_cell_counts(const lmb_sites *sites, uint32_t level, const int32_t cell[3])
+{
+    const int64_t step = INT64_C(1) << level;
+    bool counts = true;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int64_t low = sites->bounds.min[axis], high = low + sites->bounds.size[axis] - 1;
+        counts = counts && cell[axis] * step < high && (cell[axis] + 1) * step > low;
+    }
+    return counts;
+}
+
+bool lmb_sites_point_counts(const lmb_sites *sites, uint32_t level, const int32_t point[3])
+{
+    int32_t at[3];
+    finest_point(level, point, at);
+    return lmb_lattice_has(&sites->bounds, at);
 }
 
 lmb_site *lmb_sites_find(const lmb_sites *sites, uint32_t level, const int32_t point[3])

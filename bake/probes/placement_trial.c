@@ -79,7 +79,8 @@ static lmb_result cube_begin(lmb_sites *sites, lmb_level_cubes *cubes, int32_t c
     for (int i = 0; i < 8 && result == LMB_OK; ++i) {
         int32_t cell[3];
         lmb_cube_cell(cubes->cubes.point[cube], i, cell);
-        if (cubes->level < sites->even_level || cell_has_free_point(sites, cubes->level, cell)) {
+        const bool counts = lmb_sites_cell_counts(sites, cubes->level, cell);
+        if (counts && (cubes->level < sites->even_level || cell_has_free_point(sites, cubes->level, cell))) {
             cubes->open[cube] |= (uint8_t)(1 << i);
             result = cell_add_sites(sites, cubes->level, cell);
         }
@@ -235,7 +236,8 @@ static double cell_error(const lmb_sites *sites, const trial_level *trial, uint3
         double weight[8];
         trial_site_point(cell, i, point);
         const lmb_site *const site = lmb_sites_find(sites, level - 1, point);
-        if (site && site->free && trial_corners(trial->corners, cell, trial_point[i], corner, weight)) {
+        const bool counts = lmb_sites_point_counts(sites, level - 1, point);
+        if (counts && site && site->free && trial_corners(trial->corners, cell, trial_point[i], corner, weight)) {
             sum += site_error(trial, site, corner, weight);
             ++places;
         }
@@ -254,7 +256,8 @@ static lmb_result trial_points_add(lmb_sites *sites, const lmb_level_cubes *cube
             int32_t cell[3], point[3];
             lmb_cube_cell(cubes->cubes.point[cube], i / TRIAL_POINTS, cell);
             trial_site_point(cell, i % TRIAL_POINTS, point);
-            if ((cubes->open[cube] >> (i / TRIAL_POINTS) & 1) != 0) {
+            if ((cubes->open[cube] >> (i / TRIAL_POINTS) & 1) != 0 &&
+                lmb_sites_point_counts(sites, cubes->level - 1, point)) {
                 result = lmb_sites_add(sites, cubes->level - 1, point);
             }
         }
@@ -279,8 +282,10 @@ static int32_t *numbers_list(const lmb_sites *sites, const lmb_level_cubes *cube
             } else {
                 trial_site_point(cell, place - 8, point);
             }
-            if ((cubes->open[cube] >> (i % 8) & 1) != 0) {
-                const lmb_site *const site = lmb_sites_find(sites, cubes->level - (place < 8 ? 0 : 1), point);
+            const lmb_site *const site = (cubes->open[cube] >> (i % 8) & 1) != 0
+                                             ? lmb_sites_find(sites, cubes->level - (place < 8 ? 0 : 1), point)
+                                             : NULL;
+            if (site) {
                 number[(*count)++] = (int32_t)(site - sites->site);
             }
         }
@@ -330,6 +335,7 @@ static lmb_result corners_cut(lmb_sites *sites, lmb_probes *corners)
         list.count -= list.probe_count;
         list.probe_count = 0;
         gathered = malloc((list.count + 1) * sizeof *gathered);
+        sites->done += sites->share;
         const lmb_gather_list elements = lmb_probe_list_elements(&list);
         result = gathered ? lmb_sites_gather(sites, &elements, gathered) : LMB_ERROR_MEMORY;
     }

@@ -90,12 +90,12 @@ lmb_result lmb_bake_levels(lmb_bake *bake, lmb_error *error)
                                       &record->placement, error);
     }
     record->rays[LMB_PHASE_LEVELS] = record->placement.rays - placed_rays;
+    lmb_bake_record_levels(bake);
     if (result == LMB_OK) {
         result = lmb_bake_regions(bake, LMB_PHASE_LEVELS, error);
     }
     record->settings.spacing = ldexpf(even_spacing, (int)plan.coarser);
     record->settings.min_spacing = ldexpf(even_spacing, -(int)plan.finer);
     record->seconds[LMB_PHASE_LEVELS] = lmb_clock_seconds() - start;
-    lmb_bake_record_levels(bake);
     return result == LMB_OK ? step_report(bake->progress, name, 1.0, error) : result;
 }
