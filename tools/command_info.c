@@ -17,7 +17,7 @@ static const char usage[] =
     "usage: lambent info FILE [--json]\n"
     "\n"
     "Says what is in a probes.vdb, a probes.lmb, a lightmap .exr of ours, or a KTX2 or DDS of BC4,\n"
-    "BC5 or BC6H.\n"
+    "BC5, BC6H or ASTC.\n"
     "\n"
     "  --json                one JSON object\n";
 
@@ -182,8 +182,8 @@ static lmb_result layers_describe(const lmb_block_texture *texture, cJSON *list,
     }
     for (int32_t layer = 0; layer < texture->layers; ++layer) {
         cJSON *object = cJSON_CreateObject();
-        lmb_block_texture_decode(texture, 0, layer, plane);
-        for (int c = 0; c < channels; ++c) {
+        const lmb_result result = lmb_block_texture_decode(texture, 0, layer, plane);
+        for (int c = 0; c < channels && result == LMB_OK; ++c) {
             cJSON_AddItemToObject(object, names[c], channel_describe(plane[c], texels));
         }
         cJSON_AddItemToArray(list, object);
