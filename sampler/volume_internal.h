@@ -55,10 +55,14 @@ static inline const unsigned char *lmb_volume_probe_at(const lmb_volume *volume,
 /* How many bits are set. */
 static inline uint32_t lmb_volume_bits(uint64_t bits)
 {
+#if defined(__POPCNT__)
+    return (uint32_t)__builtin_popcountll(bits);
+#else
     bits -= bits >> 1 & UINT64_C(0x5555555555555555);
     bits = (bits & UINT64_C(0x3333333333333333)) + (bits >> 2 & UINT64_C(0x3333333333333333));
     bits = (bits + (bits >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f);
     return (uint32_t)(bits * UINT64_C(0x0101010101010101) >> 56);
+#endif
 }
 
 /* The record of a brick's cut cell. */
