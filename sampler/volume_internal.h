@@ -2,6 +2,8 @@
 #ifndef LMB_VOLUME_INTERNAL_H
 #define LMB_VOLUME_INTERNAL_H
 
+#include <float.h>
+
 #include <lambent/lattice.h>
 #include <lambent/volume.h>
 #include <lambent/volume_format.h>
@@ -82,6 +84,23 @@ static inline const uint32_t *lmb_volume_cut_corners(const lmb_volume_cut *cut, 
 static inline const lmb_cell_plane *lmb_volume_cut_planes(const lmb_volume_cut *cut)
 {
     return (const lmb_cell_plane *)lmb_volume_cut_corners(cut, cut->region_count);
+}
+
+/* Irradiance by a kernel (lmb_sh3_irradiance_kernel), never negative nor NaN. Summed so that four lanes may do it: all
+ * kernels give the same bits. */
+static inline lmb_rgb lmb_volume_irradiance_sum(const lmb_sh3_rgb *light, const lmb_sh3 *kernel)
+{
+    lmb_rgb irradiance;
+    for (int channel = 0; channel < 3; ++channel) {
+        const float *const c = light->channel[channel].c;
+        float four[4];
+        for (int k = 0; k < 4; ++k) {
+            four[k] = c[k] * kernel->c[k] + c[k + 4] * kernel->c[k + 4];
+        }
+        const float sum = ((four[0] + four[1]) + (four[2] + four[3])) + c[8] * kernel->c[8];
+        irradiance.c[channel] = sum > 0.0f ? (sum < FLT_MAX ? sum : FLT_MAX) : 0.0f;
+    }
+    return irradiance;
 }
 
 /* Verifies the file in memory wholly and sets header, directory, bricks, probes and what there is of cut cells.

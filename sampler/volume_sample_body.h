@@ -8,12 +8,15 @@
  *     static inline void blend_corners(const unsigned char *const corner[8], fraction at, float scale,
  *                                      lmb_sh3_rgb *radiance);
  *     static inline void blend_compact(... the same ...);   of compact probes
+ *     static inline lmb_rgb irradiance_corners(const unsigned char *const corner[8], fraction at, float scale,
+ *                                              const lmb_sh3 *kernel);
  *     static inline void weights_store(fraction at, float weight[8]);
  *
  * in which each number comes from the same operations in the same order everywhere: all kernels give the same bits. */
 #ifndef LMB_VOLUME_SAMPLE_BODY_H
 #define LMB_VOLUME_SAMPLE_BODY_H
 
+#include "sh_internal.h"
 #include "volume_internal.h"
 
 #include <string.h>
@@ -201,6 +204,41 @@ LMB_INLINE void pairs_prefetch(const unsigned char *const corner[8], uint32_t un
     }
 }
 
+/* Irradiance by a kernel of nine numbers. */
+LMB_INLINE lmb_rgb blend_irradiance(const lmb_volume *volume, uint32_t form, const unsigned char *const corner[8],
+                                    fraction at, const lmb_sh3 *kernel)
+{
+    if (form == LMB_VOLUME_HALFS) {
+        return irradiance_corners(corner, at, volume->scale, kernel);
+    }
+    lmb_sh3_rgb light;
+    blend_compact(corner, at, volume->scale, &light);
+    return lmb_volume_irradiance_sum(&light, kernel);
+}
+
+LMB_APART bool irradiance_any(const lmb_volume *volume, double x, double y, double z, const lmb_sh3 *kernel,
+                              lmb_rgb *irradiance)
+{
+    lmb_sh3_rgb light;
+    const bool inside = sample_any(volume, x, y, z, &light, NULL);
+    *irradiance = lmb_volume_irradiance_sum(&light, kernel);
+    return inside;
+}
+
+LMB_INLINE bool irradiance_one(const lmb_volume *volume, uint32_t form, uint32_t units, double x, double y, double z,
+                               const lmb_vec3 *normal, lmb_rgb *irradiance)
+{
+    const place at = place_find(volume, x, y, z);
+    const lmb_sh3 kernel = lmb_sh3_irradiance_kernel(*normal);
+    if (!place_is_plain(&at)) {
+        return irradiance_any(volume, x, y, z, &kernel, irradiance);
+    }
+    const unsigned char *corner[8];
+    corners_find(volume, &at, units, corner);
+    *irradiance = blend_irradiance(volume, form, corner, at.t, &kernel);
+    return true;
+}
+
 /* Finds the place of a later sample, and asks for what it needs next: probes, or a cut cell's record. */
 LMB_INLINE void waiting_begin(const lmb_volume *volume, uint32_t units, const lmb_vec3d *position, waiting *next)
 {
@@ -240,25 +278,50 @@ LMB_INLINE bool waiting_finish(const lmb_volume *volume, uint32_t form, const wa
     return true;
 }
 
-LMB_INLINE void batch(const lmb_volume *volume, uint32_t form, uint32_t units, const lmb_vec3d *position, size_t count,
-                      lmb_sh3_rgb *radiance, float (*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside)
+LMB_INLINE bool waiting_finish_irradiance(const lmb_volume *volume, uint32_t form, const waiting *next,
+                                          const lmb_vec3d *position, lmb_vec3 normal, lmb_rgb *irradiance)
+{
+    const lmb_sh3 kernel = lmb_sh3_irradiance_kernel(normal);
+    if (!next->corner[0]) {
+        return irradiance_any(volume, position->x, position->y, position->z, &kernel, irradiance);
+    }
+    *irradiance = blend_irradiance(volume, form, next->corner, next->t, &kernel);
+    return true;
+}
+
+/* What a batch is asked for: radiance with visibility or without, or irradiance on normals. */
+typedef struct batch_wish {
+    const lmb_vec3d *position;
+    const lmb_vec3 *normal; /* NULL: radiance */
+    size_t count;
+    lmb_rgb *irradiance;
+    lmb_sh3_rgb *radiance;
+    float (*visibility)[LMB_KEY_LIGHTS_MOST]; /* or NULL */
+    bool *inside;                             /* or NULL */
+} batch_wish;
+
+/* Sample i begins, i - BATCH_CUT_AHEAD is resolved, i - BATCH_AHEAD is blended. */
+LMB_INLINE void batch(const lmb_volume *volume, uint32_t form, uint32_t units, const batch_wish *wish)
 {
     waiting ring[BATCH_RING];
-    /* Sample i begins, i - BATCH_CUT_AHEAD is resolved, i - BATCH_AHEAD is blended. */
-    for (size_t i = 0; i < count + BATCH_AHEAD; ++i) {
-        if (i < count) {
-            waiting_begin(volume, units, &position[i], &ring[i % BATCH_RING]);
+    for (size_t i = 0; i < wish->count + BATCH_AHEAD; ++i) {
+        if (i < wish->count) {
+            waiting_begin(volume, units, &wish->position[i], &ring[i % BATCH_RING]);
         }
-        if (i >= BATCH_CUT_AHEAD && i - BATCH_CUT_AHEAD < count && ring[(i - BATCH_CUT_AHEAD) % BATCH_RING].cut) {
+        if (i >= BATCH_CUT_AHEAD && i - BATCH_CUT_AHEAD < wish->count && ring[(i - BATCH_CUT_AHEAD) % BATCH_RING].cut) {
             waiting_resolve(volume, &ring[(i - BATCH_CUT_AHEAD) % BATCH_RING]);
         }
-        if (i >= BATCH_AHEAD) {
-            const size_t k = i - BATCH_AHEAD;
-            const bool is_inside = waiting_finish(volume, form, &ring[k % BATCH_RING], &position[k], &radiance[k],
-                                                  visibility ? visibility[k] : NULL);
-            if (inside) {
-                inside[k] = is_inside;
-            }
+        if (i < BATCH_AHEAD) {
+            continue;
+        }
+        const size_t k = i - BATCH_AHEAD;
+        const waiting *const now = &ring[k % BATCH_RING];
+        const bool is_inside = wish->normal ? waiting_finish_irradiance(volume, form, now, &wish->position[k],
+                                                                        wish->normal[k], &wish->irradiance[k])
+                                            : waiting_finish(volume, form, now, &wish->position[k], &wish->radiance[k],
+                                                             wish->visibility ? wish->visibility[k] : NULL);
+        if (wish->inside) {
+            wish->inside[k] = is_inside;
         }
     }
 }
@@ -277,8 +340,22 @@ LMB_INLINE void batch(const lmb_volume *volume, uint32_t form, uint32_t units, c
     static void batch_##what(const lmb_volume *volume, const lmb_vec3d *position, size_t count, lmb_sh3_rgb *radiance, \
                              float(*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside)                                    \
     {                                                                                                                  \
-        batch(volume, form, units, position, count, radiance, visibility, inside);                                     \
-    }
+        const batch_wish wish = {position, NULL, count, NULL, radiance, visibility, inside};                           \
+        batch(volume, form, units, &wish);                                                                             \
+    }                                                                                                                  \
+    static bool irradiance_##what(const lmb_volume *volume, double x, double y, double z, const lmb_vec3 *normal,      \
+                                  lmb_rgb *irradiance)                                                                 \
+    {                                                                                                                  \
+        return irradiance_one(volume, form, units, x, y, z, normal, irradiance);                                       \
+    }                                                                                                                  \
+    static void irradiance_batch_##what(const lmb_volume *volume, const lmb_vec3d *position, const lmb_vec3 *normal,   \
+                                        size_t count, lmb_rgb *irradiance, bool *inside)                               \
+    {                                                                                                                  \
+        const batch_wish wish = {position, normal, count, irradiance, NULL, NULL, inside};                             \
+        batch(volume, form, units, &wish);                                                                             \
+    }                                                                                                                  \
+    static const lmb_volume_calls calls_##what = {sample_##what, sample_with_keys_##what, batch_##what,                \
+                                                  irradiance_##what, irradiance_batch_##what};
 
 LMB_VOLUME_CALLS(plain, LMB_VOLUME_HALFS, LMB_HALFS_BYTES / LMB_PROBE_UNIT)
 LMB_VOLUME_CALLS(keyed, LMB_VOLUME_HALFS, volume->probe_units)
@@ -286,9 +363,7 @@ LMB_VOLUME_CALLS(compact, LMB_VOLUME_COMPACT, volume->probe_units)
 
 #define LMB_VOLUME_KERNEL(what)                                                                                        \
     {                                                                                                                  \
-        .name = what, .plain = {sample_plain, sample_with_keys_plain, batch_plain},                                    \
-        .keyed = {sample_keyed, sample_with_keys_keyed, batch_keyed},                                                  \
-        .compact = {sample_compact, sample_with_keys_compact, batch_compact},                                          \
+        what, &calls_plain, &calls_keyed, &calls_compact                                                               \
     }
 
 #endif
