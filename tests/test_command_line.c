@@ -8,6 +8,7 @@
 #include <lambent/vdb.h>
 
 #include "command_fixture.h"
+#include "probes_fixture.h"
 #include "scenes/levels.h"
 
 #define OUTPUT LMB_TEST_OUTPUT_DIR "/command_line"
@@ -255,9 +256,8 @@ static void edited_volumes_give_edited_light(void)
     const double green = green_sampled("b/probes.lmb");
     CHECK(green > 0.0, "%g", green);
     CHECK_NEAR(green_sampled("edited.lmb"), 2.0 * green, 2e-3 * green, "twice the green");
-    for (int32_t i = 0; i < probes->count; ++i) {
-        probes->validity[i] = 0.0f;
-    }
+    lmb_probes_destroy(probes);
+    probes = fixture_probes(&(lmb_lattice){.spacing = 1.0f, .size = {2, 2, 2}}, NULL); /* of validity 0 */
     CHECK(lmb_vdb_write(OUTPUT "/edited.vdb", probes, &metadata, &error) == LMB_OK, "%s", error.message);
     CHECK_RUN(3, "edited.vdb: no probe has light", IN_OUTPUT LMB_COMMAND " pack edited.vdb -o edited.lmb");
     lmb_probes_destroy(probes);
