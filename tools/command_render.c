@@ -10,7 +10,7 @@
 #include <lambent/vdb.h>
 #include <lambent/vector.h>
 
-#include "command.h"
+#include "bake_arguments.h"
 #include "output_file.h"
 #include "render.h"
 #include "tonemap.h"
@@ -33,12 +33,15 @@ static const char usage[] =
     "                        difference  final - reference: red is too bright, blue too dark\n"
     "                        mismatch    irradiance by probes - by lightmaps, as a share of the latter: likewise\n"
     "                        density     a checker of lightmap texels; red where there is no lightmap\n"
+    "  --model NAME          light surfaces by the lightmaps of that model, which the bake wrote beside its own\n"
+    "                        (bake --models)\n"
     "  --probes              show the probes as little spheres too, lit by what they hold: ghosts smaller, with a "
     "blue\n"
     "                        belt; a red belt where a probe could not be baked\n"
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
     "                        sphere is put there\n"
+    "  --specular M[,F0]     objects also reflect: roughness M from 0 to 1, F0 of it along the normal (default 0.04)\n"
     "  --samples N           light samples a pixel of reference and difference (default 32)\n"
     "  --exposure EV         brighten by 2^EV (default: by the picture's log-average)\n"
     "  --threads N           default: all processors\n"
@@ -68,9 +71,12 @@ typedef struct render_options {
     float exposure_ev;
     int32_t width, height;
     lmb_render_mode mode;
+    const lmb_model *model; /* NULL: the bake's own */
     uint32_t samples;
     object_option objects[MAX_OBJECTS];
     int object_count;
+    bool has_specular;
+    lmb_specular specular;
     bool probes;
     int threads;
     bool quiet;
@@ -112,6 +118,23 @@ static void size_read(lmb_arguments *arguments, const char *option, render_optio
     }
     options->width = (int32_t)width;
     options->height = (int32_t)height;
+}
+
+static void specular_read(lmb_arguments *arguments, const char *option, render_options *options)
+{
+    const char *text = arguments_text(arguments, option);
+    if (arguments->failed) {
+        return;
+    }
+    char *end;
+    const float roughness = strtof(text, &end);
+    const float f0 = end != text && *end == ',' ? strtof(end + 1, &end) : 0.04f;
+    if (end == text || *end != '\0' || !(roughness >= 0.0f && roughness <= 1.0f && f0 >= 0.0f && f0 <= 1.0f)) {
+        arguments_error(arguments, "--specular takes ROUGHNESS[,F0], both from 0 to 1, not", text);
+        return;
+    }
+    options->has_specular = true;
+    options->specular = (lmb_specular){roughness, {{f0, f0, f0}}};
 }
 
 /* "--object FILE" adds an object; "--object-at" places the one just added, or a sphere. */
@@ -157,6 +180,8 @@ static bool view_option(lmb_arguments *arguments, const char *option, render_opt
     } else if (strcmp(option, "--exposure") == 0) {
         options->exposure_ev = (float)arguments_number(arguments, option, -100.0, 100.0);
         options->has_exposure = true;
+    } else if (strcmp(option, "--specular") == 0) {
+        specular_read(arguments, option, options);
     } else if (strcmp(option, "--object") == 0 || strcmp(option, "--object-at") == 0) {
         object_read(arguments, option, options);
     } else if (strcmp(option, "--probes") == 0) {
@@ -175,6 +200,8 @@ static void options_read(lmb_arguments *arguments, render_options *options)
         }
         if (strcmp(next, "-o") == 0) {
             options->output = arguments_text(arguments, next);
+        } else if (strcmp(next, "--model") == 0) {
+            options->model = lightmap_model_argument(arguments, next);
         } else if (strcmp(next, "--samples") == 0) {
             options->samples = (uint32_t)arguments_integer(arguments, next, 1, 100000000);
         } else if (strcmp(next, "--threads") == 0) {
@@ -463,6 +490,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
             .lightmap = baked->lightmap,
             .objects = objects,
             .object_count = object_count,
+            .specular = options->has_specular ? &options->specular : NULL,
             .spheres = options->probes ? &shown.spheres : NULL,
             .default_texel = 1.0f / lmb_lightmap_settings_default(baked->level.scene).texels_per_m,
         };
@@ -495,7 +523,12 @@ int command_render(int count, char **values)
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    result = render_run(&options, &baked, &error);
+    if (options.model) {
+        result = lmb_baked_read_model(&baked, options.directory, options.model, &error);
+    }
+    if (result == LMB_OK) {
+        result = render_run(&options, &baked, &error);
+    }
     lmb_baked_close(&baked);
     return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
 }

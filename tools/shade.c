@@ -8,6 +8,7 @@
 
 #include "key_lights_seen.h"
 #include "replicates.h"
+#include "shade_specular.h"
 
 enum { MAX_LAYERS = 64 }; /* see-through surfaces along one ray */
 /* What is left of a ray below this share cannot be seen in 8 bits. */
@@ -164,7 +165,20 @@ static bool seen_unlit_colour(const seen_surface *seen, lmb_rgb *colour)
     return true;
 }
 
-static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen)
+/* What an object shows beside its diffuse light. */
+static lmb_rgb seen_specular(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen,
+                             lmb_vec3 direction)
+{
+    if (!shader->specular || !seen->object) {
+        return black;
+    }
+    const specular_place place = {seen_point(shader, seen), seen->normal, lmb_vec3_scale(direction, -1.0f)};
+    return source == SOURCE_REFERENCE ? shade_specular_of_reference(shader, &place)
+                                      : shade_specular_of_probes(shader, &place);
+}
+
+static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen,
+                             lmb_vec3 direction)
 {
     if (source == SOURCE_TEXELS) {
         return texel_colour(shader, seen);
@@ -181,7 +195,8 @@ static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, 
     }
     const lmb_rgb bounce =
         lmb_self_bounce(seen->surface.albedo, light.irradiance_z, seen->place.shading_normal, seen->normal);
-    return lmb_rgb_add(lmb_rgb_mul(seen->surface.albedo, lmb_rgb_add(light.irradiance, bounce)), seen->emission);
+    const lmb_rgb own = lmb_rgb_add(seen->emission, seen_specular(shader, source, seen, direction));
+    return lmb_rgb_add(lmb_rgb_mul(seen->surface.albedo, lmb_rgb_add(light.irradiance, bounce)), own);
 }
 
 /* Whether a probe's sphere is nearer than a surface. */
@@ -213,7 +228,8 @@ lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 or
         }
         seen_complete(&seen, direction);
         if (seen.surface.coverage.opacity > 0.0f) {
-            const lmb_rgb own = lmb_rgb_scale(seen_radiance(shader, source, &seen), seen.surface.coverage.opacity);
+            const lmb_rgb own =
+                lmb_rgb_scale(seen_radiance(shader, source, &seen, direction), seen.surface.coverage.opacity);
             radiance = lmb_rgb_add(radiance, lmb_rgb_mul(share, own));
         }
         share = lmb_rgb_mul(share, seen.surface.coverage.pass);

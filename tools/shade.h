@@ -3,6 +3,7 @@
 #define LMB_TOOLS_SHADE_H
 
 #include <lambent/lightmap.h>
+#include <lambent/specular.h>
 #include <lambent/volume.h>
 
 #include "probe_spheres.h"
@@ -25,6 +26,7 @@ typedef struct lmb_shader {
     const probe_spheres *spheres; /* NULL: none */
     float default_texel;          /* metres: a texel's size where there are no lightmaps */
     bool irradiance_only;         /* show irradiance as on white paper: no albedo, emission or self-bounce */
+    const lmb_specular *specular; /* what objects reflect beside their diffuse light; NULL: nothing */
     uint32_t reference_samples;   /* of SOURCE_REFERENCE, for each surface seen */
 } lmb_shader;
 

@@ -25,7 +25,7 @@ typedef struct lmb_gltf_volume {
 typedef struct lmb_gltf_marks {
     lmb_gltf_movement moves;
     lmb_gltf_light_part light;
-    bool seed, has_path;
+    bool seed, has_path, cube_map;
     bool hidden; /* with all below it; the other marks count all the same */
     double path;
     lmb_gltf_lightmap lightmap;
