@@ -13,8 +13,10 @@
 static void plan_print(const lmb_bake_record *record)
 {
     const lmb_bake_settings *settings = &record->settings;
-    printf("probes  %d at %g m (%d traced, %d dilated)\n", record->probes, (double)settings->spacing,
-           record->placement.probes_valid, record->placement.probes_dilated);
+    if (!settings->no_probes) {
+        printf("probes  %d at %g m (%d traced, %d dilated)\n", record->probes, (double)settings->spacing,
+               record->placement.probes_valid, record->placement.probes_dilated);
+    }
     if (settings->lightmaps) {
         printf("texels  %llu at %g a metre, in %d images, of which they are %.1f %%\n",
                (unsigned long long)record->texels_covered, (double)settings->texels_per_m, record->images,
@@ -51,8 +53,10 @@ static void summary_print(const lmb_bake_record *record, const char *directory)
         printf("surfaces  %u cells of %.3g m, %.1f s\n", record->surface.cells, (double)record->surface_cell_size,
                record->seconds[LMB_PHASE_SURFACE]);
     }
-    printf("probes    %d at %g m, %.1f s\n", record->probes, (double)settings->spacing,
-           record->seconds[LMB_PHASE_PROBES]);
+    if (!settings->no_probes) {
+        printf("probes    %d at %g m, %.1f s\n", record->probes, (double)settings->spacing,
+               record->seconds[LMB_PHASE_PROBES]);
+    }
     for (uint32_t i = 0; i < record->key_light_count; ++i) {
         const lmb_key_light *light = &record->key_light[i];
         printf("sun       from (%.3f, %.3f, %.3f), irradiance %.4g %.4g %.4g, apart from the harmonics\n",
