@@ -12,6 +12,7 @@ typedef struct lmb_site {
     bool free;     /* an object can be here */
     bool lit;      /* what follows is known */
     float validity;
+    lmb_vec3 position; /* in the scene, where it was gathered */
     lmb_sh3_rgb light;
     lmb_sh3_rgb difference; /* as lmb_gathered has it: the light's noise */
     float key_visibility[LMB_KEY_LIGHTS_MOST];

@@ -6,6 +6,7 @@
 
 #include <lambent/key_lights.h>
 #include <lambent/probes_bake.h>
+#include <lambent/vector.h>
 
 /* Where a cell is tried, in halves of it. */
 enum { TRIAL_POINTS = 7 };
@@ -13,7 +14,7 @@ static const int trial_point[TRIAL_POINTS][3] = {{1, 1, 1}, {0, 1, 1}, {2, 1, 1}
                                                  {1, 2, 1}, {1, 1, 0}, {1, 1, 2}};
 
 /* How far within its cell a face is looked at. */
-#define WITHIN_SPACINGS 1e-3
+#define WITHIN_SPACINGS 0.02
 
 void lmb_level_cubes_free(lmb_level_cubes *cubes)
 {
@@ -200,17 +201,28 @@ static double site_error(const trial_level *trial, const lmb_site *site, const i
     return scale > 0.0 ? squared_error / scale : 0.0;
 }
 
-/* The probes around a trial point, a little within its cell, as the other side of a face may be another region.
- * @return false where the cell has none */
-static bool trial_corners(const lmb_probes *corners, const int32_t cell[3], const int offset[3], int32_t corner[8],
-                          double weight[8])
+/* The probes around a trial point, for a cell that it lies in, or on a face of: a little within it, as the other side
+ * of the face may be another region. @return false where the cell has none, or a wall is between */
+static bool trial_corners(const lmb_sites *sites, const lmb_probes *corners, const int32_t cell[3],
+                          const lmb_site *site, int32_t corner[8], double weight[8])
 {
     const double spacing = (double)corners->level[0].lattice.spacing;
+    const double scene[3] = {(double)site->position.x, (double)site->position.y, (double)site->position.z};
+    const double origin[3] = {corners->origin.x, corners->origin.y, corners->origin.z};
     double at[3], t[3];
+    bool moved = false;
     for (int axis = 0; axis < 3; ++axis) {
-        at[axis] = spacing * (cell[axis] + 0.5 + (0.5 - WITHIN_SPACINGS) * (offset[axis] - 1));
+        const double local = (scene[axis] + origin[axis]) / spacing - cell[axis];
+        const double within = fmin(fmax(local, WITHIN_SPACINGS), 1.0 - WITHIN_SPACINGS);
+        moved = moved || within != local;
+        at[axis] = spacing * (cell[axis] + within);
     }
-    if (!lmb_probes_around(corners, (lmb_vec3d){at[0], at[1], at[2]}, corner, t)) {
+    const lmb_vec3 seen =
+        lmb_vec3_of((float)(at[0] - origin[0]), (float)(at[1] - origin[1]), (float)(at[2] - origin[2]));
+    uint64_t rays = 0;
+    if ((moved &&
+         !(lmb_rgb_max(lmb_trace_transmittance(sites->transport->tracer, site->position, seen, &rays)) > 0.0f)) ||
+        !lmb_probes_around(corners, (lmb_vec3d){at[0], at[1], at[2]}, corner, t)) {
         return false;
     }
     for (int i = 0; i < 8; ++i) {
@@ -237,7 +249,7 @@ static double cell_error(const lmb_sites *sites, const trial_level *trial, uint3
         trial_site_point(cell, i, point);
         const lmb_site *const site = lmb_sites_find(sites, level - 1, point);
         const bool counts = lmb_sites_point_counts(sites, level - 1, point);
-        if (counts && site && site->free && trial_corners(trial->corners, cell, trial_point[i], corner, weight)) {
+        if (counts && site && site->free && trial_corners(sites, trial->corners, cell, site, corner, weight)) {
             sum += site_error(trial, site, corner, weight);
             ++places;
         }
