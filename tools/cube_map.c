@@ -81,19 +81,31 @@ static void trace_task(void *context, size_t task, int worker)
     }
 }
 
-/* What a mirror of that roughness shows of what is seen, looked at along its normal. */
-static lmb_rgb blurred(const float *seen, int side, float roughness, lmb_vec3 direction)
+/* A lobe about +Z, looked at along it; what cannot arrive has no weight. */
+static void lobe_make(float roughness, half_vector_sample lobe[LOBE_SAMPLES])
 {
-    double sum[3] = {0.0, 0.0, 0.0};
+    const lmb_vec3 axis = {0.0f, 0.0f, 1.0f};
     for (uint32_t i = 0; i < LOBE_SAMPLES; ++i) {
         float u[2];
-        half_vector_sample picked;
         lmb_sequence_2d(0, i, 0, u);
-        if (half_vector_pick(roughness, direction, direction, u, &picked)) {
-            const float *rgb = seen + cube_texel(side, picked.towards);
-            for (int c = 0; c < 3; ++c) {
-                sum[c] += picked.arrives / LOBE_SAMPLES * (double)rgb[c];
-            }
+        if (!half_vector_pick(roughness, axis, axis, u, &lobe[i])) {
+            lobe[i].arrives = 0.0;
+        }
+    }
+}
+
+/* What a mirror with that lobe shows of what is seen, looked at along its normal. */
+static lmb_rgb blurred(const float *seen, int side, const half_vector_sample lobe[LOBE_SAMPLES], lmb_vec3 direction)
+{
+    lmb_vec3 tangent, bitangent;
+    lmb_vec3_frame(direction, &tangent, &bitangent);
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (int i = 0; i < LOBE_SAMPLES; ++i) {
+        const lmb_vec3 local = lobe[i].towards;
+        const lmb_vec3 across = lmb_vec3_mad(lmb_vec3_scale(tangent, local.x), bitangent, local.y);
+        const float *rgb = seen + cube_texel(side, lmb_vec3_mad(across, direction, local.z));
+        for (int c = 0; c < 3; ++c) {
+            sum[c] += lobe[i].arrives / LOBE_SAMPLES * (double)rgb[c];
         }
     }
     return lmb_rgb_of((float)sum[0], (float)sum[1], (float)sum[2]);
@@ -110,10 +122,12 @@ static void blur_task(void *context, size_t task, int worker)
     }
     const int side = cube_side(level), face = (int)task / side, row = (int)task % side;
     const float roughness = cube_roughness(level);
+    half_vector_sample lobe[LOBE_SAMPLES];
+    lobe_make(roughness, lobe);
     for (int x = 0; x < side; ++x) {
         const lmb_vec3 direction =
             cube_direction(face, ((float)x + 0.5f) / (float)side, ((float)row + 0.5f) / (float)side);
-        const lmb_rgb light = blurred(work->seen[level], side, roughness, direction);
+        const lmb_rgb light = blurred(work->seen[level], side, lobe, direction);
         const lmb_rgb divisor = lmb_specular_environment_divisor(&work->place->radiance, roughness, direction);
         float *rgb = work->map->rgb[level] + 3 * (task * (size_t)side + (size_t)x);
         for (int c = 0; c < 3; ++c) {
