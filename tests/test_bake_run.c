@@ -141,6 +141,44 @@ static void phases_come_in_order(void)
     CHECK(lmb_bake_record_rays(&record) > 0 && lmb_bake_record_error(&record) > 0.0, "no rays");
 }
 
+/* Levels of probes: files and record have them, the same for any number of threads, and the record's settings make
+ * them again. */
+static void levels_are_baked(void)
+{
+    static const int threads[] = {1, 2, 5};
+    uint64_t lmb[4] = {0}, vdb[4] = {0};
+    lmb_bake_record record;
+    lmb_bake_settings settings = small_settings();
+    settings.lightmaps = false;
+    settings.spacing = 1.0f;
+    settings.min_spacing = 0.25f;
+    settings.tolerance = 0.2;
+    if (!cornell_make(OUTPUT, LEVEL)) {
+        return;
+    }
+    for (int i = 0; i < 4; ++i) {
+        if (i == 3) {
+            settings = record.settings;
+        }
+        settings.level.threads = threads[i % 3];
+        if (!room_bake(OUTPUT "/levels", &settings, &record)) {
+            return;
+        }
+        lmb[i] = file_hash(OUTPUT "/levels/probes.lmb");
+        vdb[i] = file_hash(OUTPUT "/levels/probes.vdb");
+        CHECK(lmb[i] == lmb[0] && vdb[i] == vdb[0], "bake %d", i);
+    }
+    CHECK(record.level_count > 1 && record.placement.probes_hanging > 0, "%u levels", record.level_count);
+    int32_t probes = 0;
+    for (uint32_t i = 0; i < record.level_count; ++i) {
+        const double spacing = (double)record.level[i].spacing;
+        probes += record.level[i].probes;
+        CHECK(spacing == ldexp((double)record.level[0].spacing, (int)i) && spacing >= 0.25 && spacing <= 1.0, "%g m",
+              spacing);
+    }
+    CHECK(probes == record.probes, "%d of %d", probes, record.probes);
+}
+
 static void warnings_arrive(void)
 {
     lmb_error error = {{0}};
@@ -156,8 +194,8 @@ static void warnings_arrive(void)
     CHECK(bake_into(OUTPUT "/ground", &settings, &all, &record, &error) == LMB_OK, "%s", error.message);
     CHECK(all.warnings == 1 && strstr(all.warning, "no light of any kind"), "%d warnings: %s", all.warnings,
           all.warning);
-    CHECK(!all.seen[LMB_PHASE_LAYOUT] && !all.seen[LMB_PHASE_LEVELS] && !all.seen[LMB_PHASE_SURFACE] && !all.seen[LMB_PHASE_LIGHTMAPS] &&
-              all.finished[LMB_PHASE_WRITE],
+    CHECK(!all.seen[LMB_PHASE_LAYOUT] && !all.seen[LMB_PHASE_LEVELS] && !all.seen[LMB_PHASE_SURFACE] &&
+              !all.seen[LMB_PHASE_LIGHTMAPS] && all.finished[LMB_PHASE_WRITE],
           "phases that there was nothing to do for");
     CHECK(!record.surface_solved && record.rays[LMB_PHASE_SURFACE] == 0, "surfaces were solved");
     lmb_bake_folder *folder;
@@ -418,6 +456,7 @@ static void the_document_shows_the_example(void)
 
 static const test_case cases[] = {
     {"phases_come_in_order", phases_come_in_order},
+    {"levels_are_baked", levels_are_baked},
     {"warnings_arrive", warnings_arrive},
     {"stopped_bakes_leave_the_old", stopped_bakes_leave_the_old},
     {"settings_are_values", settings_are_values},

@@ -76,6 +76,7 @@ static lmb_probes *levels_make(void)
         }
         probes->key_visibility[probe][0] = (float)fixture_random(&state);
     }
+    lmb_probes_find_hanging(probes, 0, probes->count, NULL, NULL);
     return probes;
 }
 
@@ -222,10 +223,45 @@ static void dilation_goes_through_hanging_probes(void)
     lmb_probes_destroy(probes);
 }
 
+/* A wall on x = 0, of which probes on the face that the coarser cells before it begin at see the other side. */
+static bool sees_from_behind(void *context, int32_t probe, lmb_vec3d place)
+{
+    const lmb_probes *probes = context;
+    const lmb_probe_level *level = lmb_probes_level_of(probes, probe);
+    const double x = lmb_lattice_position(&level->lattice, probes->point[probe]).x;
+    return !(x == 0.0 && place.x < 0.0);
+}
+
+static void walls_part_levels(void)
+{
+    lmb_probes *probes = levels_make();
+    lmb_probes_find_hanging(probes, 0, probes->count, sees_from_behind, probes);
+    int standing = 0, hanging = 0;
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        const lmb_probe_level *level = lmb_probes_level_of(probes, probe);
+        const lmb_vec3d at = lmb_lattice_position(&level->lattice, probes->point[probe]);
+        lmb_probe_parents parents;
+        const bool hangs = lmb_probes_hangs(probes, probe, &parents);
+        const bool at_wall = level == &probes->level[1] && at.x == 0.0;
+        /* At its rim other coarse cells are seen, beyond y and z. */
+        const bool at_rim = at.y == 0.0 || at.y == 4.0 || at.z == 0.0 || at.z == 4.0;
+        CHECK(!at_wall || hangs == at_rim, "%g %g %g", at.x, at.y, at.z);
+        standing += at_wall && !hangs;
+        hanging += hangs;
+        for (int i = 0; i < 8 && hangs && at_wall; ++i) {
+            const lmb_vec3d corner = lmb_lattice_position(&probes->level[2].lattice, probes->point[parents.probe[i]]);
+            CHECK(corner.x >= 0.0, "%g %g %g hangs through the wall", at.x, at.y, at.z);
+        }
+    }
+    CHECK(standing == 9 && hanging > 100, "%d, %d", standing, hanging);
+    lmb_probes_destroy(probes);
+}
+
 static const test_case cases[] = {
     {"leaves are the finest cells", leaves_are_the_finest_cells},
     {"probes on coarser leaves hang", probes_on_coarser_leaves_hang},
     {"linear light is exact", linear_light_is_exact},
+    {"walls part levels", walls_part_levels},
     {"there is no step between levels", there_is_no_step_between_levels},
     {"dilation goes through hanging probes", dilation_goes_through_hanging_probes},
 };

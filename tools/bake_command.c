@@ -10,12 +10,27 @@
 #include "interrupt.h"
 #include "level_arguments.h"
 
+/* How many probes, and how far apart. */
+static void probes_print(const lmb_bake_record *record)
+{
+    printf("%d at ", record->probes);
+    if (record->level_count > 1) {
+        printf("%g to ", (double)record->level[0].spacing);
+    }
+    printf("%g m", (double)record->level[record->level_count > 0 ? record->level_count - 1 : 0].spacing);
+}
+
 static void plan_print(const lmb_bake_record *record)
 {
     const lmb_bake_settings *settings = &record->settings;
     if (!settings->no_probes) {
-        printf("probes  %d at %g m (%d traced, %d dilated)\n", record->probes, (double)settings->spacing,
-               record->placement.probes_valid, record->placement.probes_dilated);
+        printf("probes  ");
+        probes_print(record);
+        printf(" (%d traced, %d dilated", record->placement.probes_valid, record->placement.probes_dilated);
+        if (record->placement.probes_hanging > 0) {
+            printf(", %d on coarser cells", record->placement.probes_hanging);
+        }
+        printf(")\n");
     }
     if (settings->lightmaps) {
         printf("texels  %llu at %g a metre, in %d images, of which they are %.1f %%\n",
@@ -54,8 +69,9 @@ static void summary_print(const lmb_bake_record *record, const char *directory)
                record->seconds[LMB_PHASE_SURFACE]);
     }
     if (!settings->no_probes) {
-        printf("probes    %d at %g m, %.1f s\n", record->probes, (double)settings->spacing,
-               record->seconds[LMB_PHASE_PROBES]);
+        printf("probes    ");
+        probes_print(record);
+        printf(", %.1f s\n", record->seconds[LMB_PHASE_LEVELS] + record->seconds[LMB_PHASE_PROBES]);
     }
     for (uint32_t i = 0; i < record->key_light_count; ++i) {
         const lmb_key_light *light = &record->key_light[i];

@@ -117,8 +117,14 @@ static void json_add_error(cJSON *object, const char *key, const error_summary *
     json_add_number(figures, "max", error->max);
 }
 
-static lmb_result report_print_json(const check_options *options, const check_report *report, bool denoised,
-                                    lmb_error *error)
+/* Of interpolation; NAN where probes are even. */
+static double tolerance_of(const lmb_bake_settings *baked)
+{
+    return baked->min_spacing > 0.0f ? baked->tolerance : (double)NAN;
+}
+
+static lmb_result report_print_json(const check_options *options, const check_report *report,
+                                    const lmb_bake_settings *baked, lmb_error *error)
 {
     cJSON *object = cJSON_CreateObject();
     json_add_number(object, "points", (double)report->points);
@@ -136,7 +142,8 @@ static lmb_result report_print_json(const check_options *options, const check_re
     json_add_number(object, "lightmap_leak", report->lightmap_leak);
     json_add_number(object, "seam_step_median", report->seam_step_median);
     json_add_number(object, "seam_step_p95", report->seam_step_p95);
-    cJSON_AddBoolToObject(object, "denoised", denoised);
+    json_add_number(object, "tolerance", tolerance_of(baked));
+    cJSON_AddBoolToObject(object, "denoised", baked->denoise);
     char *text = object ? cJSON_Print(object) : NULL;
     cJSON_Delete(object);
     if (!text) {
@@ -187,7 +194,7 @@ static void seen_print(const check_report *report)
     putchar('\n');
 }
 
-static void report_print_table(const check_options *options, const check_report *report, bool denoised)
+static void report_print_table(const check_options *options, const check_report *report, const lmb_bake_settings *baked)
 {
     errors_print(report);
     printf("%-30s", "reference_std_error");
@@ -205,11 +212,16 @@ static void report_print_table(const check_options *options, const check_report 
         print_percent(report->seam_step_p95);
         putchar('\n');
     }
+    if (!isnan(tolerance_of(baked))) {
+        printf("%-30s", "tolerance");
+        print_percent(tolerance_of(baked));
+        printf("   of interpolation, that levels of probes were chosen by\n");
+    }
     seen_print(report);
     printf("%s bake; %zu surface points, %zu free points, 8 normals each; reference: path tracer, 2 x %u samples a "
            "point or more, "
            "seed %llu\n",
-           denoised ? "denoised" : "plain", report->points, report->free_points, options->settings.samples,
+           baked->denoise ? "denoised" : "plain", report->points, report->free_points, options->settings.samples,
            (unsigned long long)options->settings.seed);
 }
 
@@ -247,7 +259,6 @@ int command_check(int count, char **values)
         return command_fail(result, &error);
     }
     const check_subject subject = {&baked.level.transport, baked.volume, baked.lightmap, baked.level.pool};
-    const bool denoised = baked.settings.denoise;
     check_report report;
     result = check_run(&subject, &options.settings, &progress, &report);
     console_finish(&console);
@@ -255,9 +266,9 @@ int command_check(int count, char **values)
     if (result != LMB_OK) {
         lmb_error_set(&error, result, "check: %s", lmb_result_text(result));
     } else if (options.json) {
-        result = report_print_json(&options, &report, denoised, &error);
+        result = report_print_json(&options, &report, &baked.settings, &error);
     } else {
-        report_print_table(&options, &report, denoised);
+        report_print_table(&options, &report, &baked.settings);
     }
     if (result != LMB_OK) {
         return command_fail(result, &error);

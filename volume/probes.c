@@ -200,7 +200,9 @@ static bool arrays_grow(lmb_probes *probes, int32_t added)
     probes->validity = validity ? validity : probes->validity;
     float(*const seen)[LMB_KEY_LIGHTS_MOST] = array_grow(probes->key_visibility, sizeof *seen, count, more);
     probes->key_visibility = seen ? seen : probes->key_visibility;
-    bool good = point && validity && seen;
+    uint8_t *const hanging = array_grow(probes->hanging, sizeof *hanging, count, more);
+    probes->hanging = hanging ? hanging : probes->hanging;
+    bool good = point && validity && seen && hanging;
     for (uint32_t set = 0; set < probes->set_count; ++set) {
         lmb_sh3_rgb *const radiance = array_grow(probes->radiance[set], sizeof *radiance, count, more);
         probes->radiance[set] = radiance ? radiance : probes->radiance[set];
@@ -303,6 +305,7 @@ void lmb_probes_destroy(lmb_probes *probes)
     }
     free(probes->point);
     free(probes->validity);
+    free(probes->hanging);
     free(probes->key_visibility);
     free(probes->radiance);
     free(probes->level);
@@ -453,7 +456,7 @@ static bool arrays_are_whole(const lmb_probes *probes)
 {
     bool whole = probes->count >= 0 && probes->set_count > 0 && probes->radiance;
     if (probes->count > 0) {
-        whole = whole && probes->point && probes->validity && probes->key_visibility;
+        whole = whole && probes->point && probes->validity && probes->hanging && probes->key_visibility;
         for (uint32_t set = 0; whole && set < probes->set_count; ++set) {
             whole = probes->radiance[set] != NULL;
         }

@@ -77,46 +77,103 @@ bool lmb_probes_cell_is_leaf(const lmb_probes *probes, uint32_t level, const int
     return lmb_probes_leaf_corners(probes, level, cell, first, corner);
 }
 
-/* The same for the cells of a coarser level that touch a point, `step` of whose spacings are one of its own. */
-static bool hangs_on_level(const lmb_probes *probes, const int32_t point[3], uint32_t level, uint32_t step,
-                           lmb_probe_parents *parents)
+/* How far within a leaf a probe on its side is looked at, in spacings of the probe's level. */
+#define WITHIN_SPACINGS 0.02
+
+/* One of the cells of a coarser level that touch a point, of which `step` spacings are one of theirs: `side` has a bit
+ * for each axis along which the cell is the one below. @return false where that side has none */
+static bool cell_touching(const int32_t point[3], uint32_t step, int side, int32_t cell[3], double fraction[3])
 {
-    for (int side = 0; side < 8; ++side) {
-        int32_t cell[3];
-        double fraction[3];
-        bool touches = true;
-        for (int axis = 0; axis < 3; ++axis) {
-            const bool below = (side >> axis & 1) != 0;
-            const uint32_t rest = (uint32_t)point[axis] & (step - 1);
-            cell[axis] = divided(point[axis], step) - below;
-            fraction[axis] = below ? 1.0 : (double)rest / step;
-            touches = touches && !(below && rest != 0);
-        }
-        if (touches && lmb_probes_leaf_corners(probes, level, cell, fraction, parents->probe)) {
-            for (int corner = 0; corner < 8; ++corner) {
-                parents->weight[corner] = (corner & 1 ? fraction[0] : 1.0 - fraction[0]) *
-                                          (corner & 2 ? fraction[1] : 1.0 - fraction[1]) *
-                                          (corner & 4 ? fraction[2] : 1.0 - fraction[2]);
+    bool touches = true;
+    for (int axis = 0; axis < 3; ++axis) {
+        const bool below = (side >> axis & 1) != 0;
+        const uint32_t rest = (uint32_t)point[axis] & (step - 1);
+        cell[axis] = divided(point[axis], step) - below;
+        fraction[axis] = below ? 1.0 : (double)rest / step;
+        touches = touches && !(below && rest != 0);
+    }
+    return touches;
+}
+
+/* Moves off the sides of a cell, where a cut cell's planes may part it from the other side; `step` as above. */
+static void move_within(uint32_t step, const double fraction[3], double within[3])
+{
+    const double inset = WITHIN_SPACINGS / step;
+    for (int axis = 0; axis < 3; ++axis) {
+        within[axis] = fraction[axis] < inset ? inset : fraction[axis] > 1.0 - inset ? 1.0 - inset : fraction[axis];
+    }
+}
+
+/* The corners for a probe that lies at the side of a cell. */
+static bool side_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], uint32_t step,
+                         const double fraction[3], int32_t corner[8])
+{
+    double within[3];
+    move_within(step, fraction, within);
+    return lmb_probes_leaf_corners(probes, level, cell, within, corner);
+}
+
+static bool side_is_seen(const lmb_probes *probes, int32_t probe, uint32_t level, int side, lmb_probe_sees sees,
+                         void *context)
+{
+    const uint32_t own = (uint32_t)(lmb_probes_level_of(probes, probe) - probes->level);
+    const uint32_t step = UINT32_C(1) << (level - own);
+    int32_t cell[3], corner[8];
+    double fraction[3], within[3];
+    if (!cell_touching(probes->point[probe], step, side, cell, fraction) ||
+        !side_corners(probes, level, cell, step, fraction, corner)) {
+        return false;
+    }
+    const lmb_lattice *const lattice = &probes->level[level].lattice;
+    const double spacing = (double)lattice->spacing;
+    move_within(step, fraction, within);
+    const lmb_vec3d local = {spacing * (cell[0] + within[0]), spacing * (cell[1] + within[1]),
+                             spacing * (cell[2] + within[2])};
+    return !sees || sees(context, probe, lmb_lattice_vector_to_world(lattice, local));
+}
+
+/* 1 + the side, of 8, + 8 times how many levels coarser than the next one the leaf is. */
+enum { HANGING_SIDES = 8, HANGING_LEVELS = 31 };
+
+void lmb_probes_find_hanging(lmb_probes *probes, int32_t first, int32_t count, lmb_probe_sees sees, void *context)
+{
+    assert(probes && first >= 0 && count >= 0 && first + count <= probes->count);
+    for (int32_t probe = first; probe < first + count; ++probe) {
+        const uint32_t own = (uint32_t)(lmb_probes_level_of(probes, probe) - probes->level);
+        const bool is_ghost = probe >= probes->count - probes->ghost_count;
+        probes->hanging[probe] = 0;
+        for (uint32_t level = probes->level_count - 1; level > own && !is_ghost; --level) {
+            for (int side = 0; side < HANGING_SIDES && !probes->hanging[probe] && level - own < HANGING_LEVELS;
+                 ++side) {
+                if (side_is_seen(probes, probe, level, side, sees, context)) {
+                    probes->hanging[probe] = (uint8_t)(1 + side + HANGING_SIDES * (int)(level - own - 1));
+                }
             }
-            return true;
         }
     }
-    return false;
 }
 
 bool lmb_probes_hangs(const lmb_probes *probes, int32_t probe, lmb_probe_parents *parents)
 {
     assert(probes && probe >= 0 && probe < probes->count && parents);
-    if (probe >= probes->count - probes->ghost_count) {
+    if (probes->hanging[probe] == 0) {
         return false;
     }
-    const uint32_t own = (uint32_t)(lmb_probes_level_of(probes, probe) - probes->level);
-    bool hangs = false;
-    for (uint32_t level = probes->level_count - 1; level > own && !hangs; --level) {
-        hangs = level - own < 31 &&
-                hangs_on_level(probes, probes->point[probe], level, UINT32_C(1) << (level - own), parents);
+    const int side = (probes->hanging[probe] - 1) % HANGING_SIDES;
+    const uint32_t above = 1 + (uint32_t)(probes->hanging[probe] - 1) / HANGING_SIDES;
+    const uint32_t level = (uint32_t)(lmb_probes_level_of(probes, probe) - probes->level) + above;
+    int32_t cell[3];
+    double fraction[3];
+    if (!cell_touching(probes->point[probe], UINT32_C(1) << above, side, cell, fraction) ||
+        !side_corners(probes, level, cell, UINT32_C(1) << above, fraction, parents->probe)) {
+        return false;
     }
-    return hangs;
+    for (int corner = 0; corner < 8; ++corner) {
+        parents->weight[corner] = (corner & 1 ? fraction[0] : 1.0 - fraction[0]) *
+                                  (corner & 2 ? fraction[1] : 1.0 - fraction[1]) *
+                                  (corner & 4 ? fraction[2] : 1.0 - fraction[2]);
+    }
+    return true;
 }
 
 static void probe_hang(lmb_probes *probes, int32_t probe, const lmb_probe_parents *parents)

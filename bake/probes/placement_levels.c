@@ -110,8 +110,9 @@ static lmb_result level_divide(level_tree *tree, uint32_t level)
 {
     lmb_level_cubes *const cubes = &tree->level[level];
     cubes->level = level;
-    tree->sites.share = 1.0 / tree->count;
-    tree->sites.done = tree->sites.share * (tree->count - 1 - level);
+    /* Corners and trial points take one half of a level's time, regions the other. */
+    tree->sites.share = 0.5 / tree->count;
+    tree->sites.done = 2.0 * tree->sites.share * (tree->count - 1 - level);
     lmb_result result = lmb_cubes_open(&tree->sites, cubes);
     if (result != LMB_OK || level == 0) {
         return result;
@@ -184,18 +185,9 @@ static lmb_result levels_make(const level_tree *tree, lmb_probes **probes)
     return LMB_OK;
 }
 
-static lmb_result levels_count(const lmb_probes *probes, const lmb_tracer *tracer, lmb_placement_stats *stats)
+static lmb_result cells_count(const lmb_probes *probes, const lmb_tracer *tracer, lmb_placement_stats *stats)
 {
-    stats->probes_valid = stats->probes_dilated = stats->probes_hanging = 0;
     stats->cells = stats->cells_crossed = 0;
-    for (int32_t i = 0; i < probes->count; ++i) {
-        lmb_probe_parents parents;
-        const bool hangs = lmb_probes_hangs(probes, i, &parents);
-        const bool baked = !hangs && probes->validity[i] >= LMB_PROBES_MIN_VALIDITY;
-        stats->probes_hanging += hangs;
-        stats->probes_valid += baked;
-        stats->probes_dilated += !hangs && !baked;
-    }
     lmb_result result = LMB_OK;
     for (uint32_t level = 0; level < probes->level_count && result == LMB_OK; ++level) {
         int64_t cells, crossed;
@@ -250,7 +242,10 @@ lmb_result lmb_placement_levels(const lmb_transport *transport, const lmb_levels
         result = levels_make(&tree, &made);
     }
     if (result == LMB_OK) {
-        result = levels_count(made, transport->tracer, stats);
+        result = cells_count(made, transport->tracer, stats);
+    }
+    if (result == LMB_OK) {
+        result = lmb_placement_hang(transport->tracer, pool, made, stats);
     }
     stats->rays += tree.sites.rays;
     tree_free(&tree);

@@ -16,9 +16,8 @@ lmb_result lmb_sites_open(lmb_sites *sites)
     const lmb_scene *scene = lmb_tracer_scene(sites->transport->tracer);
     const float even_spacing = sites->even->level[0].lattice.spacing;
     sites->spacing = even_spacing / (float)(UINT32_C(1) << sites->even_level);
-    lmb_lattice finest;
     const bool fits =
-        lmb_placement_box(scene, even_spacing, &sites->box) && lmb_placement_box(scene, sites->spacing, &finest);
+        lmb_placement_box(scene, even_spacing, &sites->box) && lmb_placement_box(scene, sites->spacing, &sites->bounds);
     return fits ? LMB_OK : LMB_ERROR_UNSUPPORTED;
 }
 
@@ -55,6 +54,24 @@ lmb_result lmb_sites_add(lmb_sites *sites, uint32_t level, const int32_t point[3
         sites->site[count] = (lmb_site){.level = (uint8_t)level};
     }
     return result;
+}
+
+bool lmb_sites_cell_counts(const lmb_sites *sites, uint32_t level, const int32_t cell[3])
+{
+    const int64_t step = INT64_C(1) << level;
+    bool counts = true;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int64_t low = sites->bounds.min[axis], high = low + sites->bounds.size[axis] - 1;
+        counts = counts && cell[axis] * step < high && (cell[axis] + 1) * step > low;
+    }
+    return counts;
+}
+
+bool lmb_sites_point_counts(const lmb_sites *sites, uint32_t level, const int32_t point[3])
+{
+    int32_t at[3];
+    finest_point(level, point, at);
+    return lmb_lattice_has(&sites->bounds, at);
 }
 
 lmb_site *lmb_sites_find(const lmb_sites *sites, uint32_t level, const int32_t point[3])
@@ -121,31 +138,22 @@ static bool site_is_reached(const lmb_sites *sites, int32_t number, uint64_t *ra
     return false;
 }
 
-static void site_trace(const lmb_sites *sites, int32_t number, uint64_t *rays)
-{
-    lmb_site *const site = &sites->site[number];
-    site->free = true;
-    site->validity = 1.0f;
-    if (sites->everything_is_free) {
-        return;
-    }
-    const lmb_tracer *tracer = sites->transport->tracer;
-    const lmb_vec3 position =
-        lmb_placement_relocate(tracer, site_position(sites, number), lmb_sites_spacing(sites, site->level), rays);
-    site->validity = lmb_placement_validity(tracer, position, &site->free, rays);
-}
-
 static void site_look(const lmb_sites *sites, int32_t number, uint64_t *rays)
 {
+    const lmb_tracer *tracer = sites->transport->tracer;
     lmb_site *const site = &sites->site[number];
     int32_t even[3];
     const bool inside = is_in_box(sites, sites->points.point[number]);
+    site->position =
+        lmb_placement_relocate(tracer, site_position(sites, number), lmb_sites_spacing(sites, site->level), rays);
     if (inside && even_point(sites, sites->points.point[number], even)) {
         const int32_t probe = lmb_probe_index_find(&sites->even->level[0].index, even);
         site->validity = probe >= 0 ? sites->even->validity[probe] : 0.0f;
         site->free = site->validity >= LMB_PROBES_MIN_VALIDITY;
     } else if (inside || !sites->has_seeds) {
-        site_trace(sites, number, rays);
+        site->free = true;
+        site->validity =
+            sites->everything_is_free ? 1.0f : lmb_placement_validity(tracer, site->position, &site->free, rays);
         site->free = site->free && (!sites->has_seeds || site_is_reached(sites, number, rays));
     }
     site->validity = site->free ? site->validity : 0.0f;
@@ -205,10 +213,10 @@ static void light_site(const void *context, size_t element, lmb_gather_site *sit
     const light_list *list = context;
     const lmb_sites *sites = list->sites;
     const int32_t number = list->number[element];
-    const float spacing = lmb_sites_spacing(sites, sites->site[number].level);
-    const lmb_vec3 position =
-        lmb_placement_relocate(sites->transport->tracer, site_position(sites, number), spacing, &site->rays);
-    site->point[0] = (lmb_gather_point){.position = position, .min_light_distance = LIGHT_DISTANCE_SPACINGS * spacing};
+    const lmb_site *from = &sites->site[number];
+    site->point[0] =
+        (lmb_gather_point){.position = from->position,
+                           .min_light_distance = LIGHT_DISTANCE_SPACINGS * lmb_sites_spacing(sites, from->level)};
     site->count = 1;
 }
 

@@ -12,6 +12,7 @@ typedef struct lmb_site {
     bool free;     /* an object can be here */
     bool lit;      /* what follows is known */
     float validity;
+    lmb_vec3 position; /* in the scene, where it was gathered */
     lmb_sh3_rgb light;
     lmb_sh3_rgb difference; /* as lmb_gathered has it: the light's noise */
     float key_visibility[LMB_KEY_LIGHTS_MOST];
@@ -28,8 +29,9 @@ typedef struct lmb_sites {
     const lmb_progress *progress;
     double done, share; /* of all, before the gathering at hand, and its part */
     /* Set by lmb_sites_open. */
-    float spacing;   /* the finest */
-    lmb_lattice box; /* of the even level, over the level's bounds */
+    float spacing;      /* the finest */
+    lmb_lattice box;    /* of the even level's cells over the level's bounds */
+    lmb_lattice bounds; /* of the finest level's */
     lmb_point_set points;
     int32_t known; /* the first ones, of which `site` says all but light */
     lmb_site *site;
@@ -53,6 +55,10 @@ lmb_result lmb_sites_add(lmb_sites *sites, uint32_t level, const int32_t point[3
  * seeds, when one of the points around it on the next coarser level is free and sees it.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_sites_look(lmb_sites *sites);
+
+/* Whether a level's cell reaches into the level's bounds, or a point is within them. */
+bool lmb_sites_cell_counts(const lmb_sites *sites, uint32_t level, const int32_t cell[3]);
+bool lmb_sites_point_counts(const lmb_sites *sites, uint32_t level, const int32_t point[3]);
 
 /* The site of a level's point, or NULL. */
 lmb_site *lmb_sites_find(const lmb_sites *sites, uint32_t level, const int32_t point[3]);

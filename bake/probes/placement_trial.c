@@ -6,6 +6,7 @@
 
 #include <lambent/key_lights.h>
 #include <lambent/probes_bake.h>
+#include <lambent/vector.h>
 
 /* Where a cell is tried, in halves of it. */
 enum { TRIAL_POINTS = 7 };
@@ -13,7 +14,7 @@ static const int trial_point[TRIAL_POINTS][3] = {{1, 1, 1}, {0, 1, 1}, {2, 1, 1}
                                                  {1, 2, 1}, {1, 1, 0}, {1, 1, 2}};
 
 /* How far within its cell a face is looked at. */
-#define WITHIN_SPACINGS 1e-3
+#define WITHIN_SPACINGS 0.02
 
 void lmb_level_cubes_free(lmb_level_cubes *cubes)
 {
@@ -79,7 +80,8 @@ static lmb_result cube_begin(lmb_sites *sites, lmb_level_cubes *cubes, int32_t c
     for (int i = 0; i < 8 && result == LMB_OK; ++i) {
         int32_t cell[3];
         lmb_cube_cell(cubes->cubes.point[cube], i, cell);
-        if (cubes->level < sites->even_level || cell_has_free_point(sites, cubes->level, cell)) {
+        const bool counts = lmb_sites_cell_counts(sites, cubes->level, cell);
+        if (counts && (cubes->level < sites->even_level || cell_has_free_point(sites, cubes->level, cell))) {
             cubes->open[cube] |= (uint8_t)(1 << i);
             result = cell_add_sites(sites, cubes->level, cell);
         }
@@ -199,17 +201,28 @@ static double site_error(const trial_level *trial, const lmb_site *site, const i
     return scale > 0.0 ? squared_error / scale : 0.0;
 }
 
-/* The probes around a trial point, a little within its cell, as the other side of a face may be another region.
- * @return false where the cell has none */
-static bool trial_corners(const lmb_probes *corners, const int32_t cell[3], const int offset[3], int32_t corner[8],
-                          double weight[8])
+/* The probes around a trial point, for a cell that it lies in, or on a face of: a little within it, as the other side
+ * of the face may be another region. @return false where the cell has none, or a wall is between */
+static bool trial_corners(const lmb_sites *sites, const lmb_probes *corners, const int32_t cell[3],
+                          const lmb_site *site, int32_t corner[8], double weight[8])
 {
     const double spacing = (double)corners->level[0].lattice.spacing;
+    const double scene[3] = {(double)site->position.x, (double)site->position.y, (double)site->position.z};
+    const double origin[3] = {corners->origin.x, corners->origin.y, corners->origin.z};
     double at[3], t[3];
+    bool moved = false;
     for (int axis = 0; axis < 3; ++axis) {
-        at[axis] = spacing * (cell[axis] + 0.5 + (0.5 - WITHIN_SPACINGS) * (offset[axis] - 1));
+        const double local = (scene[axis] + origin[axis]) / spacing - cell[axis];
+        const double within = fmin(fmax(local, WITHIN_SPACINGS), 1.0 - WITHIN_SPACINGS);
+        moved = moved || within != local;
+        at[axis] = spacing * (cell[axis] + within);
     }
-    if (!lmb_probes_around(corners, (lmb_vec3d){at[0], at[1], at[2]}, corner, t)) {
+    const lmb_vec3 seen =
+        lmb_vec3_of((float)(at[0] - origin[0]), (float)(at[1] - origin[1]), (float)(at[2] - origin[2]));
+    uint64_t rays = 0;
+    if ((moved &&
+         !(lmb_rgb_max(lmb_trace_transmittance(sites->transport->tracer, site->position, seen, &rays)) > 0.0f)) ||
+        !lmb_probes_around(corners, (lmb_vec3d){at[0], at[1], at[2]}, corner, t)) {
         return false;
     }
     for (int i = 0; i < 8; ++i) {
@@ -235,7 +248,8 @@ static double cell_error(const lmb_sites *sites, const trial_level *trial, uint3
         double weight[8];
         trial_site_point(cell, i, point);
         const lmb_site *const site = lmb_sites_find(sites, level - 1, point);
-        if (site && site->free && trial_corners(trial->corners, cell, trial_point[i], corner, weight)) {
+        const bool counts = lmb_sites_point_counts(sites, level - 1, point);
+        if (counts && site && site->free && trial_corners(sites, trial->corners, cell, site, corner, weight)) {
             sum += site_error(trial, site, corner, weight);
             ++places;
         }
@@ -254,7 +268,8 @@ static lmb_result trial_points_add(lmb_sites *sites, const lmb_level_cubes *cube
             int32_t cell[3], point[3];
             lmb_cube_cell(cubes->cubes.point[cube], i / TRIAL_POINTS, cell);
             trial_site_point(cell, i % TRIAL_POINTS, point);
-            if ((cubes->open[cube] >> (i / TRIAL_POINTS) & 1) != 0) {
+            if ((cubes->open[cube] >> (i / TRIAL_POINTS) & 1) != 0 &&
+                lmb_sites_point_counts(sites, cubes->level - 1, point)) {
                 result = lmb_sites_add(sites, cubes->level - 1, point);
             }
         }
@@ -279,8 +294,10 @@ static int32_t *numbers_list(const lmb_sites *sites, const lmb_level_cubes *cube
             } else {
                 trial_site_point(cell, place - 8, point);
             }
-            if ((cubes->open[cube] >> (i % 8) & 1) != 0) {
-                const lmb_site *const site = lmb_sites_find(sites, cubes->level - (place < 8 ? 0 : 1), point);
+            const lmb_site *const site = (cubes->open[cube] >> (i % 8) & 1) != 0
+                                             ? lmb_sites_find(sites, cubes->level - (place < 8 ? 0 : 1), point)
+                                             : NULL;
+            if (site) {
                 number[(*count)++] = (int32_t)(site - sites->site);
             }
         }
@@ -330,6 +347,7 @@ static lmb_result corners_cut(lmb_sites *sites, lmb_probes *corners)
         list.count -= list.probe_count;
         list.probe_count = 0;
         gathered = malloc((list.count + 1) * sizeof *gathered);
+        sites->done += sites->share;
         const lmb_gather_list elements = lmb_probe_list_elements(&list);
         result = gathered ? lmb_sites_gather(sites, &elements, gathered) : LMB_ERROR_MEMORY;
     }

@@ -65,31 +65,6 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
     return bake;
 }
 
-/* The phase before said that it was done; it can still be stopped. */
-typedef struct regions_report {
-    const lmb_progress *progress;
-    lmb_bake_phase phase;
-} regions_report;
-
-static bool report_regions(void *context, const char *name, double done)
-{
-    const regions_report *report = context;
-    (void)name;
-    (void)done;
-    return report->progress->report(report->progress->context, lmb_bake_phase_name(report->phase), 1.0);
-}
-
-lmb_result lmb_bake_regions(lmb_bake *bake, lmb_bake_phase phase, lmb_error *error)
-{
-    lmb_bake_record *record = &bake->record;
-    regions_report report = {bake->progress, phase};
-    const lmb_progress progress = {bake->progress && bake->progress->report ? report_regions : NULL, &report};
-    const lmb_result result = lmb_regions_make(bake->level->tracer, bake->level->pool, &progress, bake->probes,
-                                               &bake->regions, &record->regions);
-    record->rays[phase] += record->regions.rays;
-    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "regions: %s", lmb_result_text(result));
-}
-
 /* What placement made of the settings: the spacing that it chose, seeds rounded to where floats are. */
 static void record_placed(lmb_bake *bake)
 {

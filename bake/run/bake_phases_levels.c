@@ -50,6 +50,34 @@ lmb_level_plan lmb_bake_level_plan(const lmb_bake_settings *settings, const lmb_
     return plan;
 }
 
+/* The phase before said that it was done; it can still be stopped. */
+typedef struct regions_report {
+    const lmb_progress *progress;
+    lmb_bake_phase phase;
+} regions_report;
+
+static bool report_regions(void *context, const char *name, double done)
+{
+    const regions_report *report = context;
+    (void)name;
+    (void)done;
+    return report->progress->report(report->progress->context, lmb_bake_phase_name(report->phase), 1.0);
+}
+
+lmb_result lmb_bake_regions(lmb_bake *bake, lmb_bake_phase phase, lmb_error *error)
+{
+    lmb_bake_record *record = &bake->record;
+    regions_report report = {bake->progress, phase};
+    const lmb_progress progress = {bake->progress && bake->progress->report ? report_regions : NULL, &report};
+    lmb_result result = lmb_regions_make(bake->level->tracer, bake->level->pool, &progress, bake->probes,
+                                         &bake->regions, &record->regions);
+    record->rays[phase] += record->regions.rays;
+    if (result == LMB_OK && bake->probes->level_count > 1) {
+        result = lmb_placement_hang(bake->level->tracer, bake->level->pool, bake->probes, &record->placement);
+    }
+    return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "regions: %s", lmb_result_text(result));
+}
+
 void lmb_bake_record_levels(lmb_bake *bake)
 {
     lmb_bake_record *record = &bake->record;
@@ -90,12 +118,12 @@ lmb_result lmb_bake_levels(lmb_bake *bake, lmb_error *error)
                                       &record->placement, error);
     }
     record->rays[LMB_PHASE_LEVELS] = record->placement.rays - placed_rays;
+    lmb_bake_record_levels(bake);
     if (result == LMB_OK) {
         result = lmb_bake_regions(bake, LMB_PHASE_LEVELS, error);
     }
     record->settings.spacing = ldexpf(even_spacing, (int)plan.coarser);
     record->settings.min_spacing = ldexpf(even_spacing, -(int)plan.finer);
     record->seconds[LMB_PHASE_LEVELS] = lmb_clock_seconds() - start;
-    lmb_bake_record_levels(bake);
     return result == LMB_OK ? step_report(bake->progress, name, 1.0, error) : result;
 }

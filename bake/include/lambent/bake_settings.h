@@ -48,7 +48,7 @@ lmb_bake_settings lmb_bake_settings_default(void);
 /* Samples, noise and detail of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
 bool lmb_bake_settings_quality(lmb_bake_settings *settings, const char *name);
 
-/* "exr", "ktx2" or "dds"; false, and nothing is written, for any other name. */
+/* "exr", "ktx2", "dds" or "ktx2-astc"; false, and nothing is written, for any other name. */
 bool lmb_bake_settings_lightmap_format(lmb_bake_settings *settings, const char *name);
 
 /* The model that lightmaps are in, whatever others they are in too: the format's default one. */

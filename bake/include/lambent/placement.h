@@ -71,6 +71,11 @@ typedef struct lmb_levels_settings {
 lmb_result lmb_placement_levels(const lmb_transport *transport, const lmb_levels_settings *settings, lmb_pool *pool,
                                 lmb_probes **probes, lmb_placement_stats *stats, lmb_error *error);
 
+/* Finds which probes hang (lambent/probes.h) once their levels, and their cuts if there are any, are there: valid ones,
+ * which see into the leaf that they lie on. Counts `*stats`' probes anew and adds to its rays.
+ * @return LMB_ERROR_MEMORY, _INTERRUPTED */
+lmb_result lmb_placement_hang(const lmb_tracer *tracer, lmb_pool *pool, lmb_probes *probes, lmb_placement_stats *stats);
+
 /* Where the light of a probe at lattice position `position` is gathered: there, or, when that is on a surface or
  * almost, a twentieth of the spacing in front of it. Adds to `*rays`. */
 lmb_vec3 lmb_placement_relocate(const lmb_tracer *tracer, lmb_vec3 position, float spacing, uint64_t *rays);

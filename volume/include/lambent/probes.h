@@ -9,9 +9,9 @@
  * cut. Levels give way to finer ones by cubes of 2 x 2 x 2 cells, the first at even points: where a finer level has a
  * cell, the whole cube around it is the finer level's, 4 x 4 x 4 of its cells or what of them is there. The cells that
  * light is interpolated in are leaves. A probe of a finer level on a coarser level's leaf, on its faces, edges and
- * corners too, *hangs*: it has that leaf's interpolation, and no light of its own. Cut cells (lambent/cell.h) have
- * eight probes for each region of theirs: those at their corners, or ghosts, which stand for a corner as a region that
- * does not hold it needs it. Ghosts follow the levels' probes in the arrays. */
+ * corners too, *hangs* on it, unless a wall is between: it has that leaf's interpolation, and no light of its own. Cut
+ * cells (lambent/cell.h) have eight probes for each region of theirs: those at their corners, or ghosts, which stand
+ * for a corner as a region that does not hold it needs it. Ghosts follow the levels' probes in the arrays. */
 #ifndef LAMBENT_PROBES_H
 #define LAMBENT_PROBES_H
 
@@ -81,6 +81,7 @@ typedef struct lmb_probes {
     int32_t (*point)[3];    /* [probe] on its level's lattice */
     float *validity;        /* [probe] share of rays that see no back face: 1 in the open, 0 in a solid. A probe below
                                LMB_PROBES_MIN_VALIDITY was not baked: its radiance is dilated from its neighbours */
+    uint8_t *hanging;       /* [probe] 0, or on which leaf it hangs, as lmb_probes_find_hanging has it */
     uint32_t set_count;     /* of lights, >= 1 */
     lmb_sh3_rgb **radiance; /* [set][probe] callers fill it. A set's may be NULL while there are no probes */
     uint32_t key_light_count;
@@ -176,7 +177,15 @@ typedef struct lmb_probe_parents {
     double weight[8]; /* sum 1 */
 } lmb_probe_parents;
 
-/* Whether a probe hangs, on the coarsest leaf that it touches; sets `*parents` then. No ghost does. */
+/* Whether a probe sees a world place a little within a leaf that it lies on. */
+typedef bool (*lmb_probe_sees)(void *context, int32_t probe, lmb_vec3d place);
+
+/* Finds, of probes `first` on, which of them hang, for as long as neither levels nor cuts change: on the coarsest leaf
+ * that one touches and sees. `sees` NULL: walls are none. Ghosts do not hang. Until then no probe does. Other threads
+ * may do the same for other probes. */
+void lmb_probes_find_hanging(lmb_probes *probes, int32_t first, int32_t count, lmb_probe_sees sees, void *context);
+
+/* Whether a probe hangs; sets `*parents` then. */
 bool lmb_probes_hangs(const lmb_probes *probes, int32_t probe, lmb_probe_parents *parents);
 
 /* Gives all hanging probes their light in every set, and what is seen of key lights, coarse levels first. */
