@@ -5,12 +5,7 @@
 /* Squares of bands 1 and 2 over l0 at which the network counts half. */
 #define LMB_MULTIPLY_EVEN_SQUARE 2.99999993e-02f
 
-enum {
-    LMB_MULTIPLY_INVARIANTS = 8,
-    LMB_MULTIPLY_FIRST = 12,
-    LMB_MULTIPLY_SECOND = 12,
-    LMB_MULTIPLY_OUTPUTS = 4
-};
+enum { LMB_MULTIPLY_INVARIANTS = 8, LMB_MULTIPLY_FIRST = 12, LMB_MULTIPLY_SECOND = 12, LMB_MULTIPLY_OUTPUTS = 4 };
 
 /* Two layers of rectified units, then plain sums: a row of weights for each number that a layer takes, and
  * what its sums start from. Outputs are the corrections of b_c and b.n and the factors of v and q; apart, as a

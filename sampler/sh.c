@@ -83,6 +83,27 @@ lmb_rgb lmb_sh3_rgb_irradiance(const lmb_sh3_rgb *radiance, lmb_vec3 normal)
     return irradiance;
 }
 
+float lmb_sh2_irradiance(const lmb_sh2 *radiance, lmb_vec3 normal)
+{
+    const float *c = radiance->c;
+    const float linear = lmb_vec3_dot(lmb_sh_linear(c), normal);
+    const float sum = (float)LMB_SH_N0 * c[0] + (float)(2.0 / 3.0 * LMB_SH_N1) * linear;
+    if (!isfinite(sum)) {
+        const lmb_sh3 wide = {{c[0], c[1], c[2], c[3], 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}};
+        return lmb_sh3_irradiance(&wide, normal);
+    }
+    return lmb_light_clamped(sum);
+}
+
+lmb_rgb lmb_sh2_rgb_irradiance(const lmb_sh2_rgb *radiance, lmb_vec3 normal)
+{
+    lmb_rgb irradiance;
+    for (int i = 0; i < 3; ++i) {
+        irradiance.c[i] = lmb_sh2_irradiance(&radiance->channel[i], normal);
+    }
+    return irradiance;
+}
+
 static void sh3_add_scaled(lmb_sh3 *sum, const lmb_sh3 *term, float scale)
 {
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {

@@ -12,12 +12,13 @@
  * number within its brick is then the last bits of that. Fields of three axes have a fourth one, 0, where kernels read
  * four at once. */
 struct lmb_volume {
-    const lmb_volume_kernel *kernel;
+    const lmb_volume_calls *calls;
     const uint32_t *directory;
     const lmb_volume_brick *bricks;
     const unsigned char *probes;
-    const uint8_t *seen; /* of key lights: [probe][light] */
-    size_t first_entry;  /* that blocks counted from the origin have more than the directory: its first block's */
+    uint32_t probe_units; /* from one to the next */
+    uint32_t key_count;
+    size_t first_entry; /* that blocks counted from the origin have more than the directory: its first block's */
     size_t entry_step[2];
     double inverse_spacing;
     double origin[4];     /* lattice coordinates */
@@ -34,7 +35,7 @@ struct lmb_volume {
     bool is_allocated; /* false when the caller gave the handle's memory */
 };
 
-/* The brick at a cell, counted from the origin, and its level; NULL: there is none. */
+/* The brick at a cell, counted from the origin, and its level; where there is none, one without cells. */
 static inline const lmb_volume_brick *lmb_volume_brick_at(const lmb_volume *volume, const uint32_t cell[3],
                                                           uint32_t *level)
 {
@@ -42,8 +43,13 @@ static inline const lmb_volume_brick *lmb_volume_brick_at(const lmb_volume *volu
                          volume->entry_step[1] * (cell[2] >> 2) - volume->first_entry;
     const uint32_t word = volume->directory[entry];
     *level = word >> LMB_VOLUME_LEVEL_SHIFT;
-    const uint32_t number = word & ((UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT) - 1);
-    return word == LMB_VOLUME_NO_BRICK ? NULL : &volume->bricks[number];
+    return &volume->bricks[word & ((UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT) - 1)];
+}
+
+/* The probe at a place. */
+static inline const unsigned char *lmb_volume_probe_at(const lmb_volume *volume, uint32_t units)
+{
+    return volume->probes + (size_t)units * LMB_PROBE_UNIT;
 }
 
 /* How many bits are set. */
@@ -74,7 +80,7 @@ static inline const lmb_cell_plane *lmb_volume_cut_planes(const lmb_volume_cut *
     return (const lmb_cell_plane *)lmb_volume_cut_corners(cut, cut->region_count);
 }
 
-/* Verifies the file in memory wholly and sets header, directory, bricks, probes, seen and what there is of cut cells.
+/* Verifies the file in memory wholly and sets header, directory, bricks, probes and what there is of cut cells.
  * Needs no memory.
  * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM */
 lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume *volume);

@@ -4,9 +4,9 @@
 #define LMB_VOLUME_KERNEL_H
 
 #include <lambent/volume.h>
+#include <lambent/volume_format.h>
 
-typedef struct lmb_volume_kernel {
-    const char *name;
+typedef struct lmb_volume_calls {
     /* The position comes in registers: three doubles in a struct would not. */
     bool (*sample)(const lmb_volume *volume, double x, double y, double z, lmb_sh3_rgb *radiance);
     bool (*sample_with_keys)(const lmb_volume *volume, double x, double y, double z, lmb_sh3_rgb *radiance,
@@ -14,12 +14,30 @@ typedef struct lmb_volume_kernel {
     /* As lmb_volume_sample_batch. */
     void (*batch)(const lmb_volume *volume, const lmb_vec3d *position, size_t count, lmb_sh3_rgb *radiance,
                   float (*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside);
+} lmb_volume_calls;
+
+typedef struct lmb_volume_kernel {
+    const char *name;
+    lmb_volume_calls plain; /* of volumes without key lights, whose probes lie at a distance that compilers know */
+    lmb_volume_calls keyed; /* with */
+    lmb_volume_calls compact;
 } lmb_volume_kernel;
 
 extern const lmb_volume_kernel lmb_volume_kernel_scalar;
 
 /* AVX2 and F16C. NULL: the library was built without it. */
 extern const lmb_volume_kernel *const lmb_volume_kernel_avx2;
+
+/* AVX-512 F, VL and DQ. NULL likewise. */
+extern const lmb_volume_kernel *const lmb_volume_kernel_avx512;
+
+static inline const lmb_volume_calls *lmb_volume_kernel_calls(const lmb_volume_kernel *kernel,
+                                                              const lmb_volume_header *header)
+{
+    return header->probe_form == LMB_VOLUME_COMPACT ? &kernel->compact
+           : header->key_light_count > 0            ? &kernel->keyed
+                                                    : &kernel->plain;
+}
 
 /* The fastest that this processor runs. Asks the processor each time. */
 const lmb_volume_kernel *lmb_volume_kernel_choose(void);

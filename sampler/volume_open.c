@@ -36,7 +36,7 @@ static void derive_constants(lmb_volume *volume)
         first_block[0] + volume->entry_step[0] * first_block[1] + volume->entry_step[1] * first_block[2];
     volume->inverse_spacing = 1.0 / (double)header->spacing;
     volume->scale = header->scale;
-    volume->kernel = lmb_volume_kernel_choose();
+    volume->calls = lmb_volume_kernel_calls(lmb_volume_kernel_choose(), header);
 }
 
 lmb_result lmb_volume_open_memory_in(lmb_volume_storage *storage, const void *data, size_t size, lmb_volume **volume)
@@ -118,7 +118,7 @@ lmb_volume_info lmb_volume_get_info(const lmb_volume *volume)
     return (lmb_volume_info){
         .version = header->version,
         .probe_count = header->probe_count,
-        .brick_count = header->brick_count,
+        .brick_count = header->brick_count - 1,
         .bounds_min = lmb_lattice_position(&lattice, lattice.min),
         .bounds_max = lmb_lattice_position(&lattice, last),
         .scale = header->scale,
@@ -126,6 +126,7 @@ lmb_volume_info lmb_volume_get_info(const lmb_volume *volume)
         .key_light_count = header->key_light_count,
         .level_count = header->level_count,
         .cut_count = header->cut_count,
+        .is_compact = header->probe_form == LMB_VOLUME_COMPACT,
     };
 }
 
@@ -147,6 +148,6 @@ float lmb_volume_spacing_at(const lmb_volume *volume, lmb_vec3d position)
         const int32_t whole = (int32_t)clamped;
         cell[axis] = (uint32_t)(whole < volume->last_cell[axis] ? whole : volume->last_cell[axis]);
     }
-    return lmb_volume_brick_at(volume, cell, &level) ? ldexpf(volume->header->spacing, (int)level)
-                                                     : volume->header->spacing;
+    lmb_volume_brick_at(volume, cell, &level);
+    return ldexpf(volume->header->spacing, (int)level);
 }

@@ -29,23 +29,28 @@ static inline bool locate(const lmb_volume *volume, double x, double y, double z
     return inside;
 }
 
-/* The cell's number in its brick, and the position in it, 0 to 1. */
-static inline uint32_t locate_in_brick(const located *found, const uint32_t cell[3], uint32_t level, float t[4])
+typedef struct fraction {
+    float t[3];
+} fraction;
+
+static inline fraction fraction_find(const located *found, const uint32_t cell[3], uint32_t level)
 {
     const double inverse = 1.0 / (double)(UINT32_C(1) << level);
-    uint32_t number = 0;
+    fraction at;
     for (uint32_t axis = 0; axis < 3; ++axis) {
-        const uint32_t of_level = cell[axis] >> level;
-        t[axis] = (float)(found->at[axis] * inverse - (double)(int32_t)of_level);
-        number |= (of_level & 3u) << 2 * axis;
+        at.t[axis] = (float)(found->at[axis] * inverse - (double)(int32_t)(cell[axis] >> level));
     }
-    t[3] = 0.0f;
-    return number;
+    return at;
 }
 
-static inline void weights_find(const float t[4], float weight[8])
+static inline void fraction_store(fraction at, float t[3])
 {
-    const float u[2] = {1.0f - t[0], t[0]}, v[2] = {1.0f - t[1], t[1]}, w[2] = {1.0f - t[2], t[2]};
+    memcpy(t, at.t, sizeof at.t);
+}
+
+static inline void weights_store(fraction at, float weight[8])
+{
+    const float u[2] = {1.0f - at.t[0], at.t[0]}, v[2] = {1.0f - at.t[1], at.t[1]}, w[2] = {1.0f - at.t[2], at.t[2]};
     for (uint32_t i = 0; i < 8; ++i) {
         weight[i] = u[i & 1u] * v[i >> 1 & 1u] * w[i >> 2];
     }
@@ -66,10 +71,10 @@ static inline void halfs_expand(const unsigned char *probe, float value[LANES])
 
 /* Weighted sum over the corners. A weight of 0 is harmless: every stored half is finite. In loops so plain that
  * compilers find them to be vectors. */
-static inline void blend_corners(const unsigned char *const corner[8], const float weight[8], float scale,
-                                 lmb_sh3_rgb *radiance)
+static inline void blend_corners(const unsigned char *const corner[8], fraction at, float scale, lmb_sh3_rgb *radiance)
 {
-    float sum[LANES] = {0.0f};
+    float sum[LANES] = {0.0f}, weight[8];
+    weights_store(at, weight);
     for (uint32_t i = 0; i < 8; i += 2) {
         const float weight_a = weight[i] * 0x1p112f;
         const float weight_b = weight[i + 1] * 0x1p112f;
@@ -77,7 +82,8 @@ static inline void blend_corners(const unsigned char *const corner[8], const flo
         halfs_expand(corner[i], a);
         halfs_expand(corner[i + 1], b);
         for (int k = 0; k < LANES; ++k) {
-            sum[k] += weight_a * a[k] + weight_b * b[k];
+            const float pair = weight_a * a[k] + weight_b * b[k];
+            sum[k] = i == 0 ? pair : sum[k] + pair;
         }
     }
     for (int k = 0; k < LANES; ++k) {
@@ -86,6 +92,57 @@ static inline void blend_corners(const unsigned char *const corner[8], const flo
     memcpy(radiance, sum, sizeof *radiance);
 }
 
+/* The three halfs of a compact probe, times a weight. */
+static inline void firsts_weigh(const unsigned char *probe, float weight, float first[3])
+{
+    for (int c = 0; c < 3; ++c) {
+        uint16_t half;
+        float value;
+        memcpy(&half, probe + 2 * c, sizeof half);
+        const uint32_t bits = (half & 0x7fffu) << 13 | (half & 0x8000u) << 16;
+        memcpy(&value, &bits, sizeof value);
+        first[c] = weight * (value * 0x1p112f);
+    }
+}
+
+/* b |b| of a compact probe's 24 bytes. */
+static inline void squares_find(const unsigned char *probe, float square[24])
+{
+    int8_t share[24];
+    memcpy(share, probe + 6, sizeof share);
+    for (int k = 0; k < 24; ++k) {
+        const int32_t b = share[k];
+        square[k] = (float)(b < 0 ? -b * b : b * b);
+    }
+}
+
+static inline void blend_compact(const unsigned char *const corner[8], fraction at, float scale, lmb_sh3_rgb *radiance)
+{
+    float weight[8], first[3], sum[24];
+    weights_store(at, weight);
+    for (uint32_t i = 0; i < 8; i += 2) {
+        float first_a[3], first_b[3], square_a[24], square_b[24];
+        firsts_weigh(corner[i], weight[i], first_a);
+        firsts_weigh(corner[i + 1], weight[i + 1], first_b);
+        squares_find(corner[i], square_a);
+        squares_find(corner[i + 1], square_b);
+        for (int c = 0; c < 3; ++c) {
+            const float pair = first_a[c] + first_b[c];
+            first[c] = i == 0 ? pair : first[c] + pair;
+            for (int k = 8 * c; k < 8 * c + 8; ++k) {
+                const float of_k = first_a[c] * square_a[k] + first_b[c] * square_b[k];
+                sum[k] = i == 0 ? of_k : sum[k] + of_k;
+            }
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        radiance->channel[c].c[0] = first[c] * scale;
+        for (int k = 1; k < LMB_SH3_COUNT; ++k) {
+            radiance->channel[c].c[k] = sum[8 * c + k - 1] * (lmb_compact_share(k) * scale);
+        }
+    }
+}
+
 #include "volume_sample_body.h"
 
-const lmb_volume_kernel lmb_volume_kernel_scalar = {"C", sample, sample_with_keys, sample_batch};
+const lmb_volume_kernel lmb_volume_kernel_scalar = LMB_VOLUME_KERNEL("C");

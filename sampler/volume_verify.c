@@ -76,10 +76,15 @@ static bool header_is_sane(const lmb_volume_header *header)
             return false;
         }
     }
+    if (header->probe_form >= LMB_VOLUME_FORMS || header->key_light_count > LMB_KEY_LIGHTS_MOST ||
+        header->probe_bytes != lmb_volume_probe_bytes(header->probe_form, header->key_light_count)) {
+        return false;
+    }
     return header->level_count >= 1 && header->level_count <= LMB_VOLUME_LEVELS_MOST && header->probe_count > 0 &&
-           header->stored_count > 0 && header->brick_count > 0 &&
-           header->brick_count < UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT && header->probe_bytes == LMB_PROBE_BYTES &&
-           header->cut_bytes % 4 == 0 && header->cut_bytes <= header->file_bytes && key_lights_are_sane(header);
+           header->stored_count > 0 && header->brick_count > 1 &&
+           header->stored_count <= UINT32_MAX / (header->probe_bytes / LMB_PROBE_UNIT) &&
+           header->brick_count < UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT && header->cut_bytes % 4 == 0 &&
+           header->cut_bytes <= header->file_bytes && key_lights_are_sane(header);
 }
 
 /* The box in the world, and among cells counted from the origin. */
@@ -98,32 +103,53 @@ static bool box_is_sane(const lmb_volume_header *header)
     return true;
 }
 
-/* All halfs finite: exponent 31 is infinity or NaN. */
+/* Exponent 31 is infinity or NaN. */
 static bool halfs_are_finite(const unsigned char *data, size_t count)
 {
-    uint32_t most = 0;
+    uint16_t most = 0;
     for (size_t i = 0; i < count; ++i) {
         uint16_t half;
         memcpy(&half, data + i * sizeof half, sizeof half);
-        const uint32_t exponent = half & 0x7c00u;
+        const uint16_t exponent = half & 0x7c00u;
         most = exponent > most ? exponent : most;
     }
     return most < 0x7c00u;
+}
+
+static bool probes_are_finite(const lmb_volume *volume)
+{
+    const size_t count = volume->header->stored_count, stride = volume->header->probe_bytes;
+    if (stride == LMB_HALFS_BYTES) {
+        return halfs_are_finite(volume->probes, count * LMB_PROBE_COEFFICIENTS);
+    }
+    const bool is_compact = volume->header->probe_form == LMB_VOLUME_COMPACT;
+    bool finite = true;
+    for (size_t i = 0; i < count; ++i) {
+        const unsigned char *const probe = volume->probes + i * stride;
+        finite &= is_compact ? halfs_are_finite(probe, 3) : halfs_are_finite(probe, LMB_PROBE_COEFFICIENTS);
+    }
+    return finite;
 }
 
 /* Every word names a brick, at a level that there is. */
 static bool directory_is_sane(const lmb_volume *volume, size_t entries)
 {
     const uint32_t number_bits = (UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT) - 1;
-    uint32_t broken = 0;
+    uint32_t most = 0, highest = 0;
     for (size_t i = 0; i < entries; ++i) {
         const uint32_t word = volume->directory[i];
-        const uint32_t is_none = word == LMB_VOLUME_NO_BRICK;
-        const uint32_t is_brick = (word & number_bits) < volume->header->brick_count &&
-                                  word >> LMB_VOLUME_LEVEL_SHIFT < volume->header->level_count;
-        broken |= !(is_none | is_brick);
+        const uint32_t number = word & number_bits, level = word >> LMB_VOLUME_LEVEL_SHIFT;
+        most = number > most ? number : most;
+        highest = level > highest ? level : highest;
     }
-    return broken == 0;
+    return most < volume->header->brick_count && highest < volume->header->level_count;
+}
+
+/* Whether a probe begins there. */
+static bool place_is_sane(const lmb_volume *volume, uint32_t units)
+{
+    const uint32_t number = units / volume->probe_units;
+    return number * volume->probe_units == units && number < volume->header->stored_count;
 }
 
 /* The points of a row of cells' corners: bits of the cells moved to their low and their high ends. */
@@ -141,19 +167,20 @@ static uint32_t row_points(uint64_t cells, uint32_t y, uint32_t z)
 }
 
 /* What plain cells interpolate is among the probes. */
-static bool rows_are_sane(const lmb_volume_brick *brick, uint32_t stored_count)
+static bool rows_are_sane(const lmb_volume *volume, const lmb_volume_brick *brick)
 {
     static const uint8_t lowest[32] = {0, 0, 1, 0, 2, 0, 1, 0, 3, 0, 1, 0, 2, 0, 1, 0,
                                        4, 0, 1, 0, 2, 0, 1, 0, 3, 0, 1, 0, 2, 0, 1, 0};
     static const uint8_t highest[32] = {0, 0, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3,
                                         4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4};
+    const uint32_t units = volume->probe_units;
     bool sane = true;
     for (uint32_t z = 0; z < LMB_BRICK_POINTS; ++z) {
         for (uint32_t y = 0; y < LMB_BRICK_POINTS; ++y) {
             const uint32_t points = row_points(brick->plain, y, z);
-            const uint32_t start = brick->row[y + LMB_BRICK_POINTS * z];
-            const uint32_t first = start + lowest[points], last = start + highest[points];
-            sane &= points == 0 || (first <= last && last < stored_count);
+            const uint32_t row = brick->row[y + LMB_BRICK_POINTS * z];
+            const uint32_t first = row + units * lowest[points], last = row + units * highest[points];
+            sane &= points == 0 || (first <= last && place_is_sane(volume, first) && place_is_sane(volume, last));
         }
     }
     return sane;
@@ -188,7 +215,7 @@ static bool cut_is_sane(const lmb_volume *volume, uint32_t offset)
     const uint32_t *const corner = lmb_volume_cut_corners(cut, 0);
     bool sane = planes_are_sane(cut);
     for (uint32_t i = 0; i < cut->region_count * 8u; ++i) {
-        sane = sane && corner[i] < volume->header->stored_count;
+        sane = sane && place_is_sane(volume, corner[i]);
     }
     return sane;
 }
@@ -196,12 +223,13 @@ static bool cut_is_sane(const lmb_volume *volume, uint32_t offset)
 /* Each cut cell is one brick's: their counts follow each other. */
 static bool bricks_are_sane(const lmb_volume *volume)
 {
+    static const lmb_volume_brick none;
     uint64_t cut_count = 0;
-    bool sane = true;
-    for (uint32_t i = 0; sane && i < volume->header->brick_count; ++i) {
+    bool sane = memcmp(volume->bricks, &none, sizeof none) == 0;
+    for (uint32_t i = 1; sane && i < volume->header->brick_count; ++i) {
         const lmb_volume_brick *const brick = &volume->bricks[i];
         sane = (brick->plain & brick->cut) == 0 && (brick->plain | brick->cut) != 0 && brick->cut_first == cut_count &&
-               brick->reserved[0] == 0 && brick->reserved[1] == 0 && rows_are_sane(brick, volume->header->stored_count);
+               brick->reserved[0] == 0 && brick->reserved[1] == 0 && rows_are_sane(volume, brick);
         cut_count += lmb_volume_bits(brick->cut);
     }
     sane = sane && cut_count == volume->header->cut_count;
@@ -226,13 +254,13 @@ lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume 
     volume->directory = (const uint32_t *)(data + layout.directory);
     volume->bricks = (const lmb_volume_brick *)(data + layout.bricks);
     volume->probes = data + layout.probes;
-    volume->seen = data + layout.seen;
+    volume->probe_units = header->probe_bytes / LMB_PROBE_UNIT;
+    volume->key_count = header->key_light_count;
     volume->cut_offsets = (const uint32_t *)(data + layout.cut_offsets);
     volume->cuts = (const uint32_t *)(data + layout.cuts);
     volume->entry_step[0] = layout.blocks[0];
     volume->entry_step[1] = (size_t)layout.blocks[0] * layout.blocks[1];
-    const size_t halfs = (size_t)(layout.seen - layout.probes) / sizeof(uint16_t);
-    const bool sane = directory_is_sane(volume, (size_t)layout.entries) && bricks_are_sane(volume) &&
-                      halfs_are_finite(volume->probes, halfs);
+    const bool sane =
+        directory_is_sane(volume, (size_t)layout.entries) && bricks_are_sane(volume) && probes_are_finite(volume);
     return sane ? LMB_OK : LMB_ERROR_FORMAT;
 }

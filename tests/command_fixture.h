@@ -61,12 +61,15 @@ check_run_at(int line, int status, const char *says, const char *format, ...)
     return good;
 }
 
-/* Text that stands for all files in a folder and what is in them. */
+/* Text that stands for all files in a folder and what is in them, but for what a bake that did not finish may go on
+ * from.
+ */
 static inline void folder_state(const char *folder, char *state, size_t size)
 {
     char command[1024];
     snprintf(command, sizeof command,
-             "cd '%s' && find . | LC_ALL=C sort && find . -type f -print0 | LC_ALL=C sort -z | "
+             "cd '%s' && find . -not -path './.lambent-parts*' | LC_ALL=C sort && "
+             "find . -type f -not -path './.lambent-parts*' -print0 | LC_ALL=C sort -z | "
              "xargs -0 cksum",
              folder);
     run(state, size, command);

@@ -7,14 +7,18 @@
 
 #include <stdlib.h>
 
-/* The finest level, spacing 0.5: 5 x 3 x 3 points from (-2, 0, 0), less (-2, 2, 2) and (2, 0, 2), so 4 x 2 x 2 cells of
- * which (1, 0, 1) is not there, and (-2, 1, 1) by its cut alone. The coarse one, spacing 1: 4 x 3 x 3 points from
- * (-1, 0, 0), 3 x 2 x 2 cells, of which two lie under the finest. */
+/* The finest level, spacing 0.5: 5 x 5 x 5 points from (-4, 0, 0), less (-4, 4, 4) and (0, 0, 4), so 4 x 4 x 4 cells of
+ * which (-1, 0, 3) is not there, and (-4, 3, 3) by its cut alone. The coarse one, spacing 1: 5 x 3 x 3 points from (-2,
+ * 0, 0), less the one in the middle of the finest level's cells: the 2 x 2 x 2 of its cells there are the finest
+ * level's. */
 static const lmb_lattice cut_fixture_lattice[2] = {
-    {.spacing = 0.5f, .min = {-2, 0, 0}, .size = {5, 3, 3}},
-    {.spacing = 1.0f, .min = {-1, 0, 0}, .size = {4, 3, 3}},
+    {.spacing = 0.5f, .min = {-4, 0, 0}, .size = {5, 5, 5}},
+    {.spacing = 1.0f, .min = {-2, 0, 0}, .size = {5, 3, 3}},
 };
-static const int32_t cut_fixture_missing[2][3] = {{-2, 2, 2}, {2, 0, 2}};
+static const struct {
+    int32_t level, point[3];
+} cut_fixture_missing[3] = {{0, {-4, 4, 4}}, {0, {0, 0, 4}}, {1, {-1, 1, 1}}};
+enum { CUT_FIXTURE_FINE = 123, CUT_FIXTURE_COARSE = 44 };
 
 enum { CUT_FIXTURE_CELLS = 5, CUT_FIXTURE_REGIONS = 3 };
 
@@ -40,20 +44,20 @@ typedef struct cut_fixture_cell {
 /* Offsets are a quarter and a half but for their last digits; 11585 is 16383 / sqrt(2). */
 static const cut_fixture_cell cut_fixture_cells[CUT_FIXTURE_CELLS] = {
     /* x = 1/4 */
-    {0, {-2, 0, 0}, 1, 2, {{{16383, 0, 0}, 4096, {CUT_REGION(0), CUT_REGION(1)}}}, {0xaa, 0x55}},
+    {0, {-4, 0, 0}, 1, 2, {{{16383, 0, 0}, 4096, {CUT_REGION(0), CUT_REGION(1)}}}, {0xaa, 0x55}},
     /* whole, with a ghost at its corner 0 */
-    {0, {-1, 0, 0}, 0, 1, CUT_NO_PLANES, {0x01}},
+    {0, {-3, 0, 0}, 0, 1, CUT_NO_PLANES, {0x01}},
     /* x = 1/2, and above it y = 1/2 */
     {0,
-     {0, 0, 0},
+     {-2, 0, 0},
      2,
      3,
      {{{16383, 0, 0}, 8192, {CUT_REGION(0), 1}}, {{0, 16383, 0}, 8192, {CUT_REGION(1), CUT_REGION(2)}}},
      {0xaa, 0xdd, 0x77}},
     /* whole, with a ghost at corner 6, where there is no probe */
-    {0, {-2, 1, 1}, 0, 1, CUT_NO_PLANES, {0x40}},
+    {0, {-4, 3, 3}, 0, 1, CUT_NO_PLANES, {0x40}},
     /* x + y = 1 */
-    {1, {1, 0, 0}, 1, 2, {{{11585, 11585, 0}, 11585, {CUT_REGION(0), CUT_REGION(1)}}}, {0x88, 0x11}},
+    {1, {0, 0, 0}, 1, 2, {{{11585, 11585, 0}, 11585, {CUT_REGION(0), CUT_REGION(1)}}}, {0x88, 0x11}},
 };
 
 /* Of coefficient i: probes of the finest level have cut_fixture_light of their place, coarse ones so much more. */
@@ -83,15 +87,16 @@ static inline void cut_fixture_fill(lmb_probes *probes, int32_t probe, double mo
 
 static inline lmb_result cut_fixture_add_level(lmb_probes *probes, const lmb_lattice *lattice)
 {
-    int32_t point[64][3], count = 0;
+    int32_t point[128][3], count = 0;
     for (int32_t i = 0; i < lattice->size[0] * lattice->size[1] * lattice->size[2]; ++i) {
         const int32_t at[3] = {lattice->min[0] + i % lattice->size[0],
                                lattice->min[1] + i / lattice->size[0] % lattice->size[1],
                                lattice->min[2] + i / lattice->size[0] / lattice->size[1]};
         bool wanted = true;
-        for (int k = 0; k < 2 && lattice == &cut_fixture_lattice[0]; ++k) {
-            const int32_t *const missing = cut_fixture_missing[k];
-            wanted = wanted && (at[0] != missing[0] || at[1] != missing[1] || at[2] != missing[2]);
+        for (int k = 0; k < 3; ++k) {
+            const int32_t *const missing = cut_fixture_missing[k].point;
+            const bool is_own = lattice == &cut_fixture_lattice[cut_fixture_missing[k].level];
+            wanted = wanted && !(is_own && at[0] == missing[0] && at[1] == missing[1] && at[2] == missing[2]);
         }
         for (int axis = 0; wanted && axis < 3; ++axis) {
             point[count][axis] = at[axis];

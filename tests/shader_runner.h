@@ -11,9 +11,24 @@ typedef enum shader_run_result {
     SHADER_FAILED
 } shader_run_result;
 
+/* A compressed texture: level by level, in each layer by layer. */
+typedef struct shader_texture {
+    int format; /* VkFormat, of blocks */
+    unsigned width, height, layers, levels;
+    const void *data;
+    size_t size;
+    const size_t *level_start; /* [level] */
+} shader_texture;
+
+typedef struct shader_floats {
+    float *value;
+    size_t count;
+} shader_floats;
+
 /* Runs `groups` work groups of the SPIR-V in file `path`, whose entry point is "main" and whose storage buffers 0 and 1
- * of set 0 are `input` and `output`, so many floats each. */
-shader_run_result shader_run(const char *path, unsigned groups, const float *input, size_t input_count, float *output,
-                             size_t output_count);
+ * of set 0 are `input` and `output`. `texture` (NULL: none) is its combined image sampler 2, an array filtered
+ * bilinearly within a level; without a device that can sample it there is no Vulkan. */
+shader_run_result shader_run(const char *path, unsigned groups, const shader_texture *texture,
+                             const shader_floats *input, const shader_floats *output);
 
 #endif

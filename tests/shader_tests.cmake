@@ -8,6 +8,8 @@ endif()
 
 set(shader_sources ${PROJECT_SOURCE_DIR}/sampler/shader/lambent.glsl ${PROJECT_SOURCE_DIR}/sampler/shader/lambent.hlsl
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_networks.glsl ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_probe.glsl
+    ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_specular.glsl
+    ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_rnm.glsl
     ${CMAKE_CURRENT_SOURCE_DIR}/shaders/cases.glsl)
 # lmb_shader(output source options...): SPIR-V of a source in tests/shaders/.
 function(lmb_shader output source)
@@ -20,7 +22,9 @@ set(glsl ${CMAKE_CURRENT_BINARY_DIR}/shader_glsl.spv)
 set(hlsl ${CMAKE_CURRENT_BINARY_DIR}/shader_hlsl.spv)
 lmb_shader(${glsl} run.comp)
 lmb_shader(${hlsl} run.hlsl -D -S comp -e main)
-add_custom_target(lambent_test_shaders DEPENDS ${glsl} ${hlsl})
+set(texture ${CMAKE_CURRENT_BINARY_DIR}/shader_texture.spv)
+lmb_shader(${texture} texture.comp)
+add_custom_target(lambent_test_shaders DEPENDS ${glsl} ${hlsl} ${texture})
 
 lmb_test(shader LINKS lambent::sampler Vulkan::Vulkan m)
 target_sources(test_shader PRIVATE shader_runner.c)
@@ -28,3 +32,12 @@ target_compile_definitions(test_shader PRIVATE LMB_SHADER_GLSL="${glsl}" LMB_SHA
 add_dependencies(test_shader lambent_test_shaders)
 # Mesa's driver keeps what it allocates until the process ends, after it was unloaded.
 set_tests_properties(shader PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
+
+if(NOT LMB_SAMPLER_ONLY)
+    lmb_test(texture_sampler LINKS lambent::bake Vulkan::Vulkan m)
+    target_sources(test_texture_sampler PRIVATE shader_runner.c)
+    target_compile_definitions(test_texture_sampler PRIVATE LMB_SHADER_TEXTURE="${texture}")
+    target_include_directories(test_texture_sampler PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+    add_dependencies(test_texture_sampler lambent_test_shaders)
+    set_tests_properties(texture_sampler PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
+endif()

@@ -1,5 +1,6 @@
 /* Every allocation fails in turn: the result says so, outputs are untouched, and (under AddressSanitizer) nothing
  * leaks. The linker sends the libraries' allocations here (--wrap). */
+#include "allocation_fail.h"
 #include "probes_fixture.h"
 #include "harness.h"
 
@@ -7,41 +8,7 @@
 #include <lambent/pack.h>
 #include <lambent/volume.h>
 
-static int allocations_left = -1; /* before one fails; -1: none does */
-
-static bool fails_now(void)
-{
-    return allocations_left >= 0 && allocations_left-- == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *block, size_t size);
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *block, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
-
-void *__wrap_malloc(size_t size)
-{
-    return fails_now() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return fails_now() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *block, size_t size)
-{
-    return fails_now() ? NULL : __real_realloc(block, size);
-}
-
-void *__wrap_aligned_alloc(size_t alignment, size_t size)
-{
-    return fails_now() ? NULL : __real_aligned_alloc(alignment, size);
-}
+static long failing; /* the allocation of a run that fails */
 
 static const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {3, 3, 3}};
 
@@ -61,11 +28,11 @@ static size_t shared_bytes;
 static lmb_result add_probes(void)
 {
     static const int32_t points[3][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
-    const int left = allocations_left;
-    allocations_left = -1;
+    const long count = failing;
+    allocation_fail_after(-1);
     lmb_probes *probes = NULL;
     CHECK(lmb_probes_create(&probes) == LMB_OK, "create");
-    allocations_left = left;
+    allocation_fail_after(count);
     const lmb_result result = lmb_probes_add_level(probes, &lattice, points, 3);
     CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "the probes are whole");
     CHECK(probes->count == (result == LMB_OK ? 3 : 0), "%d probes", probes->count);
@@ -75,10 +42,10 @@ static lmb_result add_probes(void)
 
 static lmb_result add_set(void)
 {
-    const int left = allocations_left;
-    allocations_left = -1;
+    const long count = failing;
+    allocation_fail_after(-1);
     lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 0.5, 1.0, 3);
-    allocations_left = left;
+    allocation_fail_after(count);
     uint32_t set = 7;
     const lmb_result result = lmb_probes_add_set(probes, &set);
     CHECK(lmb_probes_validate(probes, NULL) == LMB_OK, "the probes are whole");
@@ -119,11 +86,11 @@ static void test_open_without_allocation(const unsigned char *image, size_t byte
     lmb_volume_storage storage;
     lmb_volume *volume = NULL;
     lmb_sh3_rgb light;
-    allocations_left = 0;
+    allocation_fail_after(0);
     const lmb_result result = lmb_volume_open_memory_in(&storage, image, bytes, &volume);
     const bool inside = result == LMB_OK && lmb_volume_sample(volume, (lmb_vec3){1.0f, 1.0f, 1.0f}, &light);
-    CHECK(allocations_left == 0, "something was allocated");
-    allocations_left = -1;
+    CHECK(allocation_count() == 0, "something was allocated");
+    allocation_fail_after(-1);
     CHECK(result == LMB_OK && inside, "result %d", result);
     lmb_volume_close(volume);
 }
@@ -189,9 +156,10 @@ static void test_each(void)
         lmb_result result = LMB_ERROR_MEMORY;
         int failed = 0;
         for (; failed < 100 && result == LMB_ERROR_MEMORY; ++failed) {
-            allocations_left = failed;
+            failing = failed;
+            allocation_fail_after(failing);
             result = runs[i].run();
-            allocations_left = -1;
+            allocation_fail_after(-1);
         }
         CHECK(result == LMB_OK, "%s: ends with %d", runs[i].name, result);
         CHECK(failed - 1 >= runs[i].least, "%s: only %d allocations failed", runs[i].name, failed - 1);

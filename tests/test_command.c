@@ -71,6 +71,7 @@ static void exit_statuses(void)
         {"probe " QUOTED " --at 0,1,0 --vertex-normal 0,1,0", 2, "--normal"},
         {"check " QUOTED " " OUTPUT "/missing", 3, "missing"},
         {"render " QUOTED " " OUTPUT "/missing -o x.png", 3, "missing"},
+        {"render " QUOTED " " OUTPUT "/missing -o x.png --probes --mode difference", 2, "--probes does not go with"},
     };
     if (!level_make()) {
         return;
@@ -395,6 +396,24 @@ static void pictures(void)
     CHECK(access(OUTPUT "/shot.exr", R_OK) == 0, "no EXR");
 }
 
+/* Lightmaps of another model are drawn and measured where the bake has them, and refused in a line where not. */
+static void other_models(void)
+{
+    const char *const options = " --size 32x18 --quiet --mode lightmap";
+    if (!level_make()) {
+        return;
+    }
+    CHECK_RUN(0, NULL, LMB_COMMAND " bake " QUOTED " -o " OUTPUT "/m --models rnm,sh2" BAKE_OPTIONS);
+    CHECK_RUN(0, NULL, LMB_COMMAND " render " QUOTED " " OUTPUT "/m -o " OUTPUT "/own.exr %s", options);
+    CHECK_RUN(0, NULL, LMB_COMMAND " render " QUOTED " " OUTPUT "/m -o " OUTPUT "/rnm.exr --model rnm %s", options);
+    CHECK_RUN(1, NULL, "cmp -s " OUTPUT "/own.exr " OUTPUT "/rnm.exr");
+    CHECK_RUN(0, "lightmap_vs_reference",
+              LMB_COMMAND " check " QUOTED " " OUTPUT "/m --model sh2 --points 20 --samples 16 --quiet");
+    CHECK_RUN(3, "no texels of the model 'hlsh'",
+              LMB_COMMAND " render " QUOTED " " OUTPUT "/m -o " OUTPUT "/none.exr --model hlsh %s", options);
+    CHECK_RUN(2, "no lightmap has the model", LMB_COMMAND " check " QUOTED " " OUTPUT "/m --model frob");
+}
+
 /* The level must be the one that was baked. */
 static void another_level_is_refused(void)
 {
@@ -442,6 +461,7 @@ static const test_case cases[] = {
     {"progress_runs_forward", progress_runs_forward},
     {"many_points_on_standard_input", many_points_on_standard_input},
     {"pictures", pictures},
+    {"other_models", other_models},
     {"another_level_is_refused", another_level_is_refused},
     {"interruption_writes_nothing", interruption_writes_nothing},
     {"example_runs", example_runs},

@@ -213,11 +213,49 @@ static void threads_give_equal_bytes(void)
     }
 }
 
+/* Daylight's sun is the strongest here: all commands know it as a key light, and a bake says which sky it was under. */
+static void daylight_is_an_environment(void)
+{
+    static const char SKY[] = "preetham:turbidity=3,sun=90/60,ground=0";
+    const double to_sun[] = {0.5, 0.8660254037844386, 0.0};
+    if (!yard_make() ||
+        !CHECK_RUN(0, NULL, LMB_COMMAND " bake " LEVEL " -o " OUTPUT "/sky --env %s --spacing 2 --samples 16 --quiet",
+                   SKY)) {
+        return;
+    }
+    cJSON *record = answer_of("cat " OUTPUT "/sky/bake.json");
+    cJSON *probed =
+        answer_of(LMB_COMMAND " probe " LEVEL
+                              " --env %s --bounces 0 --at 3,0.5,0.25 --normal 0,1,0 --samples 4096 --json --quiet",
+                  SKY);
+    const cJSON *env = cJSON_GetObjectItem(cJSON_GetObjectItem(record, "settings"), "env");
+    CHECK(cJSON_IsString(env) && strcmp(env->valuestring, SKY) == 0, "settings.env");
+    const cJSON *suns[] = {cJSON_GetArrayItem(cJSON_GetObjectItem(record, "key_lights"), 0),
+                           cJSON_GetArrayItem(cJSON_GetObjectItem(probed, "key_lights"), 0)};
+    for (int i = 0; i < 2; ++i) {
+        for (int c = 0; c < 3; ++c) {
+            CHECK_NEAR(number_at(suns[i], "direction", c, -1), to_sun[c], 1e-6, "axis %d", c);
+        }
+        const double red = number_at(suns[i], "irradiance", 0, -1), blue = number_at(suns[i], "irradiance", 2, -1);
+        CHECK(red > blue && blue > 70.0 / PI && red < 110.0 / PI, "%g to %g", blue, red);
+    }
+    /* A sky of 31 klx, a sun of 88 at 60 degrees, and the yard's own. */
+    const double green = number_at(probed, "traced_irradiance", 1, -1);
+    CHECK(green > 90.0 / PI && green < 120.0 / PI, "on the ground: %g", green);
+    cJSON_Delete(record);
+    cJSON_Delete(probed);
+    CHECK_RUN(0, "probe_vs_reference", LMB_COMMAND " check " LEVEL " " OUTPUT "/sky --points 20 --samples 16 --quiet");
+    CHECK_RUN(2, "turbidity from 2 to 10",
+              LMB_COMMAND " probe " LEVEL " --at 0,1,0 --env preetham:sun=0/9,turbidity=1");
+    CHECK_RUN(2, "unknown option 'haze=2'", LMB_COMMAND " bake " LEVEL " -o x --env preetham:sun=0/9,haze=2");
+}
+
 static const test_case cases[] = {
     {"sample and probe", sample_and_probe},
     {"info and record", info_and_record},
     {"check and render", check_and_render},
     {"threads give equal bytes", threads_give_equal_bytes},
+    {"daylight is an environment", daylight_is_an_environment},
 };
 
 TEST_MAIN(cases)

@@ -54,6 +54,7 @@ static void arguments_are_read(void)
         {"sample --at=-1,0.5,0 --json -- b/probes.lmb", 0, "sh3"},
         {"check --points=4 --samples=4 --quiet -- " LEVEL " b", 0, "volume_vs_reference"},
         {"render --size=16x9 --quiet -o=e.png -- " LEVEL " b", 0, ""},
+        {"render --size=16x9 --probes --mode=lightmap -o e.png " LEVEL " b", 0, "--camera"},
         {"probe --at=0,1,0 --samples=16 -- " LEVEL, 0, "probe at"},
         {"probe --at=0,1,0 --samples=15 " LEVEL, 0, "--samples 15: taking 16, the next multiple of 16"},
         {"bake " LEVEL " -o e5 --spacing 1 --samples 3", 0, "--samples 3: taking 4, the next multiple of 2"},

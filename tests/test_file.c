@@ -173,6 +173,28 @@ static void test_error_lines(void)
     }
 }
 
+/* A device has no end, and a file of a few blocks may say that it is as large as a disk. */
+static void test_endless(void)
+{
+    folder_start(FOLDER);
+    static const struct {
+        const char *path;
+        lmb_result result;
+    } table[] = {{"/dev/zero", LMB_ERROR_IO}, {"/dev/null", LMB_ERROR_IO}, {FOLDER "/sparse", LMB_ERROR_UNSUPPORTED}};
+    FILE *const file = fopen(FOLDER "/sparse", "wb");
+    CHECK(file && fclose(file) == 0 && truncate(FOLDER "/sparse", (off_t)5 << 30) == 0, "no sparse file");
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
+        unsigned char *data = NULL;
+        size_t size = 7;
+        lmb_error error = {""};
+        const lmb_result result = lmb_file_read(table[i].path, &data, &size, &error);
+        CHECK(result == table[i].result && !data && size == 7, "%s: %d", table[i].path, result);
+        CHECK(strncmp(error.message, table[i].path, strlen(table[i].path)) == 0, "%s", error.message);
+        free(data);
+    }
+    remove(FOLDER "/sparse");
+}
+
 static void test_paths_beside(void)
 {
     static const struct {
@@ -197,6 +219,7 @@ static const test_case cases[] = {
     {"a write that fails half-way", test_full_disk},
     {"places that cannot be written", test_unwritable},
     {"places that cannot be read", test_unreadable},
+    {"files without an end", test_endless},
     {"paths beside others", test_paths_beside},
     {"error lines", test_error_lines},
 };

@@ -1,7 +1,6 @@
 /* The suite that judges interpolation: its scenes, its figures by hand-made fields, and rooms whose answer is known. */
-#include "leaks_fit.h"
 #include "leaks_measure.h"
-#include "leaks_regions.h"
+#include "leaks_methods.h"
 
 #include <stdlib.h>
 
@@ -160,28 +159,6 @@ static void figures_by_hand(void)
     CHECK_NEAR(leaks_measure(&sampler, &places).at[LEAKS_10_CM].leak, (2.3 - 1.5) / 8.0, 1e-6, "the excess counts");
 }
 
-static void fits_by_hand(void)
-{
-    /* x = 1, 2 and 6; x + y = 7: x = 3, the mean, and y = 4. z is in no equation. */
-    leaks_equation equation[4] = {{.count = 0}};
-    static const float right[4] = {1, 2, 6, 7};
-    for (int i = 0; i < 4; ++i) {
-        equation[i].count = i < 3 ? 1 : 2;
-        equation[i].unknown[1] = 1;
-        equation[i].weight[0] = equation[i].weight[1] = 1.0f;
-        for (int k = 0; k < 27; ++k) {
-            equation[i].right.channel[k / 9].c[k % 9] = right[i] * (float)(k - 5);
-        }
-    }
-    lmb_sh3_rgb x[3];
-    CHECK(leaks_fit(equation, 4, x, 3) == LMB_OK, "fit");
-    for (int k = 0; k < 27; ++k) {
-        CHECK_NEAR(x[0].channel[k / 9].c[k % 9], 3.0 * (k - 5), 1e-4, "x of %d", k);
-        CHECK_NEAR(x[1].channel[k / 9].c[k % 9], 4.0 * (k - 5), 1e-4, "y of %d", k);
-        CHECK_NEAR(x[2].channel[k / 9].c[k % 9], 0.0, 1e-6, "z of %d", k);
-    }
-}
-
 /* --- rooms ------------------------------------------------------------------------------------------------------- */
 
 /* A scene baked with few samples. */
@@ -273,38 +250,6 @@ static void sealed_rooms_tell_methods_apart(void)
 
 /* --- regions ----------------------------------------------------------------------------------------------------- */
 
-/* Regions of the cell that holds a point of the scene's own axes. */
-static region_cell cell_around(const room_fixture *rooms, lmb_vec3 own)
-{
-    const leaks_cell at = leaks_cell_of(&rooms->field, lmb_leak_scene_to_world(rooms->level.scene, own));
-    region_cell cell;
-    region_cell_find(&rooms->field, at.at, &cell);
-    return cell;
-}
-
-static void a_wall_makes_two_regions(void)
-{
-    static const char *const names[] = {"wall.1mm", "turned.1mm", "tilted.50mm"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        room_fixture rooms;
-        if (!room_fixture_open(&rooms, names[i], 1.0f)) {
-            continue;
-        }
-        const lmb_leak_scene *scene = rooms.level.scene;
-        const region_cell wall = cell_around(&rooms, lmb_vec3_of(0, 1.5f, 0.1f));
-        CHECK(wall.count == 2, "%s: %d regions", names[i], wall.count);
-        CHECK((wall.real[0] & wall.real[1]) == 0, "%s: a corner in both", names[i]);
-        const float near = scene->wall_m / 2 + 0.001f;
-        const uint8_t red = region_at(&wall, lmb_leak_scene_to_world(scene, lmb_vec3_of(-near, 1.5f, 0.1f))),
-                      green = region_at(&wall, lmb_leak_scene_to_world(scene, lmb_vec3_of(near, 1.5f, 0.1f)));
-        CHECK(red != green && red < 2 && green < 2, "%s: %d and %d", names[i], red, green);
-        const region_cell open = cell_around(&rooms, lmb_vec3_of(-2, 1.5f, 0.1f));
-        CHECK(open.count == 1 && open.real[0] == 0xff && open.plane_count == 0, "%s: in the open %d, %x, %d", names[i],
-              open.count, (unsigned)open.real[0], open.plane_count);
-        room_fixture_close(&rooms);
-    }
-}
-
 /* A cell of 2 m holds a corner of the house, or many facets of the round wall: planes have to be chosen together, and
  * by what lies right beside walls. */
 static void many_planes_part_two_regions(void)
@@ -327,9 +272,7 @@ static const test_case cases[] = {
     {"rooms are sealed or open", rooms_are_sealed_or_open},
     {"a step of known height is found", a_step_of_known_height_is_found},
     {"figures by hand", figures_by_hand},
-    {"fits by hand", fits_by_hand},
     {"sealed rooms tell methods apart", sealed_rooms_tell_methods_apart},
-    {"a wall makes two regions", a_wall_makes_two_regions},
     {"many planes part two regions", many_planes_part_two_regions},
 };
 

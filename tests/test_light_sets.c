@@ -3,6 +3,8 @@
 #include <lambent/gather_sh3.h>
 #include <lambent/light_sets.h>
 
+#include <string.h>
+
 #include "constant_volume.h"
 #include "floor_fixture.h"
 #include "harness.h"
@@ -160,6 +162,42 @@ static void volumes_blend(void)
     constant_volume_close(&lamp);
 }
 
+/* A level is opened with one of its sets alone. */
+static void a_level_shows_one(void)
+{
+    static const struct {
+        const char *set;
+        lmb_result result;
+        uint32_t keys;
+        bool lit;
+    } cases[] = {{"base", LMB_OK, 1, true},
+                 {"lamp", LMB_OK, 0, true},
+                 {"sign", LMB_OK, 0, true},
+                 {"lamps", LMB_ERROR_UNSUPPORTED, 0, false}};
+    if (!level_write(OUTPUT("level.glb"))) {
+        return;
+    }
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        lmb_level_settings settings = lmb_level_settings_default();
+        settings.path = OUTPUT("level.glb");
+        settings.light_set = cases[i].set;
+        settings.threads = 1;
+        lmb_error error = {{0}};
+        lmb_level level;
+        const lmb_result result = lmb_level_open(&settings, NULL, NULL, &level, &error);
+        CHECK(result == cases[i].result, "%s: %s", cases[i].set, error.message);
+        if (result == LMB_OK) {
+            CHECK(level.scene->key_light_count == cases[i].keys, "%s: %u suns", cases[i].set,
+                  level.scene->key_light_count);
+            CHECK((light_at(&level, (lmb_vec3){0.3f, 0.7f, 0.2f}).squared_light > 0.0) == cases[i].lit, "%s",
+                  cases[i].set);
+            lmb_level_close(&level);
+        } else {
+            CHECK(strstr(error.message, "there are sign, lamp and 'base'"), "%s", error.message);
+        }
+    }
+}
+
 static void solved_sets_add_up(void)
 {
     sets_add_up(LMB_ESTIMATOR_CACHED);
@@ -173,7 +211,7 @@ static void traced_sets_add_up(void)
 static const test_case cases[] = {
     {"names are read", names_are_read},         {"solved sets add up", solved_sets_add_up},
     {"traced sets add up", traced_sets_add_up}, {"others are dark", others_are_dark},
-    {"volumes blend", volumes_blend},
+    {"a level shows one", a_level_shows_one},   {"volumes blend", volumes_blend},
 };
 
 TEST_MAIN(cases)

@@ -349,7 +349,57 @@ static void models_together_are_models_apart(void)
     baked_close(&together);
 }
 
+/* Of a folder that holds several models, any is read; of one that was not written, the lightmap keeps what it has. */
+static void other_models_are_read(void)
+{
+    lmb_error error = {""};
+    const char *path = OUTPUT("lightmap_others.glb");
+    const char *directory = OUTPUT("lightmap_others");
+    mkdir(directory, 0777);
+    static const char *const names[] = {"rnm", "sh2.fit", "hlsh"};
+    enum { OTHERS = sizeof names / sizeof names[0] };
+    baked bake = {.lightmap = NULL};
+    if (!level_fixture_open(&bake.level, path, write_tiles(path, 3.0f, &error), &error, 1)) {
+        return;
+    }
+    lmb_lightmap_settings settings = {.texels_per_m = 4.0f, .max_image_size = 256};
+    for (int k = 0; k < OTHERS; ++k) {
+        settings.other[k] = lmb_model_for_lightmap(names[k]);
+    }
+    lmb_lightmap *read = NULL;
+    uint64_t bytes = 0;
+    CHECK(lmb_lightmap_create(bake.level.scene, &settings, &bake.lightmap, &error) == LMB_OK &&
+              lightmap_bake(&bake, 16) &&
+              lmb_lightmap_write(bake.lightmap, directory, NULL, &bytes, &error) == LMB_OK &&
+              lmb_lightmap_create(bake.level.scene, &settings, &read, &error) == LMB_OK &&
+              lmb_lightmap_read(read, directory, &error) == LMB_OK,
+          "%s", error.message);
+    for (int k = 0; k < OTHERS && read; ++k) {
+        const lmb_model *model = settings.other[k];
+        CHECK(lmb_lightmap_read_model(read, model, directory, &error) == LMB_OK && read->model == model, "%s: %s",
+              names[k], error.message);
+        const lmb_lightmap_image *image = &bake.lightmap->image[0];
+        const size_t texels = (size_t)image->width * (size_t)image->height;
+        size_t wrong = 0;
+        for (size_t i = 0; i < (size_t)model->channel_count * texels; ++i) {
+            const bool picture = model->irradiance_first && i < 3 * texels; /* shared with the lightmap's own */
+            wrong += !half_near(read->image[0].plane[i], picture ? image->plane[i] : image->other[k][i], 1.0f);
+        }
+        CHECK(wrong == 0, "%s: %zu numbers", names[k], wrong);
+    }
+    const lmb_model *last = read ? read->model : NULL;
+    CHECK(read && lmb_lightmap_read_model(read, lmb_model_for_lightmap("sh3"), directory, &error) == LMB_ERROR_FORMAT &&
+              strstr(error.message, "'sh3") && read->model == last,
+          "%s", error.message);
+    const lmb_hit hit = {.instance = 0, .triangle = 0, .u = 0.3f, .v = 0.3f};
+    float channel[LMB_MODEL_MOST_CHANNELS];
+    CHECK(read && lmb_lightmap_sample(read, &hit, channel) && channel[0] > 0.5f, "it still has its light");
+    lmb_lightmap_destroy(read);
+    baked_close(&bake);
+}
+
 static const test_case CASES[] = {
+    {"other models are read", other_models_are_read},
     {"models together are models apart", models_together_are_models_apart},
     {"an empty level", empty_level},
     {"charts go into a level", charts_go_into_a_level},

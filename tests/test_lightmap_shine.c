@@ -172,13 +172,15 @@ static shine shine_measure(const baked *bake)
         const float u = root * (1.0f - across), v = root * across;
         const lmb_vec3 n = lmb_trace_place(bake->level.tracer, &(lmb_hit){.instance = 0, .triangle = t, .u = u, .v = v})
                                .shading_normal;
-        const lmb_irradz texels = sample_irradz(bake->lightmap, 0, t, u, v);
-        const lmb_hhd_rgb hhd = lmb_irradz_decode(&texels, n);
-        const double noise = fmax(1.0, (double)texels.irradiance_z.c[1]);
+        float channel[LMB_MODEL_MOST_CHANNELS];
+        lmb_lightmap_sample(bake->lightmap, &(lmb_hit){.instance = 0, .triangle = t, .u = u, .v = v}, channel);
+        const double noise = fmax(1.0, (double)channel[1]); /* green of I_z */
         lmb_vec3 normals[NORMALS];
+        lmb_rgb light[NORMALS];
         normals_make(n, normals);
+        bake->lightmap->model->evaluate(channel, n, normals, NORMALS, light);
         for (int k = 0; k < NORMALS; ++k) {
-            const double irradiance = (double)lmb_hhd_rgb_evaluate(&hhd, n, normals[k]).c[1];
+            const double irradiance = (double)light[k].c[1];
             found.largest = fmax(found.largest, irradiance / noise);
             /* Floor and wall are partly inside of what stands before them. */
             const double share = t < 4 ? 0.0 : 1.0 / (triangles - 4) / POINTS_PER_TRIANGLE / NORMALS;
@@ -190,7 +192,7 @@ static shine shine_measure(const baked *bake)
     return found;
 }
 
-static void shine_check(int shape, float albedo, float density, bool own_uv)
+static void shine_check(int shape, float albedo, float density, bool own_uv, const lmb_model *model)
 {
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_shine.glb");
@@ -203,13 +205,17 @@ static void shine_check(int shape, float albedo, float density, bool own_uv)
     if (!own_uv) {
         uv_break(&bake.level.scene->meshes[0], LMB_UV_MISSING);
     }
-    if (lightmap_make(&bake, density, 1024) && lightmap_bake(&bake, 256)) {
+    const lmb_lightmap_settings settings = {.texels_per_m = density, .max_image_size = 1024, .model = model};
+    bake.lightmap = NULL;
+    const lmb_result made = lmb_lightmap_create(bake.level.scene, &settings, &bake.lightmap, &error);
+    CHECK(made == LMB_OK, "%s", error.message);
+    if (made == LMB_OK && lightmap_bake(&bake, 256)) {
         const shine found = shine_measure(&bake);
         const char *uv = own_uv ? "own UVs" : "charts";
-        printf("     %s, albedo %g, %g texels/m, %s: %.4f at most, mean %.4f\n", SHAPES[shape].name, (double)albedo,
-               (double)density, uv, found.largest, found.mean);
-        CHECK(found.largest <= 1.01, "%s, albedo %g, %g texels/m, %s: %g under a sky of 1", SHAPES[shape].name,
-              (double)albedo, (double)density, uv, found.largest);
+        printf("     %s, %s, albedo %g, %g texels/m, %s: %.4f at most, mean %.4f\n", model->name, SHAPES[shape].name,
+               (double)albedo, (double)density, uv, found.largest, found.mean);
+        CHECK(found.largest <= 1.01, "%s, %s, albedo %g, %g texels/m, %s: %g under a sky of 1", model->name,
+              SHAPES[shape].name, (double)albedo, (double)density, uv, found.largest);
         if (albedo == 1.0f) {
             CHECK_NEAR(found.mean, found.mean_ambient, 0.01, "%s, %g texels/m, %s", SHAPES[shape].name, (double)density,
                        uv);
@@ -219,29 +225,41 @@ static void shine_check(int shape, float albedo, float density, bool own_uv)
     level_fixture_close(&bake.level);
 }
 
-static void all_shapes(float albedo)
+static void all_shapes(float albedo, const lmb_model *model)
 {
     for (int shape = 0; shape < SHAPE_COUNT; ++shape) {
         for (float density = 4.0f; density <= 32.0f; density *= 2.0f) {
-            shine_check(shape, albedo, density, false);
-            shine_check(shape, albedo, density, true);
+            shine_check(shape, albedo, density, false, model);
+            shine_check(shape, albedo, density, true, model);
         }
     }
 }
 
 static void white_level(void)
 {
-    all_shapes(1.0f);
+    all_shapes(1.0f, lmb_model_default(LMB_MODEL_FOR_LIGHTMAP));
 }
 
 static void black_level(void)
 {
-    all_shapes(0.0f);
+    all_shapes(0.0f, lmb_model_default(LMB_MODEL_FOR_LIGHTMAP));
+}
+
+static void white_level_for_textures(void)
+{
+    all_shapes(1.0f, lmb_model_default(LMB_MODEL_FOR_TEXTURE));
+}
+
+static void black_level_for_textures(void)
+{
+    all_shapes(0.0f, lmb_model_default(LMB_MODEL_FOR_TEXTURE));
 }
 
 static const test_case cases[] = {
     {"white level, white sky", white_level},
     {"black level, white sky", black_level},
+    {"white level, white sky, textures' model", white_level_for_textures},
+    {"black level, white sky, textures' model", black_level_for_textures},
 };
 
 TEST_MAIN(cases)

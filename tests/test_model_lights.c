@@ -325,6 +325,45 @@ static void geomerics(void)
     }
 }
 
+/* The dominant light is along the clipped light's linear band, as bright as least squares over nine harmonics has it;
+ * of two texels' channels the mean points where their mean light does. */
+static void dominant_light(void)
+{
+    const lmb_model *model = oracle_row("dominant");
+    uint64_t random = 32;
+    for (int k = 0; k < 40; ++k) {
+        double c[2][9], clipped[2][9], mean[9];
+        float channel[2][LMB_MODEL_MOST_CHANNELS];
+        lmb_vec3 n_v;
+        const ovec axis = oracle_random_normal(&random, &n_v);
+        for (int t = 0; t < 2; ++t) {
+            const lmb_sh3_rgb radiance = oracle_grey(oracle_random_sh3(&random, 4.0, c[t]));
+            oracle_clip(c[t], 3, axis, 0.0, clipped[t]);
+            model->encode(&radiance, n_v, 0.0f, channel[t]);
+            const ovec d = ovec_unit((ovec){-clipped[t][3], -clipped[t][1], clipped[t][2]});
+            double basis[9], product = 0.0, square = 0.0;
+            oracle_basis(d, basis);
+            for (int i = 0; i < 9; ++i) {
+                product += clipped[t][i] * basis[i];
+                square += basis[i] * basis[i];
+            }
+            CHECK_NEAR(channel[t][1], fmax(product / square, 0.0), 2e-5, "light %d", k);
+            lmb_rgb facing;
+            const lmb_vec3 normal = ovec_float(d);
+            model->evaluate(channel[t], n_v, &normal, 1, &facing);
+            CHECK_NEAR(facing.c[1], fmax(product / square, 0.0) / ORACLE_PI, 2e-5, "light %d faces it", k);
+        }
+        for (int i = 0; i < 9; ++i) {
+            mean[i] = clipped[0][i] + clipped[1][i];
+        }
+        const ovec d = ovec_unit((ovec){-mean[3], -mean[1], mean[2]});
+        const ovec found = ovec_unit((ovec){(double)channel[0][3] + (double)channel[1][3],
+                                            (double)channel[0][4] + (double)channel[1][4],
+                                            (double)channel[0][5] + (double)channel[1][5]});
+        CHECK_NEAR(ovec_dot(d, found), 1.0, 1e-5, "light %d: filtered direction", k);
+    }
+}
+
 /* What clips is what does not, of clipped light. */
 static void clips_first(void)
 {
@@ -470,6 +509,7 @@ static const test_case cases[] = {
     {"zh3_keeps_the_zonal", zh3_keeps_the_zonal},
     {"zh3_guesses", zh3_guesses},
     {"geomerics", geomerics},
+    {"dominant_light", dominant_light},
     {"clips_first", clips_first},
     {"hard_light_gives_light", hard_light_gives_light},
     {"rows_scale_and_close", rows_scale_and_close},

@@ -2,6 +2,8 @@
  * definition, about random normals and behind cones. */
 #include "model_oracle.h"
 
+#include <lambent/rnm.h>
+
 /* Random light that is mostly positive, about a random normal. */
 typedef struct some_light {
     double c[9];
@@ -219,6 +221,72 @@ static void hemispherical_fits(void)
     }
 }
 
+/* Light above the horizon of +z as nodes, and what it gives a normal, without truncation. */
+typedef struct node_light {
+    orule rule;
+    double *weight;
+} node_light;
+
+static double node_irradiance(ovec n, const void *context)
+{
+    const node_light *light = context;
+    double sum = 0.0;
+    for (size_t i = 0; i < light->rule.count; ++i) {
+        sum += light->weight[i] * fmax(ovec_dot(n, light->rule.nodes[i].direction), 0.0);
+    }
+    return sum / ORACLE_PI;
+}
+
+/* SH of n whose bands are scaled as irradiance's, so that least squares finds what is stored. */
+static double convolved(ovec n, int i)
+{
+    double basis[9];
+    oracle_basis(n, basis);
+    return basis[i] * (i == 0 ? 1.0 : i < 4 ? 2.0 / 3.0 : 0.25);
+}
+
+/* What sh2.fit and sh3.fit give is nearer to the exact irradiance over the hemisphere than any other SH: what is left
+ * is orthogonal there to every function of the basis. */
+static void sh_fits_the_irradiance(void)
+{
+    static const struct {
+        const char *name;
+        int count;
+    } table[] = {{"sh2.fit", 4}, {"sh3.fit", 9}};
+    const ovec z = {0.0, 0.0, 1.0};
+    uint64_t random = 31;
+    for (int k = 0; k < 4; ++k) {
+        double c[9], kept[2][9] = {{0.0}};
+        const lmb_sh3_rgb radiance = oracle_grey(oracle_random_sh3(&random, 12.0, c));
+        node_light light = {oracle_zone(z, 0.0, 1.0, 100, 200), NULL};
+        light.weight = malloc(light.rule.count * sizeof *light.weight);
+        for (size_t i = 0; light.weight && i < light.rule.count; ++i) {
+            light.weight[i] = light.rule.nodes[i].weight * oracle_evaluate(c, light.rule.nodes[i].direction);
+        }
+        const orule normals = oracle_zone(z, 0.0, 1.0, 16, 32);
+        for (size_t j = 0; light.weight && j < normals.count; ++j) {
+            const ovec n = normals.nodes[j].direction;
+            const double exact = node_irradiance(n, &light);
+            for (int m = 0; m < 2; ++m) {
+                const double found =
+                    oracle_answer(oracle_row(table[m].name), &radiance, ovec_float(z), 0.0f, ovec_float(n));
+                CHECK(found > 0.0, "%s, light %d: bright enough not to be clamped", table[m].name, k);
+                for (int i = 0; i < table[m].count; ++i) {
+                    kept[m][i] += normals.nodes[j].weight * (exact - found) * convolved(n, i);
+                }
+            }
+        }
+        for (int m = 0; m < 2; ++m) {
+            for (int i = 0; i < table[m].count; ++i) {
+                CHECK_NEAR(kept[m][i], 0.0, 2e-4, "%s, light %d, function %d", table[m].name, k, i);
+            }
+        }
+        free(light.weight);
+        oracle_rule_free(normals);
+        oracle_rule_free(light.rule);
+    }
+}
+
 /* HLSH of the clipped polynomial, projected direction by direction: what a light of each direction adds to I_z, C_a and
  * c (docs/maths.md). */
 static void hlsh_without_truncation(void)
@@ -302,17 +370,18 @@ static void hlsh_of_lights(void)
 static void radiosity_normal_mapping(void)
 {
     const lmb_vec3 up = {0.0f, 0.0f, 1.0f};
-    const lmb_model *model = oracle_row("rnm");
+    const lmb_model *model = oracle_row("rnm.light");
     const lmb_directed_light samples[3] = {{{0.6f, 0.0f, 0.8f}, {{3.0f, 1.0f, 2.0f}}},
                                            {{-0.36f, 0.48f, 0.8f}, {{0.5f, 2.0f, 1.0f}}},
                                            {{0.0f, 0.6f, -0.8f}, {{7.0f, 7.0f, 7.0f}}}};
     float channel[LMB_MODEL_MOST_CHANNELS];
     model->encode_light(samples, 3, up, channel);
     ovec slope[3];
+    lmb_vec3 given[3]; /* test_rnm has their oracle */
+    lmb_rnm_slopes(up, given);
     double light[3] = {0.0, 0.0, 0.0};
     for (int k = 0; k < 3; ++k) {
-        const double turn = 2.0 * ORACLE_PI * k / 3.0;
-        slope[k] = (ovec){sqrt(2.0 / 3.0) * cos(turn), sqrt(2.0 / 3.0) * sin(turn), sqrt(1.0 / 3.0)};
+        slope[k] = ovec_of(given[k]);
         for (int i = 0; i < 2; ++i) {
             const double cosine = fmax(ovec_dot(slope[k], ovec_of(samples[i].direction)), 0.0);
             light[k] += cosine * (double)samples[i].weight.c[1] / ORACLE_PI;
@@ -395,6 +464,7 @@ static const test_case cases[] = {
     {"occlusion_by_numbers", occlusion_by_numbers},
     {"ambient_cube", ambient_cube},
     {"hemispherical_fits", hemispherical_fits},
+    {"sh_fits_the_irradiance", sh_fits_the_irradiance},
     {"hlsh_without_truncation", hlsh_without_truncation},
     {"hlsh_of_lights", hlsh_of_lights},
     {"radiosity_normal_mapping", radiosity_normal_mapping},

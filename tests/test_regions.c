@@ -61,7 +61,61 @@ static uint32_t seeds_find(const rooms_fixture *rooms, float spacing, lmb_vec3d 
     return seeds;
 }
 
-static bool rooms_open(rooms_fixture *rooms, const char *name, float spacing, int threads)
+/* Whether a cell of the coarser of two levels is split: in every other cube of 2 x 2 x 2. */
+static bool is_split(const int32_t cell[3])
+{
+    return ((cell[0] >> 1) + (cell[1] >> 1) + (cell[2] >> 1)) % 2 == 0;
+}
+
+/* The probes that a level of two keeps: corners of its cells. */
+static int32_t points_keep(const lmb_probes *from, bool finer, int32_t (*point)[3])
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < from->count; ++i) {
+        bool kept = false;
+        for (int side = 0; side < 8; ++side) {
+            const int32_t *const at = from->point[i];
+            const int32_t cell[3] = {at[0] - (side & 1), at[1] - (side >> 1 & 1), at[2] - (side >> 2)};
+            bool whole = true;
+            for (int k = 0; k < 8; ++k) {
+                whole = whole &&
+                        lmb_probes_find(from, 0, cell[0] + (k & 1), cell[1] + (k >> 1 & 1), cell[2] + (k >> 2)) >= 0;
+            }
+            const int32_t coarse[3] = {finer ? cell[0] >> 1 : cell[0], finer ? cell[1] >> 1 : cell[1],
+                                       finer ? cell[2] >> 1 : cell[2]};
+            kept = kept || (whole && is_split(coarse) == finer);
+        }
+        if (kept) {
+            memcpy(point[count++], from->point[i], sizeof *point);
+        }
+    }
+    return count;
+}
+
+/* Two levels in place of one: half the spacing in every other cube. */
+static lmb_result levels_mix(lmb_probes **probes, lmb_probes *fine)
+{
+    lmb_probes *const coarse = *probes, *mixed = NULL;
+    lmb_result result = lmb_probes_create(&mixed);
+    for (int level = 0; level < 2 && result == LMB_OK; ++level) {
+        const lmb_probes *const from = level == 0 ? fine : coarse;
+        int32_t(*const point)[3] = malloc((size_t)from->count * sizeof *point);
+        const int32_t count = points_keep(from, level == 0, point), first = mixed->count;
+        result = lmb_probes_add_level(mixed, &from->level[0].lattice, (const int32_t(*)[3])point, count);
+        for (int32_t i = 0; i < count && result == LMB_OK; ++i) {
+            mixed->validity[first + i] =
+                from->validity[lmb_probes_find(from, 0, point[i][0], point[i][1], point[i][2])];
+        }
+        free(point);
+    }
+    mixed->origin = coarse->origin;
+    lmb_probes_destroy(coarse);
+    lmb_probes_destroy(fine);
+    *probes = mixed;
+    return result;
+}
+
+static bool rooms_open(rooms_fixture *rooms, const char *name, float spacing, int levels, int threads)
 {
     lmb_error error = {{0}};
     const char *const path = output_path(name);
@@ -78,6 +132,12 @@ static bool rooms_open(rooms_fixture *rooms, const char *name, float spacing, in
     lmb_placement_stats placed;
     lmb_result result =
         lmb_placement_make(rooms->level.tracer, &settings, rooms->level.pool, &rooms->probes, &placed, &error);
+    if (result == LMB_OK && levels == 2) {
+        lmb_probes *fine = NULL;
+        settings.spacing = 0.5f * spacing;
+        result = lmb_placement_make(rooms->level.tracer, &settings, rooms->level.pool, &fine, &placed, &error);
+        result = result == LMB_OK ? levels_mix(&rooms->probes, fine) : result;
+    }
     if (result == LMB_OK) {
         result = lmb_regions_make(rooms->level.tracer, rooms->level.pool, NULL, rooms->probes, &rooms->regions,
                                   &rooms->stats);
@@ -192,16 +252,19 @@ static void sealed_rooms_keep_their_light(void)
     static const struct {
         const char *scene;
         float spacing;
+        int levels;
     } table[] = {
-        {"wall.1mm", 1.0f},      {"wall.1mm", 0.5f},      {"wall.20mm", 1.0f},     {"wall.200mm", 0.5f},
-        {"wall.lattice", 1.0f},  {"wall.lattice", 0.25f}, {"turned.1mm", 1.0f},    {"turned.200mm", 0.5f},
-        {"tilted.50mm", 1.0f},   {"corner", 1.0f},        {"corner.turned", 1.0f}, {"floors", 1.0f},
-        {"corner.turned", 0.5f}, {"nested", 1.0f},        {"nested", 2.0f},        {"curved", 2.0f},
+        {"wall.1mm", 1.0f, 1},      {"wall.1mm", 0.5f, 1},      {"wall.20mm", 1.0f, 1},     {"wall.200mm", 0.5f, 1},
+        {"wall.lattice", 1.0f, 1},  {"wall.lattice", 0.25f, 1}, {"turned.1mm", 1.0f, 1},    {"turned.200mm", 0.5f, 1},
+        {"tilted.50mm", 1.0f, 1},   {"corner", 1.0f, 1},        {"corner.turned", 1.0f, 1}, {"floors", 1.0f, 1},
+        {"corner.turned", 0.5f, 1}, {"nested", 1.0f, 1},        {"nested", 2.0f, 1},        {"curved", 2.0f, 1},
+        {"wall.1mm", 1.0f, 2},      {"wall.lattice", 1.0f, 2},  {"turned.200mm", 1.0f, 2},  {"tilted.50mm", 1.0f, 2},
+        {"corner.turned", 1.0f, 2}, {"floors", 0.5f, 2},        {"nested", 1.0f, 2},        {"curved", 1.0f, 2},
     };
     for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
         rooms_fixture rooms;
         lmb_vec3 point[MOST_ROOM_POINTS];
-        if (!rooms_open(&rooms, table[i].scene, table[i].spacing, 2)) {
+        if (!rooms_open(&rooms, table[i].scene, table[i].spacing, table[i].levels, 2)) {
             continue;
         }
         CHECK(rooms.stats.cells_cut > 0 && rooms.stats.ghosts > 0, "%s: nothing is cut", table[i].scene);
@@ -220,10 +283,10 @@ static void sealed_rooms_keep_their_light(void)
                 }
             }
         }
-        CHECK(worst_foreign == 0.0, "%s at %g m: %g of another room's", table[i].scene, (double)table[i].spacing,
-              worst_foreign);
-        CHECK(worst_own < 1e-3, "%s at %g m: its own light is %g off", table[i].scene, (double)table[i].spacing,
-              worst_own);
+        CHECK(worst_foreign == 0.0, "%s at %g m, %d levels: %g of another room's", table[i].scene,
+              (double)table[i].spacing, table[i].levels, worst_foreign);
+        CHECK(worst_own < 1e-3, "%s at %g m, %d levels: its own light is %g off", table[i].scene,
+              (double)table[i].spacing, table[i].levels, worst_own);
         rooms_close(&rooms);
     }
 }
@@ -235,7 +298,7 @@ static void slopes_are_kept(void)
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         rooms_fixture rooms;
         lmb_vec3 point[MOST_ROOM_POINTS];
-        if (!rooms_open(&rooms, names[i], 0.5f, 2)) {
+        if (!rooms_open(&rooms, names[i], 0.5f, 1, 2)) {
             continue;
         }
         lmb_leak_room room[LMB_LEAK_MOST_ROOMS];
@@ -284,11 +347,15 @@ static double line_break(const rooms_fixture *rooms, lmb_vec3 from, lmb_vec3 to,
 
 static void light_is_continuous_within_rooms(void)
 {
-    static const char *const names[] = {"wall.1mm", "tilted.50mm", "corner.turned", "curved"};
+    static const struct {
+        const char *scene;
+        int levels;
+    } names[] = {{"wall.1mm", 1}, {"tilted.50mm", 1}, {"corner.turned", 1}, {"curved", 1},
+                 {"wall.1mm", 2}, {"tilted.50mm", 2}, {"corner.turned", 2}, {"nested", 2}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         rooms_fixture rooms;
         lmb_vec3 point[MOST_ROOM_POINTS];
-        if (!rooms_open(&rooms, names[i], 1.0f, 2)) {
+        if (!rooms_open(&rooms, names[i].scene, 1.0f, names[i].levels, 2)) {
             continue;
         }
         lmb_leak_room room[LMB_LEAK_MOST_ROOMS];
@@ -301,11 +368,11 @@ static void light_is_continuous_within_rooms(void)
                 lmb_hit hit;
                 if (!lmb_trace_nearest(rooms.level.tracer, from, lmb_vec3_sub(to, from), 0.0f, 1.0f, &hit)) {
                     const double found = line_break(&rooms, from, to, room[r].home);
-                    CHECK(found < 1e-3, "%s, room %d, line %d breaks by %g", names[i], r, k, found);
+                    CHECK(found < 1e-3, "%s, room %d, line %d breaks by %g", names[i].scene, r, k, found);
                     ++lines;
                 }
             }
-            CHECK(lines > 5, "%s: %d lines", names[i], lines);
+            CHECK(lines > 5, "%s: %d lines", names[i].scene, lines);
         }
         rooms_close(&rooms);
     }
@@ -334,7 +401,7 @@ static void any_number_of_threads_finds_the_same(void)
     rooms_fixture rooms[3];
     bool opened[3];
     for (int i = 0; i < 3; ++i) {
-        opened[i] = rooms_open(&rooms[i], "nested", 0.5f, threads[i]) && rooms_light(&rooms[i], noisy_light);
+        opened[i] = rooms_open(&rooms[i], "nested", 0.5f, 1, threads[i]) && rooms_light(&rooms[i], noisy_light);
     }
     CHECK(opened[0] && opened[1] && opened[2] && probes_are_equal(rooms[0].probes, rooms[1].probes) &&
               probes_are_equal(rooms[0].probes, rooms[2].probes),
@@ -350,7 +417,7 @@ static void any_number_of_threads_finds_the_same(void)
 static void a_wall_parts_cells_by_one_plane(void)
 {
     rooms_fixture rooms;
-    if (!rooms_open(&rooms, "wall.1mm", 1.0f, 2)) {
+    if (!rooms_open(&rooms, "wall.1mm", 1.0f, 1, 2)) {
         return;
     }
     const lmb_cut_cells *const cut = &rooms.probes->cut;

@@ -2,6 +2,7 @@
  * screen shows. */
 #include "camera.h"
 #include "constant_volume.h"
+#include "half_vector.h"
 #include "level_builder.h"
 #include "level_fixture.h"
 #include "levels.h"
@@ -11,6 +12,8 @@
 #include <float.h>
 #include <stdlib.h>
 
+#include <lambent/sequence.h>
+#include <lambent/specular.h>
 #include <lambent/texture.h>
 
 #define OUTPUT(name) LMB_TEST_OUTPUT_DIR "/render_" name
@@ -246,6 +249,76 @@ static void furnace_looks_the_same_everywhere(void)
     level_fixture_close(&level);
 }
 
+/* Of light that is 1 from everywhere, samples and the table send on the same. */
+static void half_vectors_keep_what_the_lobe_keeps(void)
+{
+    const lmb_sh3_rgb white = {{{{3.5449077f}}, {{3.5449077f}}, {{3.5449077f}}}};
+    const lmb_vec3 normal = {0, 0, 1};
+    for (int i = 0; i < 12; ++i) {
+        const float cosine = 0.1f + 0.3f * (float)(i % 4), roughness = 0.2f + 0.35f * (float)(i / 4);
+        const lmb_vec3 view = {sqrtf(1.0f - cosine * cosine), 0, cosine};
+        const lmb_specular mirror = {roughness, {{1, 1, 1}}};
+        double sum = 0.0;
+        enum { SAMPLES = 4096 };
+        for (uint32_t k = 0; k < SAMPLES; ++k) {
+            float u[2];
+            half_vector_sample picked;
+            lmb_sequence_2d(3, k, 0, u);
+            if (half_vector_pick(roughness, normal, view, u, &picked)) {
+                CHECK_NEAR(lmb_vec3_length(picked.towards), 1.0, 1e-5, "a direction");
+                sum += picked.arrives / SAMPLES;
+            }
+        }
+        CHECK_NEAR(sum, lmb_specular_area(&white, &mirror, normal, view).c[0], 0.02, "m %g, N.V %g", (double)roughness,
+                   (double)cosine);
+    }
+    CHECK_NEAR(dielectric_reflectance(0.04, 1.0), 0.04, 1e-9, "along the normal");
+    CHECK_NEAR(dielectric_reflectance(0.04, 0.0), 1.0, 1e-9, "grazing");
+}
+
+/* An object that also reflects shows that much more, by probes as by rays. */
+static void objects_reflect(void)
+{
+    lmb_error error = {""};
+    level_fixture level;
+    constant_volume light;
+    const char *path = OUTPUT("mirror.glb");
+    const lmb_result written = lmb_level_furnace(path, 4.0f, 0.5f, (lmb_rgb){{0.5f, 1.0f, 2.0f}}, false, &error);
+    if (!level_fixture_open(&level, path, written, &error, 2)) {
+        return;
+    }
+    lmb_render_object sphere;
+    if (!constant_volume_make(level.scene, (lmb_rgb){{1.0f, 2.0f, 4.0f}}, &light)) {
+        level_fixture_close(&level);
+        return;
+    }
+    const lmb_result opened = render_object_open(NULL, 0.5f, (lmb_vec3d){0, 0, -1}, &sphere, &error);
+    CHECK(opened == LMB_OK, "%s", error.message);
+    const lmb_specular specular = {0.2f, {{0.5f, 0.25f, 0.0f}}};
+    const lmb_shader shader = {.transport = &level.transport,
+                               .volume = light.volume,
+                               .objects = &sphere,
+                               .object_count = opened == LMB_OK ? 1 : 0,
+                               .specular = &specular,
+                               .default_texel = 0.1f,
+                               .reference_samples = 1024};
+    static const double expected[] = {0.8 + 0.5, 2.0 * (0.8 + 0.25), 4.0 * 0.8};
+    for (int k = 0; k < 2 && opened == LMB_OK; ++k) {
+        const lmb_light_source source = k == 0 ? SOURCE_PROBES : SOURCE_REFERENCE;
+        const lmb_rgb seen = shade_ray(&shader, source, (lmb_vec3){0.02f, 0.02f, 1}, (lmb_vec3){0, 0, -1});
+        for (int c = 0; c < 3; ++c) {
+            CHECK_NEAR((double)seen.c[c] / expected[c], 1.0, k == 0 ? 0.01 : 0.03, "source %d, channel %d", k, c);
+        }
+    }
+    const lmb_rgb wall = shade_ray(&shader, SOURCE_PROBES, (lmb_vec3){0, 1.5f, 1}, (lmb_vec3){0, 0, -1});
+    CHECK_NEAR(wall.c[1], 2.0, 0.01, "surfaces do not");
+    if (opened == LMB_OK) {
+        render_object_close(&sphere);
+    }
+    constant_volume_close(&light);
+    level_fixture_close(&level);
+}
+
 /* Down the middle of a wall, from the middle of the room: squares of half a metre, or no lightmap at all. */
 static void density_shows_texels(void)
 {
@@ -387,6 +460,8 @@ static const test_case cases[] = {
     {"difference_colours", difference_colours},
     {"axes_appear_where_they_should", axes_appear_where_they_should},
     {"furnace_looks_the_same_everywhere", furnace_looks_the_same_everywhere},
+    {"half vectors keep what the lobe keeps", half_vectors_keep_what_the_lobe_keeps},
+    {"objects reflect", objects_reflect},
     {"density shows texels", density_shows_texels},
     {"mismatch is relative", mismatch_is_relative},
     {"panes_let_light_through", panes_let_light_through},

@@ -1,5 +1,6 @@
 /* Samples by every kernel that the library has here, and in batches, are the same bits: at all kinds of positions, with
- * probes missing and without, with key lights and without, in one level and in several, with cut cells. */
+ * probes missing and without, with key lights and without, in one level and in several, with cut cells, in both forms.
+ */
 #include "levels_fixture.h"
 #include "harness.h"
 
@@ -39,17 +40,18 @@ static void positions_make(const lmb_lattice *lattice, uint64_t seed, lmb_vec3d 
     }
 }
 
-static void volume_open(const lmb_probes *probes, opened *made)
+static void volume_open(const lmb_probes *probes, lmb_volume_form form, opened *made)
 {
     size_t size;
-    const lmb_result result = lmb_pack(probes, &made->data, &size, NULL);
+    const lmb_result result = lmb_pack_as(form, probes, &made->data, &size, NULL);
     CHECK(result == LMB_OK && lmb_volume_open_memory(made->data, size, &made->volume) == LMB_OK, "pack: %d", result);
     if (!made->volume) {
         abort();
     }
 }
 
-static opened volume_make(const lmb_lattice *lattice, double density, double magnitude, uint32_t keys, uint64_t seed)
+static opened volume_make(const lmb_lattice *lattice, double density, double magnitude, uint32_t keys,
+                          lmb_volume_form form, uint64_t seed)
 {
     opened made = {.data = NULL};
     lmb_probes *const probes = fixture_random_probes(lattice, density, 0.9, magnitude, seed);
@@ -61,7 +63,7 @@ static opened volume_make(const lmb_lattice *lattice, double density, double mag
             probes->key_visibility[probe][key] = (float)fixture_random(&state);
         }
     }
-    volume_open(probes, &made);
+    volume_open(probes, form, &made);
     positions_make(lattice, seed + 5, made.position);
     lmb_probes_destroy(probes);
     return made;
@@ -74,11 +76,11 @@ static void volume_free(opened *made)
 }
 
 /* Of several levels, with cut cells. */
-static opened levels_volume_make(const levels_recipe *recipe)
+static opened levels_volume_make(const levels_recipe *recipe, lmb_volume_form form)
 {
     opened made = {.data = NULL};
     lmb_probes *const probes = levels_make(recipe);
-    volume_open(probes, &made);
+    volume_open(probes, form, &made);
     positions_make(&probes->level[0].lattice, recipe->seed + 5, made.position);
     lmb_probes_destroy(probes);
     return made;
@@ -99,13 +101,16 @@ static const struct {
     {{.spacing = 1.0f, .min = {0, 0, 0}, .size = {9, 9, 9}}, 1.0, 1e-5, 3},
     {{.spacing = 0.5f, .min = {20000, -30000, 7}, .size = {6, 7, 8}}, 0.8, 2.0, 1},
 };
-enum { BOXES = sizeof cases / sizeof cases[0], CASES = BOXES + LEVELS_RECIPES };
+/* Each in both forms. */
+enum { BOXES = sizeof cases / sizeof cases[0], VOLUMES = BOXES + LEVELS_RECIPES, CASES = 2 * VOLUMES };
 
-static opened case_make(int k, uint64_t seed)
+static opened case_make(int number, uint64_t seed)
 {
-    return k < BOXES
-               ? volume_make(&cases[k].lattice, cases[k].density, cases[k].magnitude, cases[k].keys, seed + (uint64_t)k)
-               : levels_volume_make(&levels_recipes[k - BOXES]);
+    const lmb_volume_form form = number < VOLUMES ? LMB_VOLUME_HALFS : LMB_VOLUME_COMPACT;
+    const int k = number % VOLUMES;
+    return k < BOXES ? volume_make(&cases[k].lattice, cases[k].density, cases[k].magnitude, cases[k].keys, form,
+                                   seed + (uint64_t)k)
+                     : levels_volume_make(&levels_recipes[k - BOXES], form);
 }
 
 /* What a call leaves. */
@@ -121,17 +126,53 @@ static bool equal(const sampled *a, const sampled *b)
            memcmp(a->visibility, b->visibility, sizeof a->visibility) == 0 && a->inside == b->inside;
 }
 
+static const lmb_volume_calls *calls_of(const lmb_volume_kernel *kernel, const lmb_volume *volume)
+{
+    return lmb_volume_kernel_calls(kernel, volume->header);
+}
+
 static sampled sample_by(const lmb_volume_kernel *kernel, const lmb_volume *volume, lmb_vec3d at)
 {
     sampled got;
     memset(&got, 0x5a, sizeof got);
-    got.inside = kernel->sample_with_keys(volume, at.x, at.y, at.z, &got.radiance, got.visibility);
+    got.inside = calls_of(kernel, volume)->sample_with_keys(volume, at.x, at.y, at.z, &got.radiance, got.visibility);
     return got;
+}
+
+/* Those that this processor runs, plain C first. */
+static size_t kernels_here(const lmb_volume_kernel *kernel[3])
+{
+    const lmb_volume_kernel *const chosen = lmb_volume_kernel_choose();
+    size_t count = 0;
+    kernel[count++] = &lmb_volume_kernel_scalar;
+    if (chosen != &lmb_volume_kernel_scalar && lmb_volume_kernel_avx2) {
+        kernel[count++] = lmb_volume_kernel_avx2;
+    }
+    if (chosen == lmb_volume_kernel_avx512) {
+        kernel[count++] = chosen;
+    }
+    return count;
+}
+
+static void kernel_check(const lmb_volume_kernel *kernel, const opened *made, int number)
+{
+    for (int i = 0; i < MOST_POSITIONS; ++i) {
+        const lmb_vec3d at = made->position[i];
+        const sampled plain = sample_by(&lmb_volume_kernel_scalar, made->volume, at);
+        const sampled fast = sample_by(kernel, made->volume, at);
+        sampled without = fast;
+        without.inside = calls_of(kernel, made->volume)->sample(made->volume, at.x, at.y, at.z, &without.radiance);
+        CHECK(equal(&plain, &fast), "%s, case %d at (%.9g, %.9g, %.9g)", kernel->name, number, at.x, at.y, at.z);
+        CHECK(equal(&plain, &without), "%s without keys, case %d at (%.9g, %.9g, %.9g)", kernel->name, number, at.x,
+              at.y, at.z);
+    }
 }
 
 static void kernels_give_the_same_bits(void)
 {
     const lmb_volume_kernel *const chosen = lmb_volume_kernel_choose();
+    const lmb_volume_kernel *kernel[3];
+    const size_t count = kernels_here(kernel);
     printf("     this processor: %s\n", chosen->name);
     if (chosen == &lmb_volume_kernel_scalar) {
         test_skip("plain C is all that runs here");
@@ -139,15 +180,9 @@ static void kernels_give_the_same_bits(void)
     }
     for (int k = 0; k < CASES; ++k) {
         opened made = case_make(k, 1);
-        CHECK(made.volume->kernel == chosen, "a volume is opened with it");
-        for (int i = 0; i < MOST_POSITIONS; ++i) {
-            const lmb_vec3d at = made.position[i];
-            const sampled plain = sample_by(&lmb_volume_kernel_scalar, made.volume, at);
-            const sampled fast = sample_by(chosen, made.volume, at);
-            sampled without = fast;
-            without.inside = chosen->sample(made.volume, at.x, at.y, at.z, &without.radiance);
-            CHECK(equal(&plain, &fast), "case %d at (%.9g, %.9g, %.9g)", k, at.x, at.y, at.z);
-            CHECK(equal(&plain, &without), "without keys, case %d at (%.9g, %.9g, %.9g)", k, at.x, at.y, at.z);
+        CHECK(made.volume->calls == calls_of(chosen, made.volume), "a volume is opened with it");
+        for (size_t i = 1; i < count; ++i) {
+            kernel_check(kernel[i], &made, k);
         }
         volume_free(&made);
     }
@@ -164,8 +199,9 @@ static void batch_check(const lmb_volume_kernel *kernel, const opened *made, siz
         const bool with_visibility = outputs & 1, with_inside = outputs & 2;
         memset(radiance, 0x5a, sizeof radiance);
         memset(visibility, 0x5a, sizeof visibility);
-        kernel->batch(made->volume, position, count, radiance, with_visibility ? visibility : NULL,
-                      with_inside ? inside : NULL);
+        calls_of(kernel, made->volume)
+            ->batch(made->volume, position, count, radiance, with_visibility ? visibility : NULL,
+                    with_inside ? inside : NULL);
         for (size_t i = 0; i < count; ++i) {
             const sampled single = sample_by(kernel, made->volume, position[i]);
             sampled got = single;
@@ -184,13 +220,15 @@ static void batch_check(const lmb_volume_kernel *kernel, const opened *made, siz
 static void batches_give_the_bits_of_single_calls(void)
 {
     static const size_t counts[] = {0, 1, 2, 11, 12, 13, 15, 16, 17, 31, 32, 100, MOST_POSITIONS};
-    const lmb_volume_kernel *const kernels[2] = {&lmb_volume_kernel_scalar, lmb_volume_kernel_choose()};
+    const lmb_volume_kernel *kernel[3];
+    const size_t kernels = kernels_here(kernel);
     for (int k = 0; k < CASES; ++k) {
         opened made = case_make(k, 50);
         for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
             const size_t first = (i * 37) % (MOST_POSITIONS - counts[i] + 1);
-            batch_check(kernels[0], &made, first, counts[i]);
-            batch_check(kernels[1], &made, first, counts[i]);
+            for (size_t n = 0; n < kernels; ++n) {
+                batch_check(kernel[n], &made, first, counts[i]);
+            }
         }
         volume_free(&made);
     }

@@ -139,6 +139,15 @@ static void test_irradiance_is_the_cosine_integral(void)
         CHECK_NEAR(irradiance_unclamped(radiance, normal), irradiance, 2e-6, "set %d", k);
         const lmb_sh3_rgb rgb = {{radiance, radiance, radiance}};
         CHECK_NEAR(lmb_sh3_rgb_irradiance(&rgb, normal).c[k % 3], fmax(0.0, irradiance), 2e-6, "set %d, channel", k);
+        const lmb_sh2 linear = {{radiance.c[0], radiance.c[1], radiance.c[2], radiance.c[3]}};
+        double without = 0.0, basis[9];
+        oracle_basis(n, basis);
+        for (int i = 0; i < LMB_SH2_COUNT; ++i) {
+            without += c[i] * basis[i] * (i == 0 ? 1.0 : 2.0 / 3.0);
+        }
+        const lmb_sh2_rgb linear_rgb = {{linear, linear, linear}};
+        CHECK_NEAR(lmb_sh2_irradiance(&linear, normal), fmax(0.0, without), 2e-6, "set %d, two bands", k);
+        CHECK_NEAR(lmb_sh2_rgb_irradiance(&linear_rgb, normal).c[k % 3], fmax(0.0, without), 2e-6, "set %d", k);
     }
 }
 

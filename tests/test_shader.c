@@ -7,10 +7,13 @@
 #include <float.h>
 #include <stdlib.h>
 
+#include <lambent/direction_disc.h>
 #include <lambent/hhd.h>
 #include <lambent/hlsh.h>
 #include <lambent/key_light.h>
 #include <lambent/occlusion.h>
+#include <lambent/rnm.h>
+#include <lambent/specular.h>
 
 /* What an item reads and writes, in tests/shaders/cases.glsl. */
 enum {
@@ -23,7 +26,11 @@ enum {
     IN_TEXEL_DIRECTION = 38,
     IN_ALBEDO = 41,
     IN_BENT = 44,
-    INPUTS
+    IN_VIEW = 45,
+    IN_ROUGHNESS = 48,
+    IN_F0 = 49,
+    IN_LOBE = 52,
+    INPUTS = 64
 };
 enum {
     OUT_CONE,
@@ -42,7 +49,17 @@ enum {
     OUT_FITTED_LIGHT = 33,
     OUT_FITTED = 36,
     OUT_FITTED_HLSH = 39,
-    OUTPUTS = 42
+    OUT_SPECULAR_AREA = 42,
+    OUT_DOMINANT = 45,
+    OUT_WITHOUT_DOMINANT = 48,
+    OUT_HIGHLIGHT = 51,
+    OUT_COORDINATES = 54,
+    OUT_ENVIRONMENT = 56,
+    OUT_RNM = 59,
+    OUT_SSBUMP = 62,
+    OUT_SH2 = 65,
+    OUT_DISC = 68,
+    OUTPUTS = 71
 };
 
 enum { GROUP = 64, GROUPS = 512, ITEMS = GROUP * GROUPS };
@@ -103,6 +120,33 @@ static void light_put(float *item, int kind, double turn, uint64_t *state)
     }
 }
 
+/* Where an item's lobe is in the textures. */
+static void coordinates_find(const float *item, float coordinates[2])
+{
+    const float c = lmb_saturate(lmb_vec3_dot(vector_get(item + IN_NORMAL), vector_get(item + IN_VIEW)));
+    coordinates[0] = (0.5f + 7.0f * 0.5f * (c + sqrtf(c))) / 8.0f;
+    coordinates[1] = (0.5f + 15.0f * sqrtf(lmb_saturate(item[IN_ROUGHNESS]))) / 16.0f;
+}
+
+/* Reads the textures as a graphics card does, linearly between the texels' middles, clamped at the edges. */
+static void lobe_put(float *item)
+{
+    float texture[LMB_SPECULAR_TEXTURES][LMB_SPECULAR_ROWS][LMB_SPECULAR_COLUMNS][4], at[2];
+    lmb_specular_textures(texture);
+    coordinates_find(item, at);
+    const float x = 8.0f * at[0] - 0.5f, y = 16.0f * at[1] - 0.5f;
+    const int left = (int)floorf(x), top = (int)floorf(y);
+    for (int i = 0; i < 12; ++i) {
+        float sum = 0.0f;
+        for (int corner = 0; corner < 4; ++corner) {
+            const int column = left + corner % 2, row = top + corner / 2;
+            const float share = (1.0f - fabsf(x - (float)column)) * (1.0f - fabsf(y - (float)row));
+            sum += share * texture[i / 4][row < 16 ? row : 15][column < 8 ? column : 7][i % 4];
+        }
+        item[IN_LOBE + i] = sum;
+    }
+}
+
 static void item_make(float *item, int index, uint64_t *state)
 {
     vector_put(item + IN_VERTEX_NORMAL, index % 3 == 0 ? lmb_vec3_of(0.0f, 1.0f, 0.0f) : direction_of(state));
@@ -116,6 +160,12 @@ static void item_make(float *item, int index, uint64_t *state)
     item[IN_TEXEL_WEIGHT] = between(state, -0.2, 1.2);
     vector_put(item + IN_TEXEL_DIRECTION, lmb_vec3_scale(direction_of(state), between(state, 0.0, 1.0)));
     item[IN_BENT] = between(state, 0.05, 1.0);
+    vector_put(item + IN_VIEW, direction_of(state));
+    item[IN_ROUGHNESS] = index % 7 == 0 ? 1.0f : between(state, 0.1, 1.1);
+    for (int c = 0; c < 3; ++c) {
+        item[IN_F0 + c] = between(state, 0.0, 1.0);
+    }
+    lobe_put(item);
 }
 
 static lmb_sh3_rgb light_get(const float *item)
@@ -167,6 +217,40 @@ static void item_expect(const float *item, float *expected)
     colour_put(expected + OUT_FITTED, lmb_irradz_evaluate(&fitted, n_v, n));
     const lmb_hlsh_rgb fitted_hlsh = lmb_hlsh_rgb_from_probe(&light, n_v, cone);
     colour_put(expected + OUT_FITTED_HLSH, lmb_hlsh_rgb_evaluate(&fitted_hlsh, n_v, n));
+    vector_put(expected + OUT_DISC, lmb_disc_to_direction(texel.direction.x, texel.direction.y, n_v));
+    const lmb_rnm rnm = {
+        {texel.irradiance_z,
+         colour_get(item + IN_ALBEDO),
+         {{lmb_larger(item[IN_SH], 0.0f), lmb_larger(item[IN_SH + 1], 0.0f), lmb_larger(item[IN_SH + 2], 0.0f)}}}};
+    lmb_vec3 slope[LMB_RNM_SLOPES];
+    lmb_rnm_slopes(n_v, slope);
+    colour_put(expected + OUT_RNM, lmb_rnm_evaluate(&rnm, slope, n));
+    colour_put(expected + OUT_SSBUMP, lmb_ssbump_evaluate(&rnm, colour_get(item + IN_ALBEDO)));
+    lmb_sh2_rgb sh2;
+    for (int c = 0; c < 3; ++c) {
+        memcpy(sh2.channel[c].c, light.channel[c].c, sizeof sh2.channel[c].c);
+    }
+    colour_put(expected + OUT_SH2, lmb_sh2_rgb_irradiance(&sh2, n));
+}
+
+/* And of it for the eye. */
+static void item_expect_specular(const float *item, float *expected)
+{
+    lmb_sh3_rgb light = light_get(item);
+    const lmb_vec3 n_v = vector_get(item + IN_VERTEX_NORMAL), n = vector_get(item + IN_NORMAL);
+    const lmb_vec3 view = vector_get(item + IN_VIEW);
+    const lmb_specular specular = {item[IN_ROUGHNESS], colour_get(item + IN_F0)};
+    colour_put(expected + OUT_SPECULAR_AREA, lmb_specular_area(&light, &specular, n, view));
+    colour_put(expected + OUT_ENVIRONMENT,
+               lmb_specular_environment(colour_get(item + IN_ALBEDO), &light, &specular, n, view));
+    const lmb_key_light dominant = lmb_sh3_rgb_dominant_light(&light);
+    colour_put(expected + OUT_DOMINANT, dominant.irradiance);
+    lmb_key_light_add_to_sh3(&dominant, -1.0f, &light);
+    colour_put(expected + OUT_WITHOUT_DOMINANT, lmb_sh3_rgb_irradiance(&light, n));
+    const lmb_key_light key = {lmb_vec3_unit_or(vector_get(item + IN_TEXEL_DIRECTION), n_v),
+                               colour_get(item + IN_TEXEL_LIGHT)};
+    colour_put(expected + OUT_HIGHLIGHT, lmb_specular_light(&key, item[IN_VISIBILITY], &specular, n_v, n, view));
+    coordinates_find(item, expected + OUT_COORDINATES);
 }
 
 static float largest_of(const float *item)
@@ -184,11 +268,27 @@ static void item_compare(const float *item, const float *got, int index, const c
 {
     float expected[OUTPUTS];
     item_expect(item, expected);
+    item_expect_specular(item, expected);
     const float light = largest_of(item);
     for (int i = 0; i < OUTPUTS; ++i) {
         double tolerance = 2e-6 * (double)light;
-        if (i == OUT_CONE || i == OUT_BENT_CONE || (i >= OUT_SELF_BOUNCE && i < OUT_TEXEL_AT_ONCE) ||
-            (i >= OUT_KEY && i < OUT_FITTED_LIGHT)) {
+        if (i >= OUT_DISC) {
+            tolerance = 1e-4; /* the frame turns fast about one normal */
+        } else if (i >= OUT_SH2) {
+            tolerance = 2e-6 * (double)light;
+        } else if (i >= OUT_RNM) {
+            /* Where no slope is faced by much, a rounding of 1e-7 is a larger share of the squared cosines. */
+            tolerance = 1e-3 * (double)fmaxf(light, 4.0f);
+        } else if (i >= OUT_ENVIRONMENT) {
+            tolerance = 4e-6 * (double)light;
+        } else if (i >= OUT_COORDINATES) {
+            tolerance = 2e-6;
+        } else if (i >= OUT_HIGHLIGHT) {
+            tolerance = 1e-4 * (1.0 + (double)expected[i]); /* a narrow lobe's exponential */
+        } else if (i >= OUT_SPECULAR_AREA) {
+            tolerance = 4e-6 * (double)light;
+        } else if (i == OUT_CONE || i == OUT_BENT_CONE || (i >= OUT_SELF_BOUNCE && i < OUT_TEXEL_AT_ONCE) ||
+                   (i >= OUT_KEY && i < OUT_FITTED_LIGHT)) {
             tolerance = 2e-6;
         } else if ((i >= OUT_TEXEL && i < OUT_HLSH_LIGHT) || (i >= OUT_TEXEL_AT_ONCE && i < OUT_KEY)) {
             tolerance = 2e-4; /* of a light of 4 from LMB_IRRADZ_MIN_COS above the horizon: of 80 */
@@ -215,9 +315,8 @@ static void language_agrees(const char *path, const char *language)
     for (int i = 0; i < ITEMS && input; ++i) {
         item_make(input + (size_t)i * INPUTS, i, &state);
     }
-    const shader_run_result result =
-        input && output ? shader_run(path, GROUPS, input, (size_t)ITEMS * INPUTS, output, (size_t)ITEMS * OUTPUTS)
-                        : SHADER_FAILED;
+    const shader_floats in = {input, (size_t)ITEMS * INPUTS}, out = {output, (size_t)ITEMS * OUTPUTS};
+    const shader_run_result result = input && output ? shader_run(path, GROUPS, NULL, &in, &out) : SHADER_FAILED;
     CHECK(result != SHADER_FAILED, "%s runs", path);
     if (result == SHADER_NO_DEVICE) {
         test_skip("no Vulkan device (Debian: mesa-vulkan-drivers)");

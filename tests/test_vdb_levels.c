@@ -213,12 +213,12 @@ static void test_edited_values(void)
     folder_start(FOLDER);
     lmb_probes *const probes = cut_fixture_probes();
     write_probes(probes);
-    const lmb_vec3d in_cell = {-0.95, 0.1, 0.1}; /* a tenth and a fifth into cell (-2, 0, 0), below its plane */
+    const lmb_vec3d in_cell = {-1.95, 0.1, 0.1}; /* a tenth and a fifth into cell (-4, 0, 0), below its plane */
     const double own = cut_fixture_light(0, in_cell), jump = cut_fixture_jump(0, 0) * 0.1;
     lmb_probes *read = read_edited(vdb_editor_multiply(PATH, "sh_0", 0.0f));
     if (read) {
         /* Of the ghosts at x = 1, what was theirs; of the probes at x = 0 nothing. */
-        const lmb_vec3d right = {-0.5, 0.1, 0.1};
+        const lmb_vec3d right = {-1.5, 0.1, 0.1};
         check_light(read, in_cell, 0.1 * cut_fixture_light(0, right) + jump);
         CHECK_NEAR(lmb_probes_light(read, 0, in_cell).channel[0].c[1], own + 1.0 + jump, 0.02, "sh_1 was left alone");
     }
@@ -226,7 +226,7 @@ static void test_edited_values(void)
     write_probes(probes);
     read = read_edited(vdb_editor_multiply(PATH, "sh_0_ghost_1", 0.0f));
     if (read) {
-        const lmb_vec3d left = {-1.0, 0.1, 0.1};
+        const lmb_vec3d left = {-2.0, 0.1, 0.1};
         check_light(read, in_cell, 0.9 * cut_fixture_light(0, left));
     }
     lmb_probes_destroy(read);
@@ -247,15 +247,12 @@ static void test_removed_voxels(void)
         const char *suffix;
         int32_t point[3];
         uint32_t cells; /* that are left */
-        lmb_vec3d at;
-        double more; /* than a probe of the finest level would have at `at` */
+        lmb_vec3d at;   /* in what was the cell */
+        bool is_there;  /* as a plain one */
     } cases[] = {
-        {"_ghost_1", {-1, 0, 0}, 4, {-0.9, 0.1, 0.2}, 0.0},
-        {"_ghost_2", {-1, 0, 0}, 4, {-0.45, 0.1, 0.2}, 0.0},
-        {"_ghost_1", {-2, 2, 2}, 4, {-0.9, 0.8, 0.8}, CUT_FIXTURE_COARSE_MORE},
-        {"", {-2, 0, 0}, 4, {-0.9, 0.2, 0.2}, CUT_FIXTURE_COARSE_MORE},
-        {"", {2, 2, 0}, 5, {0.9, 0.9, 0.2}, CUT_FIXTURE_COARSE_MORE},
-        {"_level_1_ghost_1", {2, 1, 0}, 4, {1.2, 0.3, 0.4}, CUT_FIXTURE_COARSE_MORE},
+        {"_ghost_1", {-3, 0, 0}, 4, {-1.9, 0.1, 0.2}, true},  {"_ghost_2", {-3, 0, 0}, 4, {-1.45, 0.1, 0.2}, true},
+        {"_ghost_1", {-4, 4, 4}, 4, {-1.9, 1.8, 1.8}, false}, {"", {-4, 0, 0}, 4, {-1.9, 0.2, 0.2}, false},
+        {"", {0, 4, 0}, 5, {-0.1, 1.9, 0.2}, false},          {"_level_1_ghost_1", {1, 1, 0}, 4, {0.2, 0.3, 0.4}, true},
     };
     folder_start(FOLDER);
     lmb_probes *const probes = cut_fixture_probes();
@@ -265,7 +262,8 @@ static void test_removed_voxels(void)
         if (read) {
             CHECK(read->cut.count == cases[i].cells, "case %zu: %u cells are cut", i, read->cut.count);
             CHECK(read->count == probes->count - 1, "case %zu: %d probes", i, read->count);
-            check_light(read, cases[i].at, cut_fixture_light(0, cases[i].at) + cases[i].more);
+            const double more = cases[i].at.x > 0.0 ? CUT_FIXTURE_COARSE_MORE : 0.0;
+            check_light(read, cases[i].at, cases[i].is_there ? cut_fixture_light(0, cases[i].at) + more : 0.0);
         }
         lmb_probes_destroy(read);
     }

@@ -579,7 +579,7 @@ static void test_forgery(void)
 static void test_forged_fields(void)
 {
     /* One row of bricks, and the four rows of six points that they share. */
-    enum { DIRECTORY = LMB_VOLUME_HEADER_BYTES, BRICKS = DIRECTORY + 64, PROBES = BRICKS + 2 * 128 };
+    enum { DIRECTORY = LMB_VOLUME_HEADER_BYTES, BRICKS = DIRECTORY + 64 + 128, PROBES = BRICKS + 2 * 128 };
     static const struct {
         const char *name;
         size_t offset;
@@ -618,7 +618,8 @@ static void test_forged_fields(void)
         {"fewer stored", offsetof(lmb_volume_header, stored_count), 23, LMB_ERROR_FORMAT},
         {"stored huge", offsetof(lmb_volume_header, stored_count), UINT32_MAX, LMB_ERROR_FORMAT},
         {"bricks 0", offsetof(lmb_volume_header, brick_count), 0, LMB_ERROR_FORMAT},
-        {"bricks 3", offsetof(lmb_volume_header, brick_count), 3, LMB_ERROR_FORMAT},
+        {"bricks 1", offsetof(lmb_volume_header, brick_count), 1, LMB_ERROR_FORMAT},
+        {"bricks 4", offsetof(lmb_volume_header, brick_count), 4, LMB_ERROR_FORMAT},
         {"bricks huge", offsetof(lmb_volume_header, brick_count), UINT32_MAX, LMB_ERROR_FORMAT},
         {"no levels", offsetof(lmb_volume_header, level_count), 0, LMB_ERROR_FORMAT},
         {"levels huge", offsetof(lmb_volume_header, level_count), 16, LMB_ERROR_FORMAT},
@@ -629,22 +630,24 @@ static void test_forged_fields(void)
         {"cut cells' bytes", offsetof(lmb_volume_header, cut_bytes), 4, LMB_ERROR_FORMAT},
         {"cut cells' bytes, 4 GiB", offsetof(lmb_volume_header, cut_bytes) + 4, 1, LMB_ERROR_FORMAT},
         {"reserved", offsetof(lmb_volume_header, reserved) + 28, 1, LMB_ERROR_FORMAT},
-        {"entry none", DIRECTORY, LMB_VOLUME_NO_BRICK, LMB_OK},
-        {"entry 2", DIRECTORY + 4, 2, LMB_ERROR_FORMAT},
-        {"entry twice", DIRECTORY + 4, 0, LMB_OK},
+        {"entry none", DIRECTORY, 0, LMB_OK},
+        {"entry huge", DIRECTORY, UINT32_MAX, LMB_ERROR_FORMAT},
+        {"entry 3", DIRECTORY + 4, 3, LMB_ERROR_FORMAT},
+        {"entry twice", DIRECTORY + 4, 1, LMB_OK},
         {"entry of level 1", DIRECTORY, UINT32_C(1) << 28, LMB_ERROR_FORMAT},
         {"no cells", BRICKS, 0, LMB_ERROR_FORMAT},
         {"other cells", BRICKS + 4, 1, LMB_OK},
         {"a cell that is cut too", BRICKS + 8, 1, LMB_ERROR_FORMAT},
         {"a cut cell", BRICKS + 12, 0x80000000, LMB_ERROR_FORMAT},
-        {"a row behind the end", BRICKS + 16, 20, LMB_ERROR_FORMAT},
-        {"a row before the start", BRICKS + 16, UINT32_MAX - 1, LMB_ERROR_FORMAT},
-        {"a row's other start", BRICKS + 16, 1, LMB_OK},
+        {"a row behind the end", BRICKS + 16, 20 * 27, LMB_ERROR_FORMAT},
+        {"a row before the start", BRICKS + 16, UINT32_MAX - 26, LMB_ERROR_FORMAT},
+        {"a row's other start", BRICKS + 16, 27, LMB_OK},
+        {"a row between probes", BRICKS + 16, 26, LMB_ERROR_FORMAT},
+        {"a brick that is none, with cells", BRICKS - 128, 1, LMB_ERROR_FORMAT},
         {"cut cells from 1", BRICKS + 116, 1, LMB_ERROR_FORMAT},
         {"reserved of a brick", BRICKS + 120, 1, LMB_ERROR_FORMAT},
         {"infinite half", PROBES, 0x7c00, LMB_ERROR_FORMAT},
         {"NaN half", PROBES, 0xfe000000, LMB_ERROR_FORMAT},
-        {"infinite half behind the last probe", PROBES + 24 * 54, 0x7c00, LMB_ERROR_FORMAT},
     };
     const lmb_lattice lattice = {.spacing = 1.0f, .min = {0, 0, 0}, .size = {6, 2, 2}};
     lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 5.0, 17);

@@ -170,6 +170,99 @@ static void holes_have_the_light_of_coarser_cells(void)
     lmb_probes_destroy(probes);
 }
 
+/* Light that is nowhere negative: a mean, and above it shares of what it may have, most of them small. */
+static void make_plausible(lmb_probes *probes, uint64_t seed)
+{
+    uint64_t state = seed;
+    for (int32_t probe = 0; probe < probes->count; ++probe) {
+        for (int i = 0; i < 27; ++i) {
+            const int k = i % 9;
+            float *const c = probes->radiance[0][probe].channel[i / 9].c;
+            const double draw = 2.0 * fixture_random(&state) - 1.0;
+            const double most = k < 4 ? sqrt(3.0) : sqrt(5.0);
+            c[k] = (float)(k == 0 ? 1.0 + 4.0 * fixture_random(&state) : (double)c[0] * most * draw * draw * draw);
+        }
+    }
+}
+
+/* Bytes are within half a step of what they stand for, and a sample's harmonics within half a percent of it. */
+static void compact_volumes_are_near(void)
+{
+    for (int k = 0; k < LEVELS_RECIPES; ++k) {
+        lmb_probes *const probes = levels_make(&levels_recipes[k]);
+        make_plausible(probes, 31);
+        unsigned char *data = NULL;
+        size_t size = 0;
+        lmb_volume *volume = NULL;
+        lmb_pack_stats stats;
+        CHECK(lmb_pack_as(LMB_VOLUME_COMPACT, probes, &data, &size, &stats) == LMB_OK &&
+                  lmb_volume_open_memory(data, size, &volume) == LMB_OK,
+              "recipe %d", k);
+        if (!volume) {
+            abort();
+        }
+        packed halfs = pack_and_open(probes);
+        const lmb_volume_info info = lmb_volume_get_info(volume);
+        CHECK(info.is_compact && !lmb_volume_get_info(halfs.volume).is_compact && stats.flattened_count == 0,
+              "%llu flattened", (unsigned long long)stats.flattened_count);
+        uint64_t state = 12;
+        double error = 0.0, square = 0.0;
+        for (int i = 0; i < 4000; ++i) {
+            const lmb_vec3d at = random_place(&info, &state);
+            lmb_sh3_rgb light, expected;
+            float seen[LMB_KEY_LIGHTS_MOST], expected_seen[LMB_KEY_LIGHTS_MOST];
+            const bool inside = lmb_volume_sample_with_keys(volume, at, &light, seen);
+            CHECK(lmb_volume_sample_with_keys(halfs.volume, at, &expected, expected_seen) == inside, "inside");
+            CHECK(memcmp(seen, expected_seen, sizeof seen) == 0, "what is seen of key lights");
+            for (int c = 0; c < 27; ++c) {
+                const double difference =
+                    (double)light.channel[c / 9].c[c % 9] - (double)expected.channel[c / 9].c[c % 9];
+                const double half_step = c % 9 == 0 ? 1e-6 : 5.0 * sqrt(5.0) * (0.5 * 253.0 / 16129.0 + 0x1p-11);
+                CHECK(fabs(difference) <= half_step, "recipe %d, coefficient %d: off by %g", k, c, difference);
+                error += difference * difference;
+                square += (double)expected.channel[c / 9].c[c % 9] * (double)expected.channel[c / 9].c[c % 9];
+            }
+        }
+        CHECK(error <= 0.005 * 0.005 * square, "recipe %d: rel. RMSE %g", k, sqrt(error / square));
+        lmb_volume_close(volume);
+        free(data);
+        close_packed(&halfs);
+        lmb_probes_destroy(probes);
+    }
+}
+
+/* More than such light may have: all eight harmonics are made smaller by as much, so that light keeps its direction. */
+static void compact_probes_keep_their_direction(void)
+{
+    const lmb_lattice lattice = {.spacing = 1.0f, .size = {2, 2, 2}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 0.0, 5);
+    for (int32_t probe = 0; probe < 8; ++probe) {
+        float *const c = probes->radiance[0][probe].channel[1].c;
+        c[0] = 1.0f;
+        c[1] = -3.0f;
+        c[3] = 6.0f;
+        c[8] = 1.5f;
+    }
+    unsigned char *data = NULL;
+    size_t size = 0;
+    lmb_volume *volume = NULL;
+    lmb_pack_stats stats;
+    lmb_sh3_rgb light;
+    CHECK(lmb_pack_as(LMB_VOLUME_COMPACT, probes, &data, &size, &stats) == LMB_OK &&
+              lmb_volume_open_memory(data, size, &volume) == LMB_OK,
+          "opened");
+    CHECK(stats.flattened_count == 8, "%llu flattened", (unsigned long long)stats.flattened_count);
+    CHECK(lmb_volume_sample(volume, (lmb_vec3){0.5f, 0.25f, 0.75f}, &light), "inside");
+    const float *const c = light.channel[1].c;
+    CHECK_NEAR(c[3], sqrt(3.0), 1e-3, "the largest is all that may be");
+    CHECK_NEAR(c[1] / c[3], -0.5, 0.01, "direction");
+    CHECK_NEAR(c[8] / c[3], 0.25, 0.01, "shape");
+    CHECK(light.channel[0].c[0] == 0.0f && light.channel[0].c[4] == 0.0f, "black");
+    lmb_volume_close(volume);
+    free(data);
+    lmb_probes_destroy(probes);
+}
+
 /* Rows are shared: a box full of probes stores few of them twice, and heads are small beside them. */
 static void full_boxes_are_small(void)
 {
@@ -267,6 +360,8 @@ static const test_case cases[] = {
     {"volumes give the light of their probes", volumes_give_the_light_of_their_probes},
     {"visibility is that of the probes", visibility_is_that_of_the_probes},
     {"holes have the light of coarser cells", holes_have_the_light_of_coarser_cells},
+    {"compact volumes are near", compact_volumes_are_near},
+    {"compact probes keep their direction", compact_probes_keep_their_direction},
     {"full boxes are small", full_boxes_are_small},
     {"forged bits do no harm", forged_bits_do_no_harm},
     {"truncations are refused", truncations_are_refused},

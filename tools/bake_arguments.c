@@ -12,6 +12,13 @@ static void quality_set(lmb_bake_settings *settings, lmb_arguments *arguments, c
     }
 }
 
+static void lightmap_format_set(lmb_bake_settings *settings, lmb_arguments *arguments, const char *name)
+{
+    if (!arguments->failed && !lmb_bake_settings_lightmap_format(settings, name)) {
+        arguments_error(arguments, "--lightmap-format takes exr, ktx2 or dds, not", name);
+    }
+}
+
 static void seed_point_add(lmb_bake_settings *settings, lmb_arguments *arguments, const char *option)
 {
     if (settings->seed_count == LMB_BAKE_MAX_SEEDS) {
@@ -36,6 +43,16 @@ static void models_add(lmb_bake_settings *settings, lmb_arguments *arguments, co
         }
         text += length + 1;
     }
+}
+
+const lmb_model *lightmap_model_argument(lmb_arguments *arguments, const char *option)
+{
+    const char *name = arguments_text(arguments, option);
+    const lmb_model *model = arguments->failed ? NULL : lmb_model_for_lightmap(name);
+    if (!arguments->failed && !model) {
+        arguments_error(arguments, "--model: no lightmap has the model", name);
+    }
+    return model;
 }
 
 bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument)
@@ -65,8 +82,12 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
         settings->texels_per_m = (float)arguments_number(arguments, argument, 1e-6, 1e6);
     } else if (strcmp(argument, "--padding") == 0) {
         settings->padding = (int32_t)arguments_integer(arguments, argument, 1, LMB_LIGHTMAP_MAX_PADDING);
+    } else if (strcmp(argument, "--lightmap-format") == 0) {
+        lightmap_format_set(settings, arguments, arguments_text(arguments, argument));
     } else if (strcmp(argument, "--models") == 0) {
         models_add(settings, arguments, arguments_text(arguments, argument));
+    } else if (strcmp(argument, "--compact") == 0) {
+        settings->compact = true;
     } else if (strcmp(argument, "--texel-error") == 0) {
         settings->texel_error = true;
     } else if (strcmp(argument, "--no-denoise") == 0) {

@@ -3,8 +3,12 @@
 #define LMB_TOOLS_BAKE_ARGUMENTS_H
 
 #include <lambent/bake_settings.h>
+#include <lambent/model.h>
 
 #include "level_arguments.h"
+
+/* The model that the value names, of those that lightmaps can have. */
+const lmb_model *lightmap_model_argument(lmb_arguments *arguments, const char *option);
 
 /* Takes `argument` when it is the level, one of level_argument's options, or one of those of BAKE_USAGE. */
 bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument);
@@ -18,8 +22,11 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"                              \
     "  --texels-per-m N      lightmap density (default: from the level's size)\n"                                      \
     "  --padding N           texels filled around lightmap charts and nodes, for mip levels (default 1)\n"             \
+    "  --lightmap-format F   exr: half floats (default); ktx2, dds: block-compressed textures, 2.5 bytes a texel,\n"   \
+    "                        with as many mip levels as --padding keeps apart\n"                                       \
     "  --models NAME,...     lightmaps in these models too, a file each (default: irradz-hhd alone, which is always\n" \
     "                        written): hlsh, sh3, or any name of `lambent models`\n"                                   \
+    "  --compact             probes.lmb of little more than half the size: bytes above each probe's mean\n"            \
     "  --texel-error         the standard error of each texel, as a picture\n"                                         \
     "  --no-denoise          probes and lightmaps as they were gathered, noise and all\n"                              \
     "  --quality NAME        draft, medium or high: noise of 12, 6 or 3 %, by at most 256, 1024 or\n"                  \

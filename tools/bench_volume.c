@@ -10,11 +10,12 @@
 #include <lambent/volume.h>
 
 #include "bench_dense.h"
+#include "bench_forms.h"
 #include "bench_grids.h"
 
 /* Samples that a sampler is asked for at a time: as many objects as a game may move, whose light stays in the caches.
  */
-enum { CHUNK = 256 };
+enum { CHUNK = BENCH_CHUNK };
 
 /* Samples of each pattern whose error is looked at. */
 enum { ERROR_SAMPLES = 4096 };
@@ -29,22 +30,6 @@ typedef struct bench_work {
     int sampler_count;
     double *seconds; /* [(sampler * BENCH_PATTERNS + pattern) * repeats + repeat] */
 } bench_work;
-
-static void sample_lambent(const void *volume, const lmb_vec3 *position, size_t count, lmb_sh3_rgb *radiance)
-{
-    for (size_t i = 0; i < count; ++i) {
-        lmb_volume_sample(volume, position[i], &radiance[i]);
-    }
-}
-
-static void sample_lambent_batch(const void *volume, const lmb_vec3 *position, size_t count, lmb_sh3_rgb *radiance)
-{
-    lmb_vec3d at[CHUNK];
-    for (size_t i = 0; i < count; ++i) {
-        at[i] = (lmb_vec3d){(double)position[i].x, (double)position[i].y, (double)position[i].z};
-    }
-    lmb_volume_sample_batch(volume, at, count, radiance, NULL, NULL);
-}
 
 static double thread_seconds(void)
 {
@@ -128,10 +113,11 @@ static void rows_fill(bench_work *work, lmb_bench_volume *bench)
 static lmb_result samplers_create(bench_work *work, lmb_bench_volume *bench, lmb_error *error)
 {
     const double bytes = (double)lmb_volume_get_info(work->volume).file_bytes;
-    work->sampler[work->sampler_count++] = (lmb_bench_sampler){"lambent", work->volume, bytes, sample_lambent, NULL};
     work->sampler[work->sampler_count++] =
-        (lmb_bench_sampler){"lambent.batch", work->volume, bytes, sample_lambent_batch, NULL};
-    const lmb_result result = bench_dense_create(work->probes, &work->sampler[work->sampler_count]);
+        (lmb_bench_sampler){"lambent", work->volume, bytes, bench_sample_single, NULL};
+    work->sampler[work->sampler_count++] =
+        (lmb_bench_sampler){"lambent.batch", work->volume, bytes, bench_sample_batch, NULL};
+    lmb_result result = bench_dense_create(work->probes, &work->sampler[work->sampler_count]);
     if (result == LMB_OK) {
         work->sampler_count += BENCH_DENSE_SAMPLERS;
         bench->dense_kernel = bench_dense_kernel_name();
@@ -143,6 +129,11 @@ static lmb_result samplers_create(bench_work *work, lmb_bench_volume *bench, lmb
         return lmb_error_set(error, LMB_ERROR_MEMORY, "OpenVDB: the grids cannot be made");
     }
     work->sampler_count += grids;
+    result = bench_forms_create(work->probes, &work->sampler[work->sampler_count]);
+    if (result != LMB_OK) {
+        return lmb_error_set(error, result, "other forms of the volume: %s", lmb_result_text(result));
+    }
+    work->sampler_count += BENCH_FORMS;
     bench->has_nanovdb = grids == BENCH_GRID_SAMPLERS;
     return LMB_OK;
 }

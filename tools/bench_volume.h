@@ -6,7 +6,7 @@
 
 #include "bench_points.h"
 
-enum { BENCH_VOLUME_MOST_SAMPLERS = 8, BENCH_VOLUME_MOST_SAMPLES = 1 << 26 };
+enum { BENCH_VOLUME_MOST_SAMPLERS = 12, BENCH_VOLUME_MOST_SAMPLES = 1 << 26 };
 
 typedef struct lmb_bench_volume_row {
     const char *name;

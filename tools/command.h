@@ -101,11 +101,14 @@ double seconds_now(void);
 int command_bake(int count, char **values);
 int command_bench(int count, char **values);
 int command_check(int count, char **values);
+int command_cube(int count, char **values);
 int command_info(int count, char **values);
 int command_models(int count, char **values);
+int command_merge(int count, char **values);
 int command_pack(int count, char **values);
 int command_probe(int count, char **values);
 int command_render(int count, char **values);
 int command_sample(int count, char **values);
+int command_ssbump(int count, char **values);
 
 #endif

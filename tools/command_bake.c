@@ -1,13 +1,8 @@
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include <cjson/cJSON.h>
-
-#include <lambent/bake.h>
-
 #include "bake_arguments.h"
-#include "interrupt.h"
+#include "bake_command.h"
 
 static const char usage[] =
     "usage: lambent bake LEVEL -o DIR [options]\n"
@@ -18,16 +13,26 @@ static const char usage[] =
     "  -o DIR                where to write\n"
     "  --lightmaps           bake lightmaps too\n"
     "  --dry-run             print the number of probes and texels and the expected time, bake nothing\n"
+    "  --resume              go on from what a bake into DIR that was cut off has left there\n"
+    "  --force               bake even where DIR holds this very bake\n"
+    "  --shard K/N           gather the K-th of N shares alone, for lambent merge\n"
     "  --json-progress       progress, warnings and the result or error as JSON lines on standard output\n" BAKE_USAGE
         LEVEL_USAGE;
 
-typedef struct bake_options {
-    lmb_bake_settings settings;
-    const char *directory;
-    bool dry_run;
-    bool json_progress;
-    bool quiet;
-} bake_options;
+/* K/N */
+static void shard_read(lmb_bake_work *work, lmb_arguments *arguments, const char *option)
+{
+    const char *const text = arguments_text(arguments, option);
+    unsigned shard, count;
+    int end = -1;
+    if (!text || sscanf(text, "%6u/%6u%n", &shard, &count, &end) != 2 || text[end] != '\0' || shard < 1 ||
+        shard > count) {
+        arguments_error(arguments, "--shard takes K/N, 1 <= K <= N, not", text ? text : "");
+        return;
+    }
+    work->shard = shard - 1;
+    work->shard_count = count;
+}
 
 static bool option_take(bake_options *options, lmb_arguments *arguments, const char *argument)
 {
@@ -37,6 +42,12 @@ static bool option_take(bake_options *options, lmb_arguments *arguments, const c
         options->settings.lightmaps = true;
     } else if (strcmp(argument, "--dry-run") == 0) {
         options->dry_run = true;
+    } else if (strcmp(argument, "--resume") == 0) {
+        options->work.resume = true;
+    } else if (strcmp(argument, "--force") == 0) {
+        options->work.again = true;
+    } else if (strcmp(argument, "--shard") == 0) {
+        shard_read(&options->work, arguments, argument);
     } else if (strcmp(argument, "--json-progress") == 0) {
         options->json_progress = true;
     } else {
@@ -65,169 +76,6 @@ static bool options_read(bake_options *options, lmb_arguments *arguments)
     return !arguments->failed;
 }
 
-/* How many probes, and how far apart. */
-static void probes_print(const lmb_bake_record *record)
-{
-    printf("%d at ", record->probes);
-    if (record->level_count > 1) {
-        printf("%g to ", (double)record->level[0].spacing);
-    }
-    printf("%g m", (double)record->level[record->level_count > 0 ? record->level_count - 1 : 0].spacing);
-}
-
-static void plan_print(const lmb_bake_record *record)
-{
-    const lmb_bake_settings *settings = &record->settings;
-    printf("probes  ");
-    probes_print(record);
-    printf(" (%d traced, %d dilated", record->placement.probes_valid, record->placement.probes_dilated);
-    if (record->placement.probes_hanging > 0) {
-        printf(", %d on coarser cells", record->placement.probes_hanging);
-    }
-    printf(")\n");
-    if (settings->lightmaps) {
-        printf("texels  %llu at %g a metre, in %d images, of which they are %.1f %%\n",
-               (unsigned long long)record->texels_covered, (double)settings->texels_per_m, record->images,
-               100.0 * record->texels_used);
-    }
-    if (record->surface_solved) {
-        printf("cells   %u on surfaces, of %.3g m, solved in %.3g s\n", record->surface.cells,
-               (double)record->surface_cell_size, record->seconds[LMB_PHASE_SURFACE]);
-    }
-    printf("expect  about %.3g s on %d threads\n", record->expected_seconds, record->threads);
-}
-
-static cJSON *plan_json(const lmb_bake_record *record)
-{
-    cJSON *json = cJSON_CreateObject();
-    cJSON_AddBoolToObject(json, "dry_run", true);
-    cJSON_AddNumberToObject(json, "probes", record->probes);
-    cJSON_AddNumberToObject(json, "probes_valid", record->placement.probes_valid);
-    cJSON_AddNumberToObject(json, "spacing", (double)record->settings.spacing);
-    cJSON_AddNumberToObject(json, "texels", (double)record->texels_covered);
-    cJSON_AddNumberToObject(json, "images", record->images);
-    cJSON_AddNumberToObject(json, "texels_used", record->texels_used);
-    cJSON_AddNumberToObject(json, "charts", (double)record->charts);
-    cJSON_AddNumberToObject(json, "surface_cells", record->surface.cells);
-    cJSON_AddNumberToObject(json, "expected_seconds", record->expected_seconds);
-    cJSON_AddNumberToObject(json, "threads", record->threads);
-    return json;
-}
-
-static void summary_print(const lmb_bake_record *record, const char *directory)
-{
-    const lmb_bake_settings *settings = &record->settings;
-    if (record->surface_solved) {
-        printf("surfaces  %u cells of %.3g m, %.1f s\n", record->surface.cells, (double)record->surface_cell_size,
-               record->seconds[LMB_PHASE_SURFACE]);
-    }
-    printf("probes    ");
-    probes_print(record);
-    printf(", %.1f s\n", record->seconds[LMB_PHASE_LEVELS] + record->seconds[LMB_PHASE_PROBES]);
-    for (uint32_t i = 0; i < record->key_light_count; ++i) {
-        const lmb_key_light *light = &record->key_light[i];
-        printf("sun       from (%.3f, %.3f, %.3f), irradiance %.4g %.4g %.4g, apart from the harmonics\n",
-               (double)light->direction.x, (double)light->direction.y, (double)light->direction.z,
-               (double)light->irradiance.c[0], (double)light->irradiance.c[1], (double)light->irradiance.c[2]);
-    }
-    if (settings->lightmaps) {
-        printf("lightmap  %llu texels in %d images, %.1f %% of them, %llu charts made, %.1f s\n",
-               (unsigned long long)record->lightmap.elements, record->images, 100.0 * record->texels_used,
-               (unsigned long long)record->charts, record->seconds[LMB_PHASE_LIGHTMAPS]);
-    }
-    if (settings->lightmaps && settings->denoise) {
-        printf("denoise   %.1f s\n", record->seconds[LMB_PHASE_DENOISE]);
-    }
-    if (record->seams_closed.edges > 0) {
-        printf("seams     %zu edges, steps of %.2f %% (95 of 100 below %.1f %%), %.2f (%.1f) before closing\n",
-               record->seams_closed.edges, 100.0 * record->seams_closed.median, 100.0 * record->seams_closed.p95,
-               100.0 * record->seams_open.median, 100.0 * record->seams_open.p95);
-    }
-    const double elements = (double)record->placement.probes_valid + (double)record->lightmap.elements;
-    printf("samples   %.0f for a probe or texel on average\n",
-           (double)(record->gathered.samples + record->lightmap.samples) / (elements > 0.0 ? elements : 1.0));
-    printf("rays      %.3g million, %.2f million a second\n", 1e-6 * (double)lmb_bake_record_rays(record),
-           lmb_bake_record_mrays_per_s(record));
-    printf("error     %.2f %% estimated (standard error, relative, of probes and texels)\n",
-           100.0 * lmb_bake_record_error(record));
-    printf("memory    %.0f MB at most\n", record->peak_rss_mb);
-    printf("written   %s (probes.vdb %.1f kB, probes.lmb %.1f kB, lightmaps %.1f kB)\n", directory,
-           1e-3 * (double)record->bytes_vdb, 1e-3 * (double)record->bytes_lmb, 1e-3 * (double)record->bytes_lightmaps);
-}
-
-/* The record without its settings, which are those of the command line. */
-static cJSON *summary_json(const lmb_bake_record *record, const char *directory)
-{
-    char *text = lmb_bake_record_text(record);
-    cJSON *json = cJSON_Parse(text ? text : "{}");
-    free(text);
-    cJSON_DeleteItemFromObject(json, "settings");
-    cJSON_AddStringToObject(json, "directory", directory);
-    return json;
-}
-
-/* Says what a bake made, or with --dry-run would make. */
-static void record_report(const bake_options *options, const lmb_bake_record *record)
-{
-    if (options->json_progress) {
-        console_result(options->dry_run ? plan_json(record) : summary_json(record, options->directory));
-    } else if (options->dry_run) {
-        plan_print(record);
-    } else if (!options->quiet) {
-        summary_print(record, options->directory);
-    }
-}
-
-static void folder_abandon(void *folder)
-{
-    lmb_bake_folder_abandon(folder);
-}
-
-/* The folder comes first: one that cannot be written is found at once. From then on an interruption takes back what was
- * made there. */
-static lmb_result folder_open(const bake_options *options, lmb_bake_folder **folder, lmb_error *error)
-{
-    interrupt_hold();
-    const lmb_result result = lmb_bake_folder_open(options->directory, options->settings.lightmaps, folder, error);
-    if (result == LMB_OK) {
-        interrupt_set_cleanup(folder_abandon, *folder);
-    }
-    interrupt_release();
-    return result;
-}
-
-static void folder_close(lmb_bake_folder *folder)
-{
-    interrupt_hold();
-    interrupt_set_cleanup(NULL, NULL);
-    lmb_bake_folder_close(folder);
-    interrupt_release();
-}
-
-static bool on_progress(void *context, const lmb_bake_progress *progress)
-{
-    const bool goes_on = console_bake_progress(context, progress);
-    if (goes_on && progress->phase == LMB_PHASE_WRITE && progress->done >= 1.0) {
-        interrupt_shut(); /* files are about to replace their old versions */
-    }
-    return goes_on;
-}
-
-static lmb_result bake_run(const bake_options *options, const lmb_bake_listener *listener, lmb_bake_record *record,
-                           lmb_error *error)
-{
-    if (options->dry_run) {
-        return lmb_bake_plan(&options->settings, listener, record, error);
-    }
-    lmb_bake_folder *folder;
-    lmb_result result = folder_open(options, &folder, error);
-    if (result == LMB_OK) {
-        result = lmb_bake_run(&options->settings, folder, listener, record, error);
-        folder_close(folder);
-    }
-    return result;
-}
-
 int command_bake(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "bake", usage);
@@ -235,20 +83,5 @@ int command_bake(int count, char **values)
     if (!options_read(&options, &arguments)) {
         return arguments_status(&arguments);
     }
-    lmb_console console;
-    console_progress(&console, options.quiet, options.json_progress);
-    if (options.settings.max_samples == options.settings.samples) {
-        samples_say_rounded(options.settings.samples, LMB_GATHER_REPLICATES, options.quiet);
-    }
-    const lmb_bake_listener listener = {
-        .progress = on_progress, .context = &console, .warnings = console_warnings(options.quiet)};
-    lmb_error error = {{0}};
-    lmb_bake_record record;
-    const lmb_result result = bake_run(&options, &listener, &record, &error);
-    console_finish(&console);
-    if (result != LMB_OK) {
-        return command_fail(result, &error);
-    }
-    record_report(&options, &record);
-    return EXIT_DONE;
+    return bake_command_run(&options);
 }

@@ -7,9 +7,9 @@
 
 #include <lambent/baked.h>
 
+#include "bake_arguments.h"
 #include "check.h"
 #include "check_limits.h"
-#include "command.h"
 
 static const char usage[] =
     "usage: lambent check LEVEL DIR [options]\n"
@@ -22,6 +22,7 @@ static const char usage[] =
     "  --samples N   samples of each of the reference's two halves, at each point (default 256), and up to 16 times\n"
     "                as many where they leave it uncertain by more than 2 % of the light there\n"
     "  --seed N      of points, normals and reference (default 0)\n"
+    "  --model NAME  measure the lightmaps of that model, which the bake wrote beside its own (bake --models)\n"
     "  --threads N   default: all processors\n"
     "  --fail-above NAME=VALUE...\n"
     "                exit with 1 when that figure of --json is above VALUE: probe_vs_reference (its rel_rmse),\n"
@@ -50,6 +51,7 @@ typedef struct check_options {
     const char *directory;
     check_settings settings;
     check_limits limits;
+    const lmb_model *model; /* NULL: the bake's own */
     int threads;
     bool json;
     bool quiet;
@@ -65,6 +67,8 @@ static void options_read(lmb_arguments *arguments, check_options *options)
             options->settings.samples = (uint32_t)arguments_integer(arguments, next, 1, 100000000);
         } else if (strcmp(next, "--seed") == 0) {
             options->settings.seed = (uint64_t)arguments_integer(arguments, next, 0, INT64_MAX);
+        } else if (strcmp(next, "--model") == 0) {
+            options->model = lightmap_model_argument(arguments, next);
         } else if (strcmp(next, "--threads") == 0) {
             options->threads = (int)arguments_integer(arguments, next, 1, 1024);
         } else if (strcmp(next, "--fail-above") == 0) {
@@ -235,7 +239,12 @@ int command_check(int count, char **values)
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    result = check_limits_apply(&options.limits, baked.lightmap != NULL, &error);
+    if (options.model) {
+        result = lmb_baked_read_model(&baked, options.directory, options.model, &error);
+    }
+    if (result == LMB_OK) {
+        result = check_limits_apply(&options.limits, baked.lightmap != NULL, &error);
+    }
     if (result != LMB_OK) {
         lmb_baked_close(&baked);
         return command_fail(result, &error);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/block_texture.h>
 #include <lambent/exr.h>
 #include <lambent/model.h>
 #include <lambent/lightmap.h>
@@ -17,7 +18,8 @@ static const char usage[] =
     "usage: lambent info FILE [--json]\n"
     "       lambent info FILE.vdb --slices DIR [--axis x|y|z] [--at M]\n"
     "\n"
-    "Says what is in a probes.vdb, a probes.lmb or a lightmap .exr of ours.\n"
+    "Says what is in a probes.vdb, a probes.lmb, a lightmap .exr of ours, or a KTX2 or DDS of BC4,\n"
+    "BC5 or BC6H.\n"
     "\n"
     "  --json                one JSON object\n"
     "  --slices DIR          pictures of a plane through the probes too: levels.png, regions.png,\n"

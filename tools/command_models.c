@@ -270,7 +270,7 @@ static lmb_result all_measure(const models_options *options, const lmb_progress 
 static int models_run(const models_options *options)
 {
     lmb_error error = {""};
-    measured all = {NULL};
+    measured all = {.map = NULL};
     char machine[512];
     machine_text(machine);
     lmb_result result = options->html ? output_file_check(options->html, &error) : LMB_OK;

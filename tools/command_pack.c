@@ -17,11 +17,13 @@ static const char usage[] =
     "keep their names, transform and common active voxels.\n"
     "\n"
     "  -o FILE.lmb           where to write\n"
+    "  --compact             bytes instead of halfs above each probe's mean: little more than half the size\n"
     "  --quiet               no closing line and no warnings\n";
 
 typedef struct pack_options {
     const char *source;
     const char *output;
+    lmb_volume_form form;
     bool quiet;
 } pack_options;
 
@@ -30,7 +32,7 @@ static lmb_result pack_write(const pack_options *options, const lmb_probes *prob
 {
     unsigned char *data = NULL;
     size_t size;
-    lmb_result result = lmb_pack(probes, &data, &size, stats);
+    lmb_result result = lmb_pack_as(options->form, probes, &data, &size, stats);
     if (result == LMB_ERROR_ARGUMENT) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no probe has light: validity is below %g everywhere",
                              options->source, (double)LMB_PROBES_MIN_VALIDITY);
@@ -75,6 +77,8 @@ int command_pack(int count, char **values)
     for (const char *argument; (argument = arguments_next(&arguments));) {
         if (strcmp(argument, "-o") == 0) {
             options.output = arguments_text(&arguments, argument);
+        } else if (strcmp(argument, "--compact") == 0) {
+            options.form = LMB_VOLUME_COMPACT;
         } else if (strcmp(argument, "--quiet") == 0) {
             options.quiet = true;
         } else if (argument[0] != '-' && !options.source) {

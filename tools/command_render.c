@@ -6,9 +6,11 @@
 
 #include <lambent/baked.h>
 #include <lambent/exr.h>
+#include <lambent/file.h>
+#include <lambent/vdb.h>
 #include <lambent/vector.h>
 
-#include "command.h"
+#include "bake_arguments.h"
 #include "output_file.h"
 #include "render.h"
 #include "tonemap.h"
@@ -31,9 +33,15 @@ static const char usage[] =
     "                        difference  final - reference: red is too bright, blue too dark\n"
     "                        mismatch    irradiance by probes - by lightmaps, as a share of the latter: likewise\n"
     "                        density     a checker of lightmap texels; red where there is no lightmap\n"
+    "  --model NAME          light surfaces by the lightmaps of that model, which the bake wrote beside its own\n"
+    "                        (bake --models)\n"
+    "  --probes              show the probes as little spheres too, lit by what they hold: ghosts smaller, with a "
+    "blue\n"
+    "                        belt; a red belt where a probe could not be baked\n"
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
     "                        sphere is put there\n"
+    "  --specular M[,F0]     objects also reflect: roughness M from 0 to 1, F0 of it along the normal (default 0.04)\n"
     "  --samples N           light samples a pixel of reference and difference (default 32)\n"
     "  --exposure EV         brighten by 2^EV (default: by the picture's log-average)\n"
     "  --threads N           default: all processors\n"
@@ -63,9 +71,13 @@ typedef struct render_options {
     float exposure_ev;
     int32_t width, height;
     lmb_render_mode mode;
+    const lmb_model *model; /* NULL: the bake's own */
     uint32_t samples;
     object_option objects[MAX_OBJECTS];
     int object_count;
+    bool has_specular;
+    lmb_specular specular;
+    bool probes;
     int threads;
     bool quiet;
 } render_options;
@@ -106,6 +118,23 @@ static void size_read(lmb_arguments *arguments, const char *option, render_optio
     }
     options->width = (int32_t)width;
     options->height = (int32_t)height;
+}
+
+static void specular_read(lmb_arguments *arguments, const char *option, render_options *options)
+{
+    const char *text = arguments_text(arguments, option);
+    if (arguments->failed) {
+        return;
+    }
+    char *end;
+    const float roughness = strtof(text, &end);
+    const float f0 = end != text && *end == ',' ? strtof(end + 1, &end) : 0.04f;
+    if (end == text || *end != '\0' || !(roughness >= 0.0f && roughness <= 1.0f && f0 >= 0.0f && f0 <= 1.0f)) {
+        arguments_error(arguments, "--specular takes ROUGHNESS[,F0], both from 0 to 1, not", text);
+        return;
+    }
+    options->has_specular = true;
+    options->specular = (lmb_specular){roughness, {{f0, f0, f0}}};
 }
 
 /* "--object FILE" adds an object; "--object-at" places the one just added, or a sphere. */
@@ -151,8 +180,12 @@ static bool view_option(lmb_arguments *arguments, const char *option, render_opt
     } else if (strcmp(option, "--exposure") == 0) {
         options->exposure_ev = (float)arguments_number(arguments, option, -100.0, 100.0);
         options->has_exposure = true;
+    } else if (strcmp(option, "--specular") == 0) {
+        specular_read(arguments, option, options);
     } else if (strcmp(option, "--object") == 0 || strcmp(option, "--object-at") == 0) {
         object_read(arguments, option, options);
+    } else if (strcmp(option, "--probes") == 0) {
+        options->probes = true;
     } else {
         return false;
     }
@@ -167,6 +200,8 @@ static void options_read(lmb_arguments *arguments, render_options *options)
         }
         if (strcmp(next, "-o") == 0) {
             options->output = arguments_text(arguments, next);
+        } else if (strcmp(next, "--model") == 0) {
+            options->model = lightmap_model_argument(arguments, next);
         } else if (strcmp(next, "--samples") == 0) {
             options->samples = (uint32_t)arguments_integer(arguments, next, 1, 100000000);
         } else if (strcmp(next, "--threads") == 0) {
@@ -192,6 +227,8 @@ static void options_read(lmb_arguments *arguments, render_options *options)
         arguments_error(arguments, "missing option", "-o FILE.png|FILE.exr");
     } else if (options->camera_node && (options->has_camera || options->has_look)) {
         arguments_error(arguments, "--camera-node does not go with", options->has_camera ? "--camera" : "--look");
+    } else if (options->probes && (options->mode == RENDER_DIFFERENCE || options->mode == RENDER_MISMATCH)) {
+        arguments_error(arguments, "--probes does not go with --mode", mode_names[options->mode]);
     } else if (!output_file_ends_in(options->output, ".png") && !output_file_ends_in(options->output, ".exr")) {
         arguments_error(arguments, "-o takes a .png or .exr, not", options->output);
     }
@@ -394,6 +431,37 @@ static lmb_result picture_make(const render_options *options, const lmb_shader *
     return result;
 }
 
+/* The probes that are shown, and their spheres; nothing where none are asked for. */
+typedef struct shown_probes {
+    lmb_probes *probes;
+    probe_spheres spheres;
+} shown_probes;
+
+static lmb_result shown_open(const render_options *options, shown_probes *shown, lmb_error *error)
+{
+    *shown = (shown_probes){0};
+    if (!options->probes) {
+        return LMB_OK;
+    }
+    char *const path = lmb_file_in(options->directory, "probes.vdb");
+    lmb_result result = path ? lmb_vdb_read(path, &shown->probes, NULL, NULL, error)
+                             : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    free(path);
+    if (result == LMB_OK) {
+        result = probe_spheres_make(shown->probes, &shown->spheres);
+        if (result != LMB_OK) {
+            lmb_error_set(error, result, "out of memory for %d probes", shown->probes->count);
+        }
+    }
+    return result;
+}
+
+static void shown_close(shown_probes *shown)
+{
+    probe_spheres_free(&shown->spheres);
+    lmb_probes_destroy(shown->probes);
+}
+
 static lmb_result render_run(const render_options *options, const lmb_baked *baked, lmb_error *error)
 {
     const lmb_tracer *tracer = baked->level.tracer;
@@ -409,8 +477,12 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
         }
     }
     lmb_render_object objects[MAX_OBJECTS];
-    int object_count;
-    result = objects_open(options, &camera, tracer, objects, &object_count, error);
+    int object_count = 0;
+    shown_probes shown;
+    result = shown_open(options, &shown, error);
+    if (result == LMB_OK) {
+        result = objects_open(options, &camera, tracer, objects, &object_count, error);
+    }
     if (result == LMB_OK) {
         const lmb_shader shader = {
             .transport = &baked->level.transport,
@@ -418,6 +490,8 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
             .lightmap = baked->lightmap,
             .objects = objects,
             .object_count = object_count,
+            .specular = options->has_specular ? &options->specular : NULL,
+            .spheres = options->probes ? &shown.spheres : NULL,
             .default_texel = 1.0f / lmb_lightmap_settings_default(baked->level.scene).texels_per_m,
         };
         result = picture_make(options, &shader, &camera, baked->level.pool, error);
@@ -425,6 +499,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
     for (int i = 0; i < object_count; ++i) {
         render_object_close(&objects[i]);
     }
+    shown_close(&shown);
     return result;
 }
 
@@ -448,7 +523,12 @@ int command_render(int count, char **values)
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    result = render_run(&options, &baked, &error);
+    if (options.model) {
+        result = lmb_baked_read_model(&baked, options.directory, options.model, &error);
+    }
+    if (result == LMB_OK) {
+        result = render_run(&options, &baked, &error);
+    }
     lmb_baked_close(&baked);
     return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
 }

@@ -17,7 +17,7 @@ static void trilinear_sample(const void *state, lmb_vec3 position, const lmb_vec
 
 const leaks_method leaks_trilinear = {
     .name = "trilinear",
-    .about = "the product's",
+    .about = "eight probes, whatever is between",
     .prepare = trilinear_prepare,
     .sample = trilinear_sample,
 };
@@ -25,7 +25,7 @@ const leaks_method leaks_trilinear = {
 /* A probe as a file holds it: 27 halfs. */
 enum { PROBE_BYTES = 54, CELL_REGION_BYTES = 8 * sizeof(uint16_t), CELL_OFFSET_BYTES = sizeof(uint16_t) };
 
-static lmb_result product_prepare(const leaks_field *field, void **state, size_t *bytes)
+static lmb_result regions_prepare(const leaks_field *field, void **state, size_t *bytes)
 {
     const lmb_probes *const probes = field->bake.probes;
     *state = field->bake.probes;
@@ -34,22 +34,22 @@ static lmb_result product_prepare(const leaks_field *field, void **state, size_t
     return LMB_OK;
 }
 
-static void product_sample(const void *state, lmb_vec3 position, const lmb_vec3 *normal, lmb_sh3_rgb *radiance)
+static void regions_sample(const void *state, lmb_vec3 position, const lmb_vec3 *normal, lmb_sh3_rgb *radiance)
 {
     (void)normal;
     const lmb_vec3d at = {(double)position.x, (double)position.y, (double)position.z};
     *radiance = lmb_probes_light(state, 0, at);
 }
 
-const leaks_method leaks_product = {
-    .name = "cut",
+const leaks_method leaks_regions = {
+    .name = "regions",
     .about = "cells cut into regions, eight values each: probes, or ghosts fitted to light inside",
-    .prepare = product_prepare,
-    .sample = product_sample,
+    .prepare = regions_prepare,
+    .sample = regions_sample,
 };
 
 static const leaks_method *const methods[] = {
-    &leaks_trilinear, &leaks_masked, &leaks_masked_exact, &leaks_chebyshev, &leaks_regions, &leaks_product,
+    &leaks_trilinear, &leaks_masked, &leaks_masked_exact, &leaks_chebyshev, &leaks_regions,
 };
 
 const leaks_method *const *leaks_methods(size_t *count)

@@ -16,7 +16,7 @@ typedef struct leaks_method {
     void (*release)(void *state); /* NULL: nothing to release */
 } leaks_method;
 
-/* What the product does: trilinear in the packed volume. */
+/* Trilinear in the packed volume, without regions: what was not baked is dilated. */
 extern const leaks_method leaks_trilinear;
 
 /* Corners count where they are seen from, by rays at every sample. */
@@ -29,9 +29,8 @@ extern const leaks_method leaks_masked;
  * Diffuse Global Illumination with Ray-Traced Irradiance Fields"). */
 extern const leaks_method leaks_chebyshev;
 
-/* Cells that geometry cuts have eight corners for each of their regions of free space. */
+/* What the product bakes: cells that geometry cuts have eight corners for each of their regions of free space. */
 extern const leaks_method leaks_regions;
-extern const leaks_method leaks_product;
 
 /* All of them; `*count`. */
 const leaks_method *const *leaks_methods(size_t *count);

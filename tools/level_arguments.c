@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include <lambent/environment.h>
+
 /* Of lamps and emission. */
 #define MIN_SCALE 1e-9
 #define MAX_SCALE 1e9
@@ -15,10 +17,20 @@ static void exclude_add(lmb_level_settings *settings, lmb_arguments *arguments, 
     settings->exclude[settings->exclude_count++] = arguments_text(arguments, option);
 }
 
+static const char *environment_argument(lmb_arguments *arguments, const char *option)
+{
+    const char *const text = arguments_text(arguments, option);
+    lmb_error error = {""};
+    if (!arguments->failed && lmb_environment_check(text, &error) == LMB_ERROR_FORMAT) {
+        arguments_error(arguments, option, error.message);
+    }
+    return text;
+}
+
 bool level_argument(lmb_level_settings *settings, lmb_arguments *arguments, const char *option)
 {
     if (strcmp(option, "--env") == 0) {
-        settings->environment = arguments_text(arguments, option);
+        settings->environment = environment_argument(arguments, option);
     } else if (strcmp(option, "--exclude") == 0) {
         exclude_add(settings, arguments, option);
     } else if (strcmp(option, "--light-scale") == 0) {
@@ -35,6 +47,8 @@ bool level_argument(lmb_level_settings *settings, lmb_arguments *arguments, cons
         settings->bounces = (int)arguments_integer(arguments, option, 0, 1000000);
     } else if (strcmp(option, "--seed") == 0) {
         settings->seed = (uint64_t)arguments_integer(arguments, option, 0, INT64_MAX);
+    } else if (strcmp(option, "--light-set") == 0) {
+        settings->light_set = arguments_text(arguments, option);
     } else if (strcmp(option, "--key-lights") == 0) {
         settings->key_lights = (uint32_t)arguments_integer(arguments, option, 0, LMB_KEY_LIGHTS_MOST);
     } else if (strcmp(option, "--quiet") == 0) {

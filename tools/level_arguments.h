@@ -9,11 +9,15 @@
 /* Takes `option` and its value when it is one of those of LEVEL_USAGE. */
 bool level_argument(lmb_level_settings *settings, lmb_arguments *arguments, const char *option);
 #define LEVEL_USAGE                                                                                                    \
-    "  --env FILE|#rrggbb[,rotation=DEG][,strength=X]\n"                                                               \
+    "  --env FILE|#rrggbb[,rotation=DEG][,strength=X][,set=NAME]\n"                                                    \
     "                        environment: an equirectangular .hdr or .exr, or a constant colour\n"                     \
+    "  --env preetham:sun=AZIMUTH/ELEVATION[,turbidity=T][,ground=ALBEDO]\n"                                           \
+    "  --env preetham:time=HOURS,latitude=DEG[,day=N]...\n"                                                            \
+    "                        a clear sky and its sun, in kcd/m2\n"                                                     \
     "  --exclude PATTERN     leave out nodes by name, with their children (* and ?; repeatable)\n"                     \
     "  --light-scale X       multiply lamps (KHR_lights_punctual) by this\n"                                           \
     "  --emission-scale X    multiply what materials emit by this\n"                                                   \
+    "  --light-set NAME      the lights of that set alone ('base': those that name none)\n"                            \
     "  --key-lights N        suns kept apart from the harmonics, 0 to 4 (default 1)\n"                                 \
     "  --bounces N           reflections at most (default: no limit)\n"                                                \
     "  --seed N              of the random numbers (default 0)\n"                                                      \

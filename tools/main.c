@@ -19,12 +19,15 @@ static const struct {
     {"bake", command_bake, "bake a level's probe volume and lightmaps into a folder"},
     {"bench", command_bench, "measure how fast a volume is sampled, or how fast a bake traces"},
     {"check", command_check, "measure a bake against the path-traced truth"},
-    {"info", command_info, "say what is in a .vdb, .lmb or .exr of ours"},
+    {"cube", command_cube, "trace environment maps of a baked level for specular reflection"},
+    {"info", command_info, "say what is in a .vdb, .lmb, .exr, .ktx2 or .dds of ours"},
+    {"merge", command_merge, "put the shares of a bake together"},
     {"models", command_models, "measure every lighting model under environments"},
     {"pack", command_pack, "turn a .vdb, edited or not, into the .lmb that a game opens"},
     {"probe", command_probe, "trace one probe of a level on the spot"},
     {"render", command_render, "draw a picture of a baked level"},
     {"sample", command_sample, "look up the light at a point of a .lmb"},
+    {"ssbump", command_ssbump, "make a self-shadowed bump map of a height map"},
 };
 
 static void usage_print(FILE *stream)

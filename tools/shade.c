@@ -8,6 +8,7 @@
 
 #include "key_lights_seen.h"
 #include "replicates.h"
+#include "shade_specular.h"
 
 enum { MAX_LAYERS = 64 }; /* see-through surfaces along one ray */
 /* What is left of a ray below this share cannot be seen in 8 bits. */
@@ -164,7 +165,20 @@ static bool seen_unlit_colour(const seen_surface *seen, lmb_rgb *colour)
     return true;
 }
 
-static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen)
+/* What an object shows beside its diffuse light. */
+static lmb_rgb seen_specular(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen,
+                             lmb_vec3 direction)
+{
+    if (!shader->specular || !seen->object) {
+        return black;
+    }
+    const specular_place place = {seen_point(shader, seen), seen->normal, lmb_vec3_scale(direction, -1.0f)};
+    return source == SOURCE_REFERENCE ? shade_specular_of_reference(shader, &place)
+                                      : shade_specular_of_probes(shader, &place);
+}
+
+static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen,
+                             lmb_vec3 direction)
 {
     if (source == SOURCE_TEXELS) {
         return texel_colour(shader, seen);
@@ -181,7 +195,19 @@ static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, 
     }
     const lmb_rgb bounce =
         lmb_self_bounce(seen->surface.albedo, light.irradiance_z, seen->place.shading_normal, seen->normal);
-    return lmb_rgb_add(lmb_rgb_mul(seen->surface.albedo, lmb_rgb_add(light.irradiance, bounce)), seen->emission);
+    const lmb_rgb own = lmb_rgb_add(seen->emission, seen_specular(shader, source, seen, direction));
+    return lmb_rgb_add(lmb_rgb_mul(seen->surface.albedo, lmb_rgb_add(light.irradiance, bounce)), own);
+}
+
+/* Whether a probe's sphere is nearer than a surface. */
+static bool sphere_before(const lmb_shader *shader, lmb_vec3 origin, lmb_vec3 direction, float start, float distance,
+                          lmb_rgb *colour)
+{
+    if (!shader->spheres) {
+        return false;
+    }
+    const lmb_vec3d world = lmb_scene_to_world(lmb_tracer_scene(shader->transport->tracer), origin);
+    return probe_spheres_nearest(shader->spheres, world, direction, start, &distance, colour);
 }
 
 lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 origin, lmb_vec3 direction)
@@ -191,13 +217,19 @@ lmb_rgb shade_ray(const lmb_shader *shader, lmb_light_source source, lmb_vec3 or
     float start = 0.0f;
     for (int layer = 0; layer < MAX_LAYERS; ++layer) {
         seen_surface seen;
-        if (!seen_nearest(shader, origin, direction, start, &seen)) {
+        const bool found = seen_nearest(shader, origin, direction, start, &seen);
+        lmb_rgb sphere;
+        if (sphere_before(shader, origin, direction, start, found ? seen.hit.distance : FLT_MAX, &sphere)) {
+            return lmb_rgb_add(radiance, lmb_rgb_mul(share, sphere));
+        }
+        if (!found) {
             const lmb_rgb sky = lmb_emitters_environment_shown(shader->transport->emitters, direction);
             return lmb_rgb_add(radiance, lmb_rgb_mul(share, sky));
         }
         seen_complete(&seen, direction);
         if (seen.surface.coverage.opacity > 0.0f) {
-            const lmb_rgb own = lmb_rgb_scale(seen_radiance(shader, source, &seen), seen.surface.coverage.opacity);
+            const lmb_rgb own =
+                lmb_rgb_scale(seen_radiance(shader, source, &seen, direction), seen.surface.coverage.opacity);
             radiance = lmb_rgb_add(radiance, lmb_rgb_mul(share, own));
         }
         share = lmb_rgb_mul(share, seen.surface.coverage.pass);

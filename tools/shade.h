@@ -3,8 +3,10 @@
 #define LMB_TOOLS_SHADE_H
 
 #include <lambent/lightmap.h>
+#include <lambent/specular.h>
 #include <lambent/volume.h>
 
+#include "probe_spheres.h"
 #include "render_object.h"
 
 typedef enum lmb_light_source {
@@ -21,9 +23,11 @@ typedef struct lmb_shader {
     const lmb_lightmap *lightmap; /* NULL: none */
     const lmb_render_object *objects;
     int object_count;
-    float default_texel;        /* metres: a texel's size where there are no lightmaps */
-    bool irradiance_only;       /* show irradiance as on white paper: no albedo, emission or self-bounce */
-    uint32_t reference_samples; /* of SOURCE_REFERENCE, for each surface seen */
+    const probe_spheres *spheres; /* NULL: none */
+    float default_texel;          /* metres: a texel's size where there are no lightmaps */
+    bool irradiance_only;         /* show irradiance as on white paper: no albedo, emission or self-bounce */
+    const lmb_specular *specular; /* what objects reflect beside their diffuse light; NULL: nothing */
+    uint32_t reference_samples;   /* of SOURCE_REFERENCE, for each surface seen */
 } lmb_shader;
 
 /* Radiance (or irradiance) along a ray from `origin` in unit `direction`, through see-through surfaces. Two sources see

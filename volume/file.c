@@ -13,6 +13,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* No file of a bake or environment is as large; a pipe may go on for ever. */
+#define MOST_BYTES (SIZE_MAX / 4 < UINT64_C(1) << 32 ? SIZE_MAX / 4 : (size_t)(UINT64_C(1) << 32))
+
 static lmb_result read_stream(FILE *stream, size_t capacity, unsigned char **data, size_t *size)
 {
     unsigned char *buffer = malloc(capacity);
@@ -22,7 +25,11 @@ static lmb_result read_stream(FILE *stream, size_t capacity, unsigned char **dat
         if (used < capacity - 1) {
             break;
         }
-        unsigned char *larger = capacity > SIZE_MAX / 2 ? NULL : realloc(buffer, capacity * 2);
+        if (used > MOST_BYTES) {
+            free(buffer);
+            return LMB_ERROR_UNSUPPORTED;
+        }
+        unsigned char *larger = realloc(buffer, capacity * 2);
         if (!larger) {
             free(buffer);
         }
@@ -42,6 +49,26 @@ static lmb_result read_stream(FILE *stream, size_t capacity, unsigned char **dat
     return LMB_OK;
 }
 
+/* What to read at first. @return LMB_ERROR_ARGUMENT of a device, which may have no end, _UNSUPPORTED of too much */
+static lmb_result capacity_find(FILE *stream, size_t *capacity)
+{
+    struct stat status;
+    *capacity = 4096;
+    if (fstat(fileno(stream), &status) != 0 || status.st_size < 0) {
+        return LMB_OK;
+    }
+    if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode)) {
+        return LMB_ERROR_ARGUMENT;
+    }
+    if ((uintmax_t)status.st_size > MOST_BYTES) {
+        return LMB_ERROR_UNSUPPORTED;
+    }
+    if (status.st_size > 0) {
+        *capacity = (size_t)status.st_size + 2; /* one for the NUL, one so that the end is seen without growing */
+    }
+    return LMB_OK;
+}
+
 lmb_result lmb_file_read(const char *path, unsigned char **data, size_t *size, lmb_error *error)
 {
     assert(path && data && size);
@@ -49,14 +76,19 @@ lmb_result lmb_file_read(const char *path, unsigned char **data, size_t *size, l
     if (!stream) {
         return lmb_error_set(error, LMB_ERROR_IO, "%s: cannot open: %s", path, strerror(errno));
     }
-    struct stat status;
-    size_t capacity = 4096;
-    if (fstat(fileno(stream), &status) == 0 && status.st_size > 0 && (uintmax_t)status.st_size < SIZE_MAX / 2) {
-        capacity = (size_t)status.st_size + 2; /* one for the NUL, one so that the end is seen without growing */
+    size_t capacity = 0;
+    lmb_result result = capacity_find(stream, &capacity);
+    if (result == LMB_OK) {
+        result = read_stream(stream, capacity, data, size);
     }
-    const lmb_result result = read_stream(stream, capacity, data, size);
     const int reason = errno;
     fclose(stream);
+    if (result == LMB_ERROR_ARGUMENT) {
+        return lmb_error_set(error, LMB_ERROR_IO, "%s: a device, not a file", path);
+    }
+    if (result == LMB_ERROR_UNSUPPORTED) {
+        return lmb_error_set(error, result, "%s: larger than %" PRIu64 " bytes", path, (uint64_t)MOST_BYTES);
+    }
     if (result == LMB_ERROR_IO) {
         return lmb_error_set(error, result, "%s: cannot read: %s", path, strerror(reason));
     }

@@ -8,6 +8,7 @@
 
 #include <Imath/half.h>
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -65,11 +66,12 @@ static bool box_find(const lmb_probes *probes, lmb_volume_header *header)
 }
 
 /* What can be said of the header from the start. @return false: not what a file holds */
-static bool header_begin(const lmb_probes *probes, lmb_volume_header *header)
+static bool header_begin(const lmb_probes *probes, lmb_volume_form form, lmb_volume_header *header)
 {
     *header = (lmb_volume_header){.version = LMB_VOLUME_VERSION,
                                   .header_bytes = LMB_VOLUME_HEADER_BYTES,
-                                  .probe_bytes = LMB_PROBE_BYTES,
+                                  .probe_form = form,
+                                  .probe_bytes = lmb_volume_probe_bytes(form, probes->key_light_count),
                                   .level_count = probes->level_count,
                                   .key_light_count = probes->key_light_count};
     if (probes->count == 0 || probes->set_count != 1 || !levels_are_sane(probes) ||
@@ -112,10 +114,59 @@ void lmb_pack_halfs(const lmb_sh3_rgb *radiance, float scale, uint16_t half[LMB_
     }
 }
 
-static void write_probes(const lmb_packing *packing, unsigned char *image)
+/* The byte whose square is nearest to a share of the largest there may be, -1 to 1. */
+static int8_t compact_byte(float share)
+{
+    const float size = fminf(fabsf(share), 1.0f);
+    int byte = (int)(sqrtf(size) * 127.0f);
+    const float below = (float)(byte * byte), above = (float)((byte + 1) * (byte + 1));
+    byte += byte < 127 && size * 16129.0f > 0.5f * (below + above);
+    return (int8_t)(share < 0.0f ? -byte : byte);
+}
+
+/* A colour's shares, all eight made smaller where one is too large. @return whether they were */
+static bool write_shares(const float *c, float first, int8_t *to)
+{
+    float share[LMB_SH3_COUNT] = {0.0f}, largest = 1.0f;
+    for (int k = 1; k < LMB_SH3_COUNT; ++k) {
+        share[k] = first > 0.0f || first < 0.0f ? c[k] / first / (lmb_compact_share(k) * 16129.0f) : 0.0f;
+        largest = fmaxf(largest, fabsf(share[k]));
+    }
+    for (int k = 1; k < LMB_SH3_COUNT; ++k) {
+        to[k - 1] = compact_byte(largest <= FLT_MAX ? share[k] / largest : 0.0f);
+    }
+    return largest > 1.001f;
+}
+
+/* Three halfs and 24 bytes. @return colours that were flattened */
+static uint32_t write_compact(const lmb_sh3_rgb *radiance, float scale, unsigned char *to)
+{
+    uint16_t half[LMB_PROBE_COEFFICIENTS];
+    uint32_t flattened = 0;
+    lmb_pack_halfs(radiance, scale, half);
+    for (int c = 0; c < 3; ++c) {
+        int8_t share[LMB_SH3_COUNT - 1];
+        const uint16_t first = half[c * LMB_SH3_COUNT];
+        flattened += write_shares(radiance->channel[c].c, imath_half_to_float(first) * scale, share);
+        memcpy(to + 2 * c, &first, sizeof first);
+        memcpy(to + 6 + 8 * c, share, sizeof share);
+    }
+    return flattened;
+}
+
+static void write_halfs(const lmb_sh3_rgb *radiance, float scale, unsigned char *to)
+{
+    uint16_t half[LMB_PROBE_COEFFICIENTS];
+    lmb_pack_halfs(radiance, scale, half);
+    memcpy(to, half, sizeof half);
+}
+
+static void write_probes(lmb_packing *packing, unsigned char *image)
 {
     const lmb_probes *const probes = packing->probes;
     const lmb_volume_header *const header = &packing->header;
+    const bool is_compact = header->probe_form == LMB_VOLUME_COMPACT;
+    const size_t keys_offset = is_compact ? LMB_COMPACT_BYTES : LMB_HALFS_BYTES;
     const uint32_t count = (uint32_t)probes->count;
     for (size_t i = 0; i < header->stored_count; ++i) {
         const uint32_t source = packing->stored[i];
@@ -123,26 +174,30 @@ static void write_probes(const lmb_packing *packing, unsigned char *image)
             continue;
         }
         const lmb_pack_corner *const corner = source >= count ? &packing->corner[source - count] : NULL;
+        const lmb_sh3_rgb *const light = corner ? &corner->light : &probes->radiance[0][source];
         const float *const seen = corner ? corner->seen : probes->key_visibility[source];
-        uint16_t half[LMB_PROBE_COEFFICIENTS];
-        lmb_pack_halfs(corner ? &corner->light : &probes->radiance[0][source], header->scale, half);
-        memcpy(image + packing->layout.probes + i * LMB_PROBE_BYTES, half, sizeof half);
-        unsigned char *const to = image + packing->layout.seen + i * header->key_light_count;
+        unsigned char *const to = image + packing->layout.probes + i * header->probe_bytes;
+        if (is_compact) {
+            const uint32_t flattened = write_compact(light, header->scale, to);
+            packing->flattened_count += !corner && packing->slot[source] == i ? flattened : 0;
+        } else {
+            write_halfs(light, header->scale, to);
+        }
         for (uint32_t key = 0; key < header->key_light_count; ++key) {
-            to[key] = (uint8_t)(lmb_saturate(seen[key]) * 255.0f + 0.5f);
+            to[keys_offset + key] = (uint8_t)(lmb_saturate(seen[key]) * 255.0f + 0.5f);
         }
     }
 }
 
-/* Where a corner of a cut cell's region is stored. */
-static uint32_t corner_slot(const lmb_packing *packing, const lmb_pack_brick *brick, int32_t number, int32_t i,
-                            int32_t probe)
+/* Where a corner of a cut cell's region is stored, in units. */
+static uint32_t corner_units(const lmb_packing *packing, const lmb_pack_brick *brick, int32_t number, int32_t i,
+                             int32_t probe)
 {
     if (probe >= packing->probes->count - packing->probes->ghost_count) {
-        return packing->slot[probe];
+        return packing->slot[probe] * lmb_pack_units(packing);
     }
     const int32_t x = number % 4 + (i & 1), y = number / 4 % 4 + (i >> 1 & 1), z = number / 16 + (i >> 2);
-    return brick->row[y + LMB_BRICK_POINTS * z] + (uint32_t)x;
+    return brick->row[y + LMB_BRICK_POINTS * z] + (uint32_t)x * lmb_pack_units(packing);
 }
 
 /* @return bytes written */
@@ -155,9 +210,10 @@ static size_t write_cut_cell(const lmb_packing *packing, const lmb_pack_brick *b
     unsigned char *at = to + sizeof head;
     for (uint32_t region = 0; region < cut->region_count; ++region) {
         for (int32_t i = 0; i < 8; ++i) {
-            const uint32_t slot = corner_slot(packing, brick, number, i, cuts->corner[cut->region_first + region][i]);
-            memcpy(at, &slot, sizeof slot);
-            at += sizeof slot;
+            const int32_t probe = cuts->corner[cut->region_first + region][i];
+            const uint32_t units = corner_units(packing, brick, number, i, probe);
+            memcpy(at, &units, sizeof units);
+            at += sizeof units;
         }
     }
     if (cut->plane_count > 0) {
@@ -174,8 +230,9 @@ static void write_bricks(const lmb_packing *packing, unsigned char *image)
     size_t at = 0;
     for (uint32_t i = 0; i < packing->brick_count; ++i) {
         const lmb_pack_brick *const brick = &packing->brick[i];
-        heads[i] = (lmb_volume_brick){.plain = brick->plain, .cut = brick->cut_stored, .cut_first = brick->cut_first};
-        memcpy(heads[i].row, brick->row, sizeof heads[i].row);
+        heads[i + 1] =
+            (lmb_volume_brick){.plain = brick->plain, .cut = brick->cut_stored, .cut_first = brick->cut_first};
+        memcpy(heads[i + 1].row, brick->row, sizeof brick->row);
         for (int32_t number = 0; number < 64; ++number) {
             if (brick->cut_stored >> number & 1u) {
                 *offset++ = (uint32_t)(at / sizeof *offset);
@@ -190,7 +247,8 @@ static lmb_result image_make(lmb_packing *packing, unsigned char **data)
     lmb_volume_header *const header = &packing->header;
     if (!lmb_volume_layout_find(header, &packing->layout) || packing->layout.end > SIZE_MAX ||
         header->cut_bytes / sizeof(uint32_t) > UINT32_MAX ||
-        header->brick_count >= UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT) {
+        header->brick_count >= UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT ||
+        header->stored_count > UINT32_MAX / lmb_pack_units(packing)) {
         return LMB_ERROR_ARGUMENT;
     }
     unsigned char *const image = aligned_alloc(LMB_VOLUME_ALIGNMENT, (size_t)packing->layout.end);
@@ -243,9 +301,15 @@ static void packing_free(lmb_packing *packing)
 
 lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size, lmb_pack_stats *stats)
 {
+    return lmb_pack_as(LMB_VOLUME_HALFS, probes, data, size, stats);
+}
+
+lmb_result lmb_pack_as(lmb_volume_form form, const lmb_probes *probes, unsigned char **data, size_t *size,
+                       lmb_pack_stats *stats)
+{
     assert(probes && data && size);
     lmb_packing packing = {.probes = probes};
-    if (!header_begin(probes, &packing.header) || !lmb_volume_layout_find(&packing.header, &packing.layout)) {
+    if (!header_begin(probes, form, &packing.header) || !lmb_volume_layout_find(&packing.header, &packing.layout)) {
         return LMB_ERROR_ARGUMENT;
     }
     lmb_result result = packing_begin(&packing);
@@ -266,7 +330,8 @@ lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size
         *size = (size_t)packing.layout.end;
     }
     if (result == LMB_OK && stats) {
-        *stats = (lmb_pack_stats){packing.header.scale, overflow_count(&packing), packing.layout.end};
+        *stats = (lmb_pack_stats){packing.header.scale, overflow_count(&packing), packing.layout.end,
+                                  packing.flattened_count};
     }
     packing_free(&packing);
     return result;

@@ -256,7 +256,7 @@ static void block_name(lmb_packing *packing, lmb_pack_brick *brick, size_t block
 {
     (void)cells;
     if (packing->level_of[block] == brick->level) {
-        const uint32_t number = (uint32_t)(brick - packing->brick);
+        const uint32_t number = (uint32_t)(brick - packing->brick) + 1;
         packing->directory[block] = number | brick->level << LMB_VOLUME_LEVEL_SHIFT;
     }
 }
@@ -264,9 +264,7 @@ static void block_name(lmb_packing *packing, lmb_pack_brick *brick, size_t block
 void lmb_pack_directory(lmb_packing *packing, uint32_t *directory)
 {
     packing->directory = directory;
-    for (uint64_t block = 0; block < packing->layout.entries; ++block) {
-        directory[block] = LMB_VOLUME_NO_BRICK;
-    }
+    memset(directory, 0, (size_t)packing->layout.entries * sizeof *directory);
     for (uint32_t i = 0; i < packing->brick_count; ++i) {
         blocks_visit(packing, &packing->brick[i], block_name);
     }

@@ -54,11 +54,18 @@ typedef struct lmb_packing {
     lmb_probe_index row_at[LMB_VOLUME_LEVELS_MOST]; /* by brick's x, and y and z of the points */
     uint32_t *stored;                               /* [in the file] the probe, or probes->count + a corner; or
                                                        LMB_PACK_NOTHING */
-    uint32_t *slot;                                 /* [probe] the first place that it got, or LMB_PACK_NOTHING */
+    uint64_t flattened_count;
+    uint32_t *slot; /* [probe] the first place that it got, or LMB_PACK_NOTHING */
 } lmb_packing;
 
 enum { LMB_PACK_NO_LEVEL = 255 };
 #define LMB_PACK_NOTHING UINT32_C(0xffffffff)
+
+/* Units from a probe in the file to the next. */
+static inline uint32_t lmb_pack_units(const lmb_packing *packing)
+{
+    return packing->header.probe_bytes / LMB_PROBE_UNIT;
+}
 
 /* Makes room for one more element; it doubles with every power of two. */
 bool lmb_pack_reserve(void **array, size_t size, uint32_t count);

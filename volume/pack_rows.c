@@ -148,7 +148,7 @@ static lmb_result chain_place(lmb_packing *packing, uint32_t level, const int32_
         lmb_pack_row *const row = &packing->row[found];
         const int32_t low = lowest_bit(row->points), high = highest_bit(row->points);
         const bool shares = goes_on && low == 0;
-        row->start = packing->header.stored_count - (uint32_t)low - shares;
+        row->start = (packing->header.stored_count - (uint32_t)low - shares) * lmb_pack_units(packing);
         row->is_placed = true;
         result = slots_fill(packing, level, at, low + shares, high);
         goes_on = high == LMB_BRICK_CELLS;
@@ -209,6 +209,6 @@ lmb_result lmb_pack_rows(lmb_packing *packing)
             result = brick_ghosts_place(packing, &packing->brick[i]);
         }
     }
-    packing->header.brick_count = packing->brick_count;
+    packing->header.brick_count = packing->brick_count + 1;
     return result;
 }

@@ -47,3 +47,12 @@ void lmb_sincos(double angle_rad, double *sine, double *cosine)
         break;
     }
 }
+
+double lmb_angle_of(double x, double y)
+{
+    const double length = sqrt(x * x + y * y);
+    const double rough = 2.0 * LMB_PI * (double)lmb_turn_of((float)(x / length), (float)(y / length));
+    double sine, cosine;
+    lmb_sincos(rough, &sine, &cosine);
+    return rough + (y * cosine - x * sine) / length; /* the sine of what is missing, at most 3e-6 */
+}

@@ -11,6 +11,9 @@
  * which libm's are not. */
 void lmb_sincos(double angle_rad, double *sine, double *cosine);
 
+/* Angle of (x, y), of any length but 0, from +x towards +y in radians, in (-pi, pi], within 1e-15. */
+double lmb_angle_of(double x, double y);
+
 /* Sine and cosine of 2 pi turns, turns in [0, 1), within 2e-7: the nearest quarter is taken off, and for the rest, at
  * most pi/4, the Taylor series end below that. */
 static inline void lmb_turn_sincos(float turns, float *sine, float *cosine)

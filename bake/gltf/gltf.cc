@@ -88,6 +88,32 @@ void load(lmb_gltf_file *file, const lmb_gltf_options &options, lmb_scene &scene
     lmb_gltf_blender_warn_units(file, &scene, &options.warnings);
 }
 
+lmb_result load_source(const lmb_gltf_source &source, const lmb_gltf_options *options, lmb_scene **scene,
+                       lmb_error *error)
+{
+    lmb_gltf_file *opened = nullptr;
+    const lmb_result result = lmb_gltf_open(&source, options, &opened, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    const std::unique_ptr<lmb_gltf_file, file_close> file(opened);
+    std::unique_ptr<lmb_scene, scene_destroy> made(static_cast<lmb_scene *>(calloc(1, sizeof(lmb_scene))));
+    try {
+        if (!made) {
+            throw std::bad_alloc();
+        }
+        load(file.get(), options ? *options : lmb_gltf_options{}, *made);
+    } catch (const failure &f) {
+        return lmb_error_set(error, f.result, "%s", f.error.message);
+    } catch (const std::bad_alloc &) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", source.path);
+    } catch (const std::exception &e) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s", source.path, e.what());
+    }
+    *scene = made.release();
+    return LMB_OK;
+}
+
 } // namespace
 
 } // namespace lmb_gltf
@@ -95,25 +121,12 @@ void load(lmb_gltf_file *file, const lmb_gltf_options &options, lmb_scene &scene
 lmb_result lmb_gltf_load(const char *path, const lmb_gltf_options *options, lmb_scene **scene, lmb_error *error)
 {
     assert(path && scene);
-    lmb_gltf_file *opened = nullptr;
-    const lmb_result result = lmb_gltf_open(path, options, &opened, error);
-    if (result != LMB_OK) {
-        return result;
-    }
-    const std::unique_ptr<lmb_gltf_file, lmb_gltf::file_close> file(opened);
-    std::unique_ptr<lmb_scene, lmb_gltf::scene_destroy> made(static_cast<lmb_scene *>(calloc(1, sizeof(lmb_scene))));
-    try {
-        if (!made) {
-            throw std::bad_alloc();
-        }
-        lmb_gltf::load(file.get(), options ? *options : lmb_gltf_options{}, *made);
-    } catch (const lmb_gltf::failure &f) {
-        return lmb_error_set(error, f.result, "%s", f.error.message);
-    } catch (const std::bad_alloc &) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: out of memory", path);
-    } catch (const std::exception &e) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s", path, e.what());
-    }
-    *scene = made.release();
-    return LMB_OK;
+    return lmb_gltf::load_source({path, nullptr, 0}, options, scene, error);
+}
+
+lmb_result lmb_gltf_load_memory(const char *path, const void *data, size_t size, const lmb_gltf_options *options,
+                                lmb_scene **scene, lmb_error *error)
+{
+    assert(path && data && scene);
+    return lmb_gltf::load_source({path, data, size}, options, scene, error);
 }

@@ -94,8 +94,9 @@ static bool read_switch(extras_reader *reader, const cJSON *item, const char *na
                         lmb_gltf_marks *marks)
 {
     const bool is_static = strcmp(item->string, "static") == 0, is_seed = strcmp(item->string, "seed") == 0;
+    const bool is_cube = strcmp(item->string, "cube_map") == 0;
     bool value;
-    if (!is_static && !is_seed && strcmp(item->string, "lightmap") != 0) {
+    if (!is_static && !is_seed && !is_cube && strcmp(item->string, "lightmap") != 0) {
         return false;
     }
     if (!read_bool(item, &value)) {
@@ -104,6 +105,8 @@ static bool read_switch(extras_reader *reader, const cJSON *item, const char *na
         marks->moves = value ? LMB_GLTF_STANDS : LMB_GLTF_MOVES;
     } else if (is_seed) {
         marks->seed = value;
+    } else if (is_cube) {
+        marks->cube_map = value;
     } else {
         marks->lightmap = value ? LMB_GLTF_MAP_ON : LMB_GLTF_MAP_OFF;
     }

@@ -19,7 +19,7 @@ typedef enum lmb_gltf_lightmap { LMB_GLTF_MAP_AS_ABOVE, LMB_GLTF_MAP_ON, LMB_GLT
 typedef struct lmb_gltf_marks {
     lmb_gltf_movement moves;
     lmb_gltf_light_part light;
-    bool seed, has_path;
+    bool seed, has_path, cube_map;
     bool hidden; /* with all below it; the other marks count all the same */
     double path;
     lmb_gltf_lightmap lightmap;

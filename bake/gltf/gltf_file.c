@@ -81,10 +81,22 @@ static lmb_result parse_json(lmb_gltf_file *file, lmb_gltf_bytes text, lmb_error
     return LMB_OK;
 }
 
-static lmb_result read_json(lmb_gltf_file *file, lmb_error *error)
+static lmb_result read_bytes(lmb_gltf_file *file, const lmb_gltf_source *source, lmb_error *error)
+{
+    if (!source->data) {
+        return lmb_gltf_plain_file_read(file->path, file->path, &file->bytes, error);
+    }
+    if (source->size > LMB_GLTF_MAX_SIZE) {
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: larger than 2 GiB", file->path);
+    }
+    file->bytes = (lmb_gltf_bytes){source->data, source->size, NULL};
+    return LMB_OK;
+}
+
+static lmb_result read_json(lmb_gltf_file *file, const lmb_gltf_source *source, lmb_error *error)
 {
     lmb_gltf_bytes json;
-    lmb_result result = lmb_gltf_plain_file_read(file->path, file->path, &file->bytes, error);
+    lmb_result result = read_bytes(file, source, error);
     if (result == LMB_OK) {
         file->hash = lmb_hash(LMB_HASH_SEED, file->bytes.data, file->bytes.size);
         result = lmb_gltf_container_split(file->path, file->bytes, &json, &file->bin, error);
@@ -92,9 +104,11 @@ static lmb_result read_json(lmb_gltf_file *file, lmb_error *error)
     return result == LMB_OK ? parse_json(file, json, error) : result;
 }
 
-lmb_result lmb_gltf_file_read(const char *path, bool allow_outside_uris, lmb_gltf_file **file, lmb_error *error)
+lmb_result lmb_gltf_file_read(const lmb_gltf_source *source, bool allow_outside_uris, lmb_gltf_file **file,
+                              lmb_error *error)
 {
-    assert(path && file);
+    assert(source->path && file);
+    const char *const path = source->path;
     lmb_gltf_file *const opened = calloc(1, sizeof *opened);
     char *const copy = malloc(strlen(path) + 1);
     if (!opened || !copy) {
@@ -104,7 +118,7 @@ lmb_result lmb_gltf_file_read(const char *path, bool allow_outside_uris, lmb_glt
     }
     opened->path = memcpy(copy, path, strlen(path) + 1);
     opened->allow_outside_uris = allow_outside_uris;
-    const lmb_result result = read_json(opened, error);
+    const lmb_result result = read_json(opened, source, error);
     if (result != LMB_OK) {
         lmb_gltf_file_close(opened);
         return result;

@@ -43,9 +43,17 @@ typedef struct lmb_gltf_file {
  * @return LMB_ERROR_IO, _UNSUPPORTED, _MEMORY */
 lmb_result lmb_gltf_plain_file_read(const char *path, const char *shown, lmb_gltf_bytes *bytes, lmb_error *error);
 
+/* Where a file is. */
+typedef struct lmb_gltf_source {
+    const char *path;
+    const void *data; /* its bytes, which outlive what is read from them; NULL: they are on the disk */
+    size_t size;
+} lmb_gltf_source;
+
 /* Reads the container and parses the JSON, which is an object then, and unchecked. For lmb_gltf_file_close.
  * @return LMB_ERROR_IO, _FORMAT, _UNSUPPORTED, _MEMORY */
-lmb_result lmb_gltf_file_read(const char *path, bool allow_outside_uris, lmb_gltf_file **file, lmb_error *error);
+lmb_result lmb_gltf_file_read(const lmb_gltf_source *source, bool allow_outside_uris, lmb_gltf_file **file,
+                              lmb_error *error);
 
 /* `file` may be NULL. */
 void lmb_gltf_file_close(lmb_gltf_file *file);

@@ -5,10 +5,11 @@
 #include "gltf/gltf_check.h"
 #include "gltf/gltf_references.h"
 
-lmb_result lmb_gltf_open(const char *path, const lmb_gltf_options *options, lmb_gltf_file **file, lmb_error *error)
+lmb_result lmb_gltf_open(const lmb_gltf_source *source, const lmb_gltf_options *options, lmb_gltf_file **file,
+                         lmb_error *error)
 {
     lmb_gltf_file *opened;
-    lmb_result result = lmb_gltf_file_read(path, options && options->allow_outside_uris, &opened, error);
+    lmb_result result = lmb_gltf_file_read(source, options && options->allow_outside_uris, &opened, error);
     if (result != LMB_OK) {
         return result;
     }

@@ -11,7 +11,8 @@ extern "C" {
 #endif
 
 /* For lmb_gltf_file_close. `options` may be NULL. @return LMB_ERROR_IO, _FORMAT, _UNSUPPORTED, _MEMORY */
-lmb_result lmb_gltf_open(const char *path, const lmb_gltf_options *options, lmb_gltf_file **file, lmb_error *error);
+lmb_result lmb_gltf_open(const lmb_gltf_source *source, const lmb_gltf_options *options, lmb_gltf_file **file,
+                         lmb_error *error);
 
 #ifdef __cplusplus
 }

@@ -105,6 +105,11 @@ void walk::add(const visit &visit)
         append(scene_.seed_names, count) = copy_string(name);
         append(scene_.seed_points, scene_.seed_point_count) = origin_of(to_world);
     }
+    if (marks.cube_map) {
+        uint32_t count = scene_.cube_point_count;
+        append(scene_.cube_names, count) = copy_string(name);
+        append(scene_.cube_points, scene_.cube_point_count) = origin_of(to_world);
+    }
     if (marks.has_path) {
         path_.emplace_back(marks.path, origin_of(to_world));
     }

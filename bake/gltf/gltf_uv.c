@@ -318,7 +318,7 @@ lmb_result lmb_gltf_write_with_uvs(const char *source_path, const lmb_gltf_optio
 {
     assert(source_path && path && (uvs || uv_count == 0));
     lmb_gltf_writer w = {.warnings = options ? &options->warnings : NULL, .error = error};
-    lmb_result result = lmb_gltf_open(source_path, options, &w.file, error);
+    lmb_result result = lmb_gltf_open(&(lmb_gltf_source){.path = source_path}, options, &w.file, error);
     if (result != LMB_OK) {
         return result;
     }

@@ -164,20 +164,40 @@ static bool channel_exists(exr_const_context_t context, const char *name)
     return false;
 }
 
-/* Points the chunk's channels at pixel (x, y) of their targets; channels that nobody wants are skipped. */
-static void chunk_aim(exr_decode_pipeline_t *decoder, const lmb_exr_targets *targets, int32_t x, int32_t y)
+/* What chunks are decoded by, one after the other. */
+typedef struct exr_chunks {
+    exr_decode_pipeline_t decoder;
+    float *unwanted; /* a chunk of one channel */
+    bool out_of_memory;
+} exr_chunks;
+
+/* Room for the channels that nobody wants, as large as a chunk can be. Version 3.1 of the library unpacks three or four
+ * channels of half floats together, and writes through the NULL that otherwise says to skip one. */
+static exr_result_t unwanted_allocate(exr_chunks *chunks, const lmb_exr_targets *targets, int32_t width, int32_t height)
 {
-    for (int i = 0; i < decoder->channel_count; ++i) {
-        exr_coding_channel_info_t *const channel = &decoder->channels[i];
-        channel->decode_to_ptr = NULL;
+    const size_t columns = (size_t)(width < targets->width ? width : targets->width);
+    const size_t rows = (size_t)(height < targets->height ? height : targets->height);
+    chunks->unwanted = malloc(columns * rows * sizeof *chunks->unwanted);
+    chunks->out_of_memory = !chunks->unwanted;
+    return chunks->unwanted ? EXR_ERR_SUCCESS : EXR_ERR_OUT_OF_MEMORY;
+}
+
+/* Points the chunk's channels at pixel (x, y) of their targets, and those that nobody wants at one place for all. */
+static void chunk_aim(exr_chunks *chunks, const lmb_exr_targets *targets, int32_t x, int32_t y)
+{
+    for (int i = 0; i < chunks->decoder.channel_count; ++i) {
+        exr_coding_channel_info_t *const channel = &chunks->decoder.channels[i];
+        channel->decode_to_ptr = (uint8_t *)chunks->unwanted;
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_pixel_stride = sizeof(float);
+        channel->user_line_stride = channel->width * (int32_t)sizeof(float);
         for (size_t k = 0; k < targets->count; ++k) {
             const lmb_exr_target *const target = &targets->target[k];
             if (strcmp(channel->channel_name, target->channel) == 0) {
                 const size_t pixel = (size_t)y * (size_t)targets->width + (size_t)x;
                 float *const first = target->base + pixel * (size_t)target->stride;
                 channel->decode_to_ptr = (uint8_t *)first;
-                channel->user_data_type = EXR_PIXEL_FLOAT;
-                channel->user_bytes_per_element = sizeof(float);
                 channel->user_pixel_stride = target->stride * (int32_t)sizeof(float);
                 channel->user_line_stride = targets->width * channel->user_pixel_stride;
             }
@@ -199,23 +219,23 @@ static void buffer_free(exr_transcoding_pipeline_buffer_id_t id, void *buffer)
 }
 
 /* Decodes one chunk that starts at pixel (x, y); the first sets the pipeline up. */
-static exr_result_t chunk_decode(exr_const_context_t context, const exr_chunk_info_t *chunk,
-                                 exr_decode_pipeline_t *decoder, const lmb_exr_targets *targets, int32_t x, int32_t y)
+static exr_result_t chunk_decode(exr_const_context_t context, const exr_chunk_info_t *chunk, exr_chunks *chunks,
+                                 const lmb_exr_targets *targets, int32_t x, int32_t y)
 {
+    exr_decode_pipeline_t *const decoder = &chunks->decoder;
     const bool first = decoder->context == NULL;
     exr_result_t code =
         first ? exr_decoding_initialize(context, 0, chunk, decoder) : exr_decoding_update(context, 0, chunk, decoder);
     if (code == EXR_ERR_SUCCESS) {
         decoder->alloc_fn = buffer_allocate;
         decoder->free_fn = buffer_free;
-        chunk_aim(decoder, targets, x, y);
+        chunk_aim(chunks, targets, x, y);
         code = first ? exr_decoding_choose_default_routines(context, 0, decoder) : code;
     }
     return code == EXR_ERR_SUCCESS ? exr_decoding_run(context, 0, decoder) : code;
 }
 
-static exr_result_t scanlines_decode(exr_const_context_t context, const lmb_exr_targets *targets,
-                                     exr_decode_pipeline_t *decoder)
+static exr_result_t scanlines_decode(exr_const_context_t context, const lmb_exr_targets *targets, exr_chunks *chunks)
 {
     int32_t step = 0;
     exr_attr_box2i_t window;
@@ -226,20 +246,22 @@ static exr_result_t scanlines_decode(exr_const_context_t context, const lmb_exr_
     if (code == EXR_ERR_SUCCESS && step < 1) {
         return EXR_ERR_FILE_BAD_HEADER;
     }
+    if (code == EXR_ERR_SUCCESS) {
+        code = unwanted_allocate(chunks, targets, targets->width, step);
+    }
     for (int32_t y = 0; y < targets->height && code == EXR_ERR_SUCCESS; y += step) {
         exr_chunk_info_t chunk;
         code = exr_read_scanline_chunk_info(context, 0, window.min.y + y, &chunk);
         if (code == EXR_ERR_SUCCESS) {
             code = chunk.width == targets->width && chunk.height <= targets->height - y
-                       ? chunk_decode(context, &chunk, decoder, targets, 0, y)
+                       ? chunk_decode(context, &chunk, chunks, targets, 0, y)
                        : EXR_ERR_CORRUPT_CHUNK;
         }
     }
     return code;
 }
 
-static exr_result_t tiles_decode(exr_const_context_t context, const lmb_exr_targets *targets,
-                                 exr_decode_pipeline_t *decoder)
+static exr_result_t tiles_decode(exr_const_context_t context, const lmb_exr_targets *targets, exr_chunks *chunks)
 {
     int32_t tile_width = 0;
     int32_t tile_height = 0;
@@ -247,13 +269,16 @@ static exr_result_t tiles_decode(exr_const_context_t context, const lmb_exr_targ
     if (code == EXR_ERR_SUCCESS && (tile_width < 1 || tile_height < 1)) {
         return EXR_ERR_FILE_BAD_HEADER;
     }
+    if (code == EXR_ERR_SUCCESS) {
+        code = unwanted_allocate(chunks, targets, tile_width, tile_height);
+    }
     for (int32_t y = 0; y < targets->height && code == EXR_ERR_SUCCESS; y += tile_height) {
         for (int32_t x = 0; x < targets->width && code == EXR_ERR_SUCCESS; x += tile_width) {
             exr_chunk_info_t chunk;
             code = exr_read_tile_chunk_info(context, 0, x / tile_width, y / tile_height, 0, 0, &chunk);
             if (code == EXR_ERR_SUCCESS) {
                 code = chunk.width <= targets->width - x && chunk.height <= targets->height - y
-                           ? chunk_decode(context, &chunk, decoder, targets, x, y)
+                           ? chunk_decode(context, &chunk, chunks, targets, x, y)
                            : EXR_ERR_CORRUPT_CHUNK;
             }
         }
@@ -279,17 +304,21 @@ static lmb_result pixels_decode(const exr_source *source, exr_const_context_t co
     if (code == EXR_ERR_SUCCESS && (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB)) {
         return dwa_decode(source, targets, error);
     }
-    exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
+    exr_chunks chunks = {EXR_DECODE_PIPELINE_INITIALIZER, NULL, false};
     if (code == EXR_ERR_SUCCESS) {
         code = exr_get_storage(context, 0, &storage);
     }
     if (code == EXR_ERR_SUCCESS) {
-        code = storage == EXR_STORAGE_TILED ? tiles_decode(context, targets, &decoder)
-                                            : scanlines_decode(context, targets, &decoder);
+        code = storage == EXR_STORAGE_TILED ? tiles_decode(context, targets, &chunks)
+                                            : scanlines_decode(context, targets, &chunks);
     }
-    exr_decoding_destroy(context, &decoder);
+    exr_decoding_destroy(context, &chunks.decoder);
+    free(chunks.unwanted);
     if (code == EXR_ERR_SUCCESS) {
         return LMB_OK;
+    }
+    if (chunks.out_of_memory) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory to decode the EXR's pixels", source->file.name);
     }
     char doing[64];
     snprintf(doing, sizeof doing, "cannot decode the EXR's %s pixels", compression_name(compression));
@@ -490,21 +519,26 @@ static lmb_result file_decode(exr_source *source, const char *const *names, lmb_
     return result;
 }
 
+lmb_result lmb_exr_decode_channels(const lmb_image_bytes *file, const char *const *names, size_t count, float **values,
+                                   lmb_exr_header *header, lmb_error *error)
+{
+    exr_source source = {.file = *file};
+    lmb_exr_targets targets = {.count = count};
+    return lmb_exr_is(file) ? file_decode(&source, names, &targets, values, header, error)
+                            : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not an OpenEXR file", file->name);
+}
+
 lmb_result lmb_exr_read_channels(const char *path, const char *const *names, size_t count, float **values,
                                  lmb_exr_header *header, lmb_error *error)
 {
     assert(path && names && values && header);
     unsigned char *data = NULL;
-    exr_source source = {.file = {.name = path}};
-    lmb_result result = lmb_file_read(path, &data, &source.file.size, error);
-    if (result != LMB_OK) {
-        return result;
+    size_t size = 0;
+    lmb_result result = lmb_file_read(path, &data, &size, error);
+    if (result == LMB_OK) {
+        result = lmb_exr_decode_channels(&(lmb_image_bytes){path, data, size}, names, count, values, header, error);
+        free(data);
     }
-    source.file.data = data;
-    lmb_exr_targets targets = {.count = count};
-    result = lmb_exr_is(&source.file) ? file_decode(&source, names, &targets, values, header, error)
-                                      : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not an OpenEXR file", path);
-    free(data);
     return result;
 }
 

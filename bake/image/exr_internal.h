@@ -18,6 +18,10 @@ bool lmb_exr_is(const lmb_image_bytes *file);
 /* A picture; pixels come as the file has them, NaN and negative ones too. @return as lmb_image_read */
 lmb_result lmb_exr_decode(const lmb_image_bytes *file, lmb_image *image, lmb_latlong_axes *axes, lmb_error *error);
 
+/* As lmb_exr_read_channels. */
+lmb_result lmb_exr_decode_channels(const lmb_image_bytes *file, const char *const *names, size_t count, float **values,
+                                   lmb_exr_header *header, lmb_error *error);
+
 /* Where a channel's pixels go: value (x, y) at base[(y width + x) stride]. */
 typedef struct lmb_exr_target {
     const char *channel;

@@ -3,6 +3,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +28,7 @@ typedef struct exr_sink {
     unsigned char *data;
     size_t size;
     size_t capacity;
+    bool out_of_memory; /* the library calls it a failed write */
 } exr_sink;
 
 static int64_t sink_write(exr_const_context_t context, void *user, const void *buffer, uint64_t size, uint64_t offset,
@@ -34,6 +36,7 @@ static int64_t sink_write(exr_const_context_t context, void *user, const void *b
 {
     exr_sink *const sink = user;
     if (size > SIZE_MAX / 4 || offset > SIZE_MAX / 4) {
+        sink->out_of_memory = true;
         on_error(context, EXR_ERR_OUT_OF_MEMORY, "no memory for the file");
         return -1;
     }
@@ -42,6 +45,7 @@ static int64_t sink_write(exr_const_context_t context, void *user, const void *b
         const size_t capacity = end > 2 * sink->capacity ? end : 2 * sink->capacity;
         unsigned char *const larger = realloc(sink->data, capacity);
         if (!larger) {
+            sink->out_of_memory = true;
             on_error(context, EXR_ERR_OUT_OF_MEMORY, "no memory for the file");
             return -1;
         }
@@ -191,7 +195,7 @@ lmb_result lmb_exr_write(const char *path, const lmb_exr_picture *picture, size_
         return result;
     }
     size_t overflows = 0;
-    exr_sink sink = {NULL, 0, 0};
+    exr_sink sink = {NULL, 0, 0, false};
     uint16_t *const halfs = halfs_make(picture, &overflows);
     if (!halfs) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "%s: no memory for %d x %d pixels of %zu channels", path,
@@ -214,7 +218,8 @@ lmb_result lmb_exr_write(const char *path, const lmb_exr_picture *picture, size_
     if (code == EXR_ERR_SUCCESS) {
         result = lmb_file_write(path, sink.data, sink.size, error);
     } else {
-        result = lmb_error_set(error, code == EXR_ERR_OUT_OF_MEMORY ? LMB_ERROR_MEMORY : LMB_ERROR_ARGUMENT,
+        const bool out_of_memory = code == EXR_ERR_OUT_OF_MEMORY || sink.out_of_memory;
+        result = lmb_error_set(error, out_of_memory ? LMB_ERROR_MEMORY : LMB_ERROR_ARGUMENT,
                                "%s: cannot write the EXR: %s", path, exr_get_default_error_message(code));
     }
     if (result == LMB_OK && overflow_count) {

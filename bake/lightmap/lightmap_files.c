@@ -11,6 +11,17 @@ void lmb_lightmap_file_name(int32_t image, const char *kind, char name[LMB_LIGHT
     snprintf(name, LMB_LIGHTMAP_FILE_NAME, "lightmap_%d%s%s.exr", (int)image, kind ? "_" : "", kind ? kind : "");
 }
 
+const char *lmb_lightmap_format_name(lmb_lightmap_format format)
+{
+    static const char *const names[LMB_LIGHTMAP_FORMATS] = {"exr", "ktx2", "dds"};
+    return names[format];
+}
+
+const lmb_model *lmb_lightmap_default_model(lmb_lightmap_format format)
+{
+    return lmb_model_default(format == LMB_LIGHTMAP_EXR ? LMB_MODEL_FOR_LIGHTMAP : LMB_MODEL_FOR_TEXTURE);
+}
+
 int lmb_lightmap_format_version(const lmb_lightmap *lightmap)
 {
     return lightmap->key_light_count > 0 ? LMB_LIGHTMAP_FORMAT_VERSION_WITH_KEYS : LMB_LIGHTMAP_FORMAT_VERSION;

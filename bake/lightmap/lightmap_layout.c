@@ -1,5 +1,6 @@
 /* Which UVs each mesh uses, how many texels each instance gets, and where they are. */
 #include "lightmap/lightmap_internal.h"
+#include "lightmap/lightmap_textures.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -458,6 +459,10 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
                              "padding of up to %d texels and less than a quarter of an image",
                              MIN_IMAGE_SIZE, MAX_IMAGE_SIZE, (int)LMB_LIGHTMAP_MAX_PADDING);
     }
+    if (settings->format != LMB_LIGHTMAP_EXR && settings->model && !lmb_lightmap_textures_hold(settings->model)) {
+        return lmb_error_set(error, LMB_ERROR_ARGUMENT, "no textures hold lightmaps in the model %s",
+                             settings->model->name);
+    }
     const size_t instances = (size_t)scene->instance_count + 1u;
     const size_t meshes = (size_t)scene->mesh_count + 1u;
     lmb_lightmap *created = calloc(1, sizeof *created);
@@ -478,7 +483,7 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
     if (created) {
         created->scene = scene;
         created->settings = *settings;
-        created->model = settings->model ? settings->model : lmb_model_default(LMB_MODEL_FOR_LIGHTMAP);
+        created->model = settings->model ? settings->model : lmb_lightmap_default_model(settings->format);
         created->settings.padding = settings->padding > 0 ? settings->padding : 1;
         created->key_light_count = lmb_scene_key_lights(scene, created->key_light);
         created->region = calloc(instances, sizeof *created->region);

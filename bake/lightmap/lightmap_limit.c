@@ -235,9 +235,12 @@ static void directions_shorten(limit_area *area, const lmb_texel_piece *piece, f
     const float edge = trusted / lmb_larger(height, trusted);
     for (int k = 0; k < 4; ++k) {
         limit_texel *texel = area_limit(area, piece->x + (k & 1), piece->y + (k >> 1));
+        texel->shine = true;
+        if (area->model->direction->first == LMB_MODEL_NO_LENGTH) {
+            continue; /* the weights alone can help */
+        }
         const float lowest = lowest_height(area, piece->x + (k & 1), piece->y + (k >> 1));
         const float least = trusted / lmb_larger(lmb_smaller(texel->height, EVEN_HEIGHTS * lowest), trusted);
-        texel->shine = true;
         texel->length = lmb_smaller(texel->length, lmb_larger(texel->stored * edge * sqrtf(share), least));
     }
 }
@@ -258,9 +261,12 @@ static tried_point point_try(limit_area *area, const lmb_texel_piece *piece, lmb
     limit_filter filter;
     filter_make(area, piece, (float)at.x, (float)at.y, &filter);
     const lmb_vec3 normal = area_normal(area, at.u, at.v);
-    const float *d = &filter.channel[area->model->direction->first];
-    tried_point tried = {at, lmb_vec3_dot(normal, lmb_vec3_of(d[0], d[1], d[2])), false};
     const unit_light light = unit_light_decode(area, filter.channel, normal);
+    tried_point tried = {at, light.height, false};
+    if (area->model->direction->first != LMB_MODEL_NO_LENGTH) {
+        const float *d = &filter.channel[area->model->direction->first];
+        tried.height = lmb_vec3_dot(normal, lmb_vec3_of(d[0], d[1], d[2]));
+    }
     const float allowed =
         peak_allowed(area->brightest, lmb_rgb_of(filter.channel[0], filter.channel[1], filter.channel[2]));
     if (!(unit_light_peak(&light) > SLACK * allowed)) {

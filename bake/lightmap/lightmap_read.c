@@ -1,5 +1,5 @@
 /* Lightmaps from disk, into a layout that was made again (docs/formats.md). */
-#include "lightmap/lightmap_files.h"
+#include "lightmap/lightmap_textures.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -62,7 +62,7 @@ static bool json_layout_matches(const cJSON *root, const lmb_lightmap *lightmap)
     const cJSON *item = images->child;
     for (int32_t i = 0; i < lightmap->image_count; ++i, item = item->next) {
         char name[LMB_LIGHTMAP_FILE_NAME];
-        lmb_lightmap_file_name(i, NULL, name);
+        lmb_lightmap_textures_picture(lightmap, i, name);
         if (!item || (lightmap->model->irradiance_first && !json_text_is(item, "file", name)) ||
             !json_number_is(item, "width", lightmap->image[i].width) ||
             !json_number_is(item, "height", lightmap->image[i].height)) {
@@ -102,30 +102,61 @@ static void json_sides_take(const cJSON *root, lmb_lightmap *lightmap)
     }
 }
 
-static lmb_result json_check(lmb_lightmap *lightmap, const char *path, lmb_error *error)
+/* Whether the folder has the lightmap's model, as its own or as another one. */
+static bool json_has_model(const cJSON *root, const lmb_lightmap *lightmap)
 {
-    unsigned char *data = NULL;
-    size_t size = 0;
-    const lmb_result read = lmb_file_read(path, &data, &size, error);
-    if (read != LMB_OK) {
-        return read;
+    const cJSON *channels = cJSON_GetObjectItemCaseSensitive(root, "channels");
+    return json_text_is(root, "encoding", lightmap->model->name) ||
+           cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(channels, lightmap->model->name));
+}
+
+/* The scales of the light in textures of the lightmap's own model, which no texture says itself: [image]. False where
+ * one is missing or broken. */
+static bool json_scales_take(const cJSON *root, const lmb_lightmap *lightmap, float *scale)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(root, "images")->child;
+    bool good = true;
+    for (int32_t i = 0; i < lightmap->image_count; ++i, item = item->next) {
+        const cJSON *number = cJSON_GetObjectItemCaseSensitive(item, "scale");
+        scale[i] = cJSON_IsNumber(number) ? (float)number->valuedouble : 0.0f;
+        good = good && scale[i] > 0.0f && isfinite(scale[i]);
     }
-    cJSON *root = cJSON_ParseWithLength((const char *)data, size);
-    free(data);
+    return good;
+}
+
+lmb_result lmb_lightmap_json_check(lmb_lightmap *lightmap, const char *path, const char *text, size_t size,
+                                   float *scale, lmb_error *error)
+{
+    cJSON *root = cJSON_ParseWithLength(text, size);
     lmb_result result = LMB_OK;
     if (!root || !json_text_is(root, "format", LMB_LIGHTMAP_FORMAT_NAME)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not a lightmap's description", path);
-    } else if (!json_number_is(root, "version", lmb_lightmap_format_version(lightmap)) ||
-               !json_text_is(root, "encoding", lightmap->model->name)) {
-        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: neither version %d nor encoding '%s'", path,
-                               lmb_lightmap_format_version(lightmap), lightmap->model->name);
+    } else if (!json_number_is(root, "version", lmb_lightmap_format_version(lightmap))) {
+        result =
+            lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not version %d", path, lmb_lightmap_format_version(lightmap));
+    } else if (!json_has_model(root, lightmap)) {
+        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no texels of the model '%s'", path, lightmap->model->name);
     } else if (!json_layout_matches(root, lightmap) || !json_key_lights_match(root, lightmap)) {
         result = lmb_error_set(error, LMB_ERROR_FORMAT,
                                "%s: describes another layout than this level and these settings have", path);
+    } else if (!json_scales_take(root, lightmap, scale)) {
+        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: a broken scale", path);
     } else {
         json_sides_take(root, lightmap);
     }
     cJSON_Delete(root);
+    return result;
+}
+
+static lmb_result json_read(lmb_lightmap *lightmap, const char *path, float *scale, lmb_error *error)
+{
+    unsigned char *data = NULL;
+    size_t size = 0;
+    lmb_result result = lmb_file_read(path, &data, &size, error);
+    if (result == LMB_OK) {
+        result = lmb_lightmap_json_check(lightmap, path, (const char *)data, size, scale, error);
+        free(data);
+    }
     return result;
 }
 
@@ -178,24 +209,55 @@ static lmb_result file_read(const lmb_lightmap *lightmap, int32_t number, const 
     return result;
 }
 
-static lmb_result images_read(const lmb_lightmap *lightmap, const char *directory, float **plane, lmb_error *error)
+static lmb_result pictures_read(const lmb_lightmap *lightmap, int32_t number, const char *directory, float *plane,
+                                lmb_error *error)
 {
     const lmb_model *model = lightmap->model;
+    lmb_result result = LMB_OK;
+    if (model->irradiance_first) {
+        result = file_read(lightmap, number, NULL, directory, plane, error);
+    }
+    if (result == LMB_OK && lmb_lightmap_model_channels(model).count > 0) {
+        result = file_read(lightmap, number, lmb_lightmap_kind(model), directory, plane, error);
+    }
+    if (result == LMB_OK && lightmap->key_light_count > 0) {
+        result = file_read(lightmap, number, LMB_LIGHTMAP_KEYS_KIND, directory, plane, error);
+    }
+    return result;
+}
+
+static lmb_result textures_read(const lmb_lightmap *lightmap, int32_t number, float scale, const char *directory,
+                                float *plane, lmb_error *error)
+{
+    lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS + 1];
+    int count = lmb_lightmap_textures_parts(lightmap->model, parts);
+    if (lightmap->key_light_count > 0) {
+        parts[count++] = lmb_lightmap_textures_keys(lightmap);
+    }
+    lmb_result result = LMB_OK;
+    for (int i = 0; i < count && result == LMB_OK; ++i) {
+        char name[LMB_LIGHTMAP_FILE_NAME];
+        lmb_lightmap_textures_name(lightmap, lightmap->model, &parts[i], number, name);
+        char *path = lmb_file_in(directory, name);
+        result = path ? lmb_lightmap_textures_read(&lightmap->image[number], scale, &parts[i], path, plane, error)
+                      : out_of_memory(error);
+        free(path);
+    }
+    return result;
+}
+
+static lmb_result images_read(const lmb_lightmap *lightmap, const char *directory, const float *scale, float **plane,
+                              lmb_error *error)
+{
     const size_t planes = (size_t)lmb_lightmap_plane_count(lightmap);
     lmb_result result = LMB_OK;
     for (int32_t i = 0; i < lightmap->image_count && result == LMB_OK; ++i) {
         const lmb_lightmap_image *image = &lightmap->image[i];
         plane[i] = calloc((size_t)image->width * (size_t)image->height * planes, sizeof **plane);
-        result = plane[i] ? LMB_OK : out_of_memory(error);
-        if (result == LMB_OK && model->irradiance_first) {
-            result = file_read(lightmap, i, NULL, directory, plane[i], error);
-        }
-        if (result == LMB_OK && lmb_lightmap_model_channels(model).count > 0) {
-            result = file_read(lightmap, i, lmb_lightmap_kind(model), directory, plane[i], error);
-        }
-        if (result == LMB_OK && lightmap->key_light_count > 0) {
-            result = file_read(lightmap, i, LMB_LIGHTMAP_KEYS_KIND, directory, plane[i], error);
-        }
+        result = !plane[i] ? out_of_memory(error)
+                 : lightmap->settings.format == LMB_LIGHTMAP_EXR
+                     ? pictures_read(lightmap, i, directory, plane[i], error)
+                     : textures_read(lightmap, i, scale[i], directory, plane[i], error);
     }
     return result;
 }
@@ -204,9 +266,10 @@ lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_
 {
     char *path = lmb_file_in(directory, LMB_LIGHTMAP_JSON_NAME);
     float **plane = calloc((size_t)lightmap->image_count + 1u, sizeof *plane);
-    lmb_result result = path && plane ? json_check(lightmap, path, error) : out_of_memory(error);
+    float *scale = calloc((size_t)lightmap->image_count + 1u, sizeof *scale);
+    lmb_result result = path && plane && scale ? json_read(lightmap, path, scale, error) : out_of_memory(error);
     if (result == LMB_OK) {
-        result = images_read(lightmap, directory, plane, error);
+        result = images_read(lightmap, directory, scale, plane, error);
     }
     if (result == LMB_OK && lmb_lightmap_mark(lightmap) != LMB_OK) {
         result = out_of_memory(error);
@@ -219,7 +282,20 @@ lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_
             free(plane[i]);
         }
     }
+    free(scale);
     free(plane);
     free(path);
+    return result;
+}
+
+lmb_result lmb_lightmap_read_model(lmb_lightmap *lightmap, const lmb_model *model, const char *directory,
+                                   lmb_error *error)
+{
+    const lmb_model *const own = lightmap->model;
+    lightmap->model = model;
+    const lmb_result result = lmb_lightmap_read(lightmap, directory, error);
+    if (result != LMB_OK) {
+        lightmap->model = own;
+    }
     return result;
 }

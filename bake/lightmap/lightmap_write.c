@@ -1,5 +1,5 @@
 /* Lightmaps to disk: EXRs for each image, and the JSON that says where each node's texels are (docs/formats.md). */
-#include "lightmap/lightmap_files.h"
+#include "lightmap/lightmap_textures.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -62,6 +62,12 @@ static image_file model_of(const lmb_lightmap *lightmap, int32_t number, int oth
     const lmb_model *model = other < 0 ? lightmap->model : lightmap->settings.other[other];
     return (image_file){image, model, other < 0 ? image->plane : image->other[other],
                         lmb_lightmap_model_channels(model), lmb_lightmap_format_version(lightmap)};
+}
+
+/* Whether a model's files are textures. */
+static bool in_textures(const lmb_lightmap *lightmap, const lmb_model *model)
+{
+    return lightmap->settings.format != LMB_LIGHTMAP_EXR && lmb_lightmap_textures_hold(model);
 }
 
 static size_t texels_of(const lmb_lightmap_image *image)
@@ -190,10 +196,40 @@ static int model_count(const lmb_lightmap *lightmap)
     return count;
 }
 
+static bool json_add_range(cJSON *object, const lmb_texture_part *part, double scale)
+{
+    return part->light ? cJSON_AddNumberToObject(object, "scale", scale) != NULL
+                       : json_add_pair(object, "range", (double)part->low, (double)part->high);
+}
+
+/* Of one image, the textures of a model's parts. */
+static bool json_add_textures(cJSON *files, const lmb_lightmap *lightmap, int32_t number, int other)
+{
+    const image_file file = model_of(lightmap, number, other);
+    lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS];
+    const int count = lmb_lightmap_textures_parts(file.model, parts);
+    cJSON *object = cJSON_AddObjectToObject(files, file.model->name);
+    cJSON *list = cJSON_AddObjectToObject(object, "parts");
+    bool good = list != NULL;
+    for (int i = 0; good && i < count; ++i) {
+        char name[LMB_LIGHTMAP_FILE_NAME];
+        lmb_lightmap_textures_name(lightmap, file.model, &parts[i], number, name);
+        const float scale = lmb_lightmap_textures_scale(file.image, file.plane, &parts[i]);
+        cJSON *part = cJSON_AddObjectToObject(list, parts[i].name);
+        good = part && cJSON_AddStringToObject(part, "file", name) &&
+               cJSON_AddStringToObject(part, "format", lmb_block_format_name(parts[i].format)) &&
+               json_add_range(part, &parts[i], (double)scale);
+    }
+    return good;
+}
+
 /* Of one image, the file of a model: of the lightmap's own, -1, or another one. */
 static bool json_add_file(cJSON *files, const lmb_lightmap *lightmap, int32_t number, int other)
 {
     const image_file file = model_of(lightmap, number, other);
+    if (in_textures(lightmap, file.model)) {
+        return json_add_textures(files, lightmap, number, other);
+    }
     char name[LMB_LIGHTMAP_FILE_NAME];
     const bool has_own = file.channels.count > 0;
     lmb_lightmap_file_name(number, has_own ? lmb_lightmap_kind(file.model) : NULL, name);
@@ -205,7 +241,7 @@ static bool json_add_file(cJSON *files, const lmb_lightmap *lightmap, int32_t nu
 static bool json_add_image(cJSON *images, const lmb_lightmap *lightmap, int32_t number)
 {
     char name[LMB_LIGHTMAP_FILE_NAME];
-    lmb_lightmap_file_name(number, NULL, name);
+    lmb_lightmap_textures_picture(lightmap, number, name);
     const lmb_lightmap_image *image = &lightmap->image[number];
     const image_file picture = picture_of(lightmap, number);
     cJSON *object = cJSON_CreateObject();
@@ -220,7 +256,7 @@ static bool json_add_image(cJSON *images, const lmb_lightmap *lightmap, int32_t 
         good = json_add_file(files, lightmap, number, k - 1);
     }
     if (good && lightmap->key_light_count > 0) {
-        lmb_lightmap_file_name(number, LMB_LIGHTMAP_KEYS_KIND, name);
+        lmb_lightmap_textures_keys_name(lightmap, number, name);
         good = cJSON_AddStringToObject(object, "key_lights", name);
     }
     if (good && image->error) {
@@ -301,15 +337,18 @@ static char *json_print(const lmb_lightmap *lightmap)
         cJSON_AddStringToObject(root, "format", LMB_LIGHTMAP_FORMAT_NAME) &&
         cJSON_AddNumberToObject(root, "version", lmb_lightmap_format_version(lightmap)) &&
         cJSON_AddStringToObject(root, "encoding", lightmap->model->name) &&
+        (lightmap->settings.format == LMB_LIGHTMAP_EXR ||
+         cJSON_AddStringToObject(root, "image_format", lmb_lightmap_format_name(lightmap->settings.format))) &&
         cJSON_AddNumberToObject(root, "texels_per_m", (double)lightmap->settings.texels_per_m) &&
         cJSON_AddNumberToObject(root, "max_image_size", lightmap->settings.max_image_size) &&
         (lightmap->settings.padding == 1 || cJSON_AddNumberToObject(root, "padding", lightmap->settings.padding)) &&
         (any_charts(lightmap) ? cJSON_AddStringToObject(root, "uv_level", UV_LEVEL_NAME)
                               : cJSON_AddNullToObject(root, "uv_level"));
     cJSON *channels = cJSON_AddObjectToObject(root, "channels");
-    good = good && channels && json_add_channels(channels, lightmap->model);
-    for (int k = 0; good && k < model_count(lightmap) - 1; ++k) {
-        good = json_add_channels(channels, lightmap->settings.other[k]);
+    good = good && channels;
+    for (int k = 0; good && k < model_count(lightmap); ++k) {
+        const lmb_model *model = k == 0 ? lightmap->model : lightmap->settings.other[k - 1];
+        good = in_textures(lightmap, model) || json_add_channels(channels, model);
     }
     good = good && json_add_key_lights(root, lightmap);
     cJSON *images = cJSON_AddArrayToObject(root, "images");
@@ -389,6 +428,50 @@ static lmb_result planes_write(file_writer *writer, const image_file *file, cons
     return path ? file_end(writer, image_write(file, path, writer->error), path) : LMB_ERROR_MEMORY;
 }
 
+static lmb_result texture_write(file_writer *writer, int32_t number, const lmb_model *model, const float *plane,
+                                const lmb_texture_part *part)
+{
+    char name[LMB_LIGHTMAP_FILE_NAME];
+    lmb_lightmap_textures_name(writer->lightmap, model, part, number, name);
+    char *path = file_begin(writer, name);
+    return path
+               ? file_end(writer,
+                          lmb_lightmap_textures_write(writer->lightmap, number, plane, part, path, writer->error), path)
+               : LMB_ERROR_MEMORY;
+}
+
+/* What an image has of a model: the lightmap's own, -1, or another one. */
+static lmb_result model_write(file_writer *writer, int32_t number, int other)
+{
+    const image_file file = model_of(writer->lightmap, number, other);
+    if (!in_textures(writer->lightmap, file.model)) {
+        char name[LMB_LIGHTMAP_FILE_NAME];
+        lmb_lightmap_file_name(number, lmb_lightmap_kind(file.model), name);
+        return file.channels.count > 0 ? planes_write(writer, &file, name) : LMB_OK;
+    }
+    lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS];
+    const int count = lmb_lightmap_textures_parts(file.model, parts);
+    lmb_result result = LMB_OK;
+    for (int i = 0; i < count && result == LMB_OK; ++i) {
+        result = texture_write(writer, number, file.model, file.plane, &parts[i]);
+    }
+    return result;
+}
+
+static lmb_result key_file_write(file_writer *writer, int32_t number)
+{
+    const lmb_lightmap *lightmap = writer->lightmap;
+    const lmb_lightmap_image *image = &lightmap->image[number];
+    if (lightmap->settings.format != LMB_LIGHTMAP_EXR) {
+        const lmb_texture_part part = lmb_lightmap_textures_keys(lightmap);
+        return texture_write(writer, number, lightmap->model, image->plane, &part);
+    }
+    char name[LMB_LIGHTMAP_FILE_NAME];
+    lmb_lightmap_file_name(number, LMB_LIGHTMAP_KEYS_KIND, name);
+    char *path = file_begin(writer, name);
+    return path ? file_end(writer, keys_write(lightmap, image, path, writer->error), path) : LMB_ERROR_MEMORY;
+}
+
 /* An image's picture, models, key lights and error. */
 static lmb_result image_files_write(file_writer *writer, int32_t number)
 {
@@ -396,17 +479,13 @@ static lmb_result image_files_write(file_writer *writer, int32_t number)
     char name[LMB_LIGHTMAP_FILE_NAME];
     lmb_lightmap_file_name(number, NULL, name);
     const image_file picture = picture_of(lightmap, number);
-    lmb_result result = lightmap->model->irradiance_first ? planes_write(writer, &picture, name) : LMB_OK;
+    const bool has_picture = lightmap->model->irradiance_first && !in_textures(lightmap, lightmap->model);
+    lmb_result result = has_picture ? planes_write(writer, &picture, name) : LMB_OK;
     for (int k = 0; result == LMB_OK && k < model_count(lightmap); ++k) {
-        const image_file file = model_of(lightmap, number, k - 1);
-        lmb_lightmap_file_name(number, lmb_lightmap_kind(file.model), name);
-        result = file.channels.count > 0 ? planes_write(writer, &file, name) : LMB_OK;
+        result = model_write(writer, number, k - 1);
     }
     if (result == LMB_OK && lightmap->key_light_count > 0) {
-        lmb_lightmap_file_name(number, LMB_LIGHTMAP_KEYS_KIND, name);
-        char *path = file_begin(writer, name);
-        result = path ? file_end(writer, keys_write(lightmap, &lightmap->image[number], path, writer->error), path)
-                      : LMB_ERROR_MEMORY;
+        result = key_file_write(writer, number);
     }
     if (result == LMB_OK && lightmap->image[number].error) {
         lmb_lightmap_file_name(number, ERROR_KIND, name);

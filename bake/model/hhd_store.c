@@ -4,7 +4,8 @@
 
 const char *const lmb_hhd_channel_names[LMB_HHD_CHANNELS] = {"a.R", "a.G", "a.B", "d.R", "d.G",
                                                              "d.B", "d.X", "d.Y", "d.Z"};
-const lmb_model_part lmb_hhd_parts[] = {{"ambient", 3}, {"directional", 3}, {"direction", 3}, {NULL, 0}};
+const lmb_model_part lmb_hhd_parts[] = {
+    {"ambient", 3, 0.0f, 0.0f}, {"directional", 3, 0.0f, 0.0f}, {"direction", 3, 0.0f, 0.0f}, {NULL, 0, 0.0f, 0.0f}};
 
 void lmb_hhd_average(float *channel, float total)
 {

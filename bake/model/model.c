@@ -7,6 +7,7 @@
 
 static const lmb_model *const table[] = {
     &lmb_model_irradz_hhd,
+    &lmb_model_irradz_disc,
     &lmb_model_hhd_closed_fitted,
     &lmb_model_hlsh,
     &lmb_model_hlsh_fitted,
@@ -22,6 +23,9 @@ static const lmb_model *const table[] = {
     &lmb_model_hlsh_t2,
     &lmb_model_hlsh_light,
     &lmb_model_sh3_gram,
+    &lmb_model_sh3_fit,
+    &lmb_model_sh3_ratios,
+    &lmb_model_sh3_shared_ratios,
     &lmb_model_sh3_window,
     &lmb_model_sh3_kept,
     &lmb_model_sh3_ao,
@@ -34,6 +38,7 @@ static const lmb_model *const table[] = {
     &lmb_model_geomerics_gram,
     &lmb_model_geomerics_unoccluded,
     &lmb_model_sh2,
+    &lmb_model_sh2_fit,
     &lmb_model_sh2_linear,
     &lmb_model_sh2_unoccluded,
     &lmb_model_h6_gram,
@@ -42,7 +47,9 @@ static const lmb_model *const table[] = {
     &lmb_model_cube_gram,
     &lmb_model_cube_unoccluded,
     &lmb_model_rnm,
+    &lmb_model_rnm_light,
     &lmb_model_scalar,
+    &lmb_model_dominant,
 };
 
 const char *const lmb_numbered_channels[LMB_MODEL_MOST_CHANNELS] = {

@@ -10,7 +10,8 @@ enum { I_Z, AMBIENT = 3, TANGENTIAL = 6, CHANNELS = 15 };
 static const char *const names[CHANNELS] = {"R",   "G",   "B",   "a.R", "a.G", "a.B", "R.X", "R.Y",
                                             "R.Z", "G.X", "G.Y", "G.Z", "B.X", "B.Y", "B.Z"};
 
-static const lmb_model_part parts[] = {{"irradiance", 3}, {"ambient", 3}, {"tangential", 9}, {NULL, 0}};
+static const lmb_model_part parts[] = {
+    {"irradiance", 3, 0.0f, 0.0f}, {"ambient", 3, 0.0f, 0.0f}, {"tangential", 9, 0.0f, 0.0f}, {NULL, 0, 0.0f, 0.0f}};
 
 static void store(const lmb_hlsh_rgb *hlsh, float *channel)
 {

@@ -8,7 +8,10 @@ enum { R, G, B, DIRECTION, WEIGHT = DIRECTION + 3, CHANNELS };
 
 static const char *const names[CHANNELS] = {"R", "G", "B", "d.X", "d.Y", "d.Z", "w"};
 
-static const lmb_model_part parts[] = {{"irradiance", 3}, {"direction", 3}, {"ambient_weight", 1}, {NULL, 0}};
+static const lmb_model_part parts[] = {{"irradiance", 3, 0.0f, 0.0f},
+                                       {"direction", 3, -1.0f, 1.0f},
+                                       {"ambient_weight", 1, 0.0f, 1.0f},
+                                       {NULL, 0, 0.0f, 0.0f}};
 
 static lmb_irradz irradz_of(const float *channel)
 {
@@ -84,7 +87,7 @@ const lmb_model lmb_model_irradz_hhd = {
     .name = "irradz-hhd",
     .short_name = "hhd",
     .title = "IrradZ",
-    .uses = LMB_MODEL_FOR_LIGHTMAP,
+    .uses = LMB_MODEL_FOR_LIGHTMAP | LMB_MODEL_FOR_TEXTURE,
     .default_uses = LMB_MODEL_FOR_LIGHTMAP,
     .at_run_time = true,
     .channel_count = CHANNELS,

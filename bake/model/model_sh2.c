@@ -30,12 +30,12 @@ static void evaluate(const float *channel, lmb_vec3 vertex_normal, const lmb_vec
                      lmb_rgb *irradiance)
 {
     (void)vertex_normal;
-    for (int c = 0; c < 3; ++c) {
-        const float *l = &channel[LMB_SH2_COUNT * c];
-        const lmb_vec3 v = lmb_vec3_scale(lmb_linear_band(l), 2.0f / 3.0f * LMB_N1);
-        for (int i = 0; i < count; ++i) {
-            irradiance[i].c[c] = lmb_light_clamped(l[0] * LMB_N0 + lmb_vec3_dot(v, normal[i]));
-        }
+    lmb_sh2_rgb sh2;
+    for (int i = 0; i < CHANNELS; ++i) {
+        sh2.channel[i / LMB_SH2_COUNT].c[i % LMB_SH2_COUNT] = channel[i];
+    }
+    for (int i = 0; i < count; ++i) {
+        irradiance[i] = lmb_sh2_rgb_irradiance(&sh2, normal[i]);
     }
 }
 
@@ -45,6 +45,7 @@ const lmb_model lmb_model_sh2 = {
     .channel_count = CHANNELS,
     .bytes = 2 * CHANNELS,
     LMB_LINEAR_ROW(CHANNELS),
+    .at_run_time = true,
     .cone = true,
     .encode = lmb_clipped_sh2,
     .evaluate = evaluate,

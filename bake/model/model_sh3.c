@@ -8,7 +8,7 @@ static const char *const names[CHANNELS] = {"R",    "G",    "B",    "y1.R", "y1.
                                             "y3.R", "y3.G", "y3.B", "y4.R", "y4.G", "y4.B", "y5.R", "y5.G", "y5.B",
                                             "y6.R", "y6.G", "y6.B", "y7.R", "y7.G", "y7.B", "y8.R", "y8.G", "y8.B"};
 
-static const lmb_model_part parts[] = {{"radiance", CHANNELS}, {NULL, 0}};
+static const lmb_model_part parts[] = {{"radiance", CHANNELS, 0.0f, 0.0f}, {NULL, 0, 0.0f, 0.0f}};
 
 static void encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, float cone_cos, float *channel)
 {

@@ -22,7 +22,8 @@ lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_regions *re
     }
     for (int32_t i = 0; i < probes->count - probes->ghost_count; ++i) {
         lmb_probe_parents parents;
-        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY && !lmb_probes_hangs(probes, i, &parents)) {
+        const bool hangs = regions ? lmb_regions_hangs(regions, i) : lmb_probes_hangs(probes, i, &parents);
+        if (probes->validity[i] >= LMB_PROBES_MIN_VALIDITY && !hangs) {
             list->probe[list->probe_count++] = i;
         }
     }
@@ -53,6 +54,7 @@ static void element_site(const void *context, size_t element, lmb_gather_site *s
     const lmb_region_point *const inside = region_point(list, element);
     site->count = 1;
     if (inside) {
+        site->brief = true; /* each value has several points, and several values each point */
         site->point[0] = (lmb_gather_point){.position = inside->position,
                                             .min_light_distance = LIGHT_DISTANCE_FOOTPRINTS * inside->spacing};
         return;
@@ -65,12 +67,6 @@ static void element_site(const void *context, size_t element, lmb_gather_site *s
                            .min_light_distance = LIGHT_DISTANCE_FOOTPRINTS * footprint};
 }
 
-static float element_spacing(const lmb_probe_list *list, size_t element)
-{
-    const lmb_region_point *const inside = region_point(list, element);
-    return inside ? inside->spacing : lmb_probes_footprint(list->probes, list->probe[element]);
-}
-
 lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list)
 {
     return (lmb_gather_list){
@@ -80,19 +76,28 @@ lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list)
 lmb_result lmb_probe_list_denoise(const lmb_probe_list *list, lmb_pool *pool, const lmb_progress *progress,
                                   lmb_gathered *gathered)
 {
-    lmb_denoise_point *const points = malloc((list->count + 1) * sizeof *points);
+    lmb_denoise_point *const points = malloc((list->probe_count + 1) * sizeof *points);
     if (!points) {
         return LMB_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < list->count; ++i) {
+    for (size_t i = 0; i < list->probe_count; ++i) {
         lmb_gather_point at;
         lmb_gather_site site = {.point = &at};
         element_site(list, i, &site);
-        points[i] = (lmb_denoise_point){.position = at.position, .spacing = element_spacing(list, i)};
+        points[i] =
+            (lmb_denoise_point){.position = at.position, .spacing = lmb_probes_footprint(list->probes, list->probe[i])};
     }
-    const lmb_result result = lmb_denoise_in_space(points, list->count, list->tracer, pool, progress, gathered);
+    const lmb_result result = lmb_denoise_in_space(points, list->probe_count, list->tracer, pool, progress, gathered);
     free(points);
     return result;
+}
+
+static void probes_fill(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes)
+{
+    for (size_t i = 0; i < list->probe_count; ++i) {
+        probes->radiance[list->set][list->probe[i]] = gathered[i].moments;
+        memcpy(probes->key_visibility[list->probe[i]], gathered[i].key_visibility, sizeof gathered[i].key_visibility);
+    }
 }
 
 lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_pool *pool,
@@ -102,19 +107,15 @@ lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered 
         return LMB_ERROR_ARGUMENT;
     }
     probes->key_light_count = lmb_scene_key_lights(lmb_tracer_scene(list->tracer), probes->key_light);
-    for (size_t i = 0; i < list->probe_count; ++i) {
-        probes->radiance[list->set][list->probe[i]] = gathered[i].moments;
-        memcpy(probes->key_visibility[list->probe[i]], gathered[i].key_visibility, sizeof gathered[i].key_visibility);
-    }
+    probes_fill(list, gathered, probes);
     /* The list's set alone: others have been fitted where this one is dilated. */
     lmb_probes own = *probes;
     own.set_count = 1;
     own.radiance = &probes->radiance[list->set];
     lmb_result result = lmb_probes_dilate(&own);
-    /* What hangs on a coarser level is known to a finer one when the coarser one is fitted. */
-    for (uint32_t level = 0; level < probes->level_count && list->regions && result == LMB_OK; ++level) {
+    if (result == LMB_OK && list->regions) {
+        probes_fill(list, gathered, probes); /* dilation takes a probe at a coarser cell's wall for one of its own */
         result = lmb_regions_fit(list->regions, gathered + list->probe_count, list->set, pool, probes);
-        lmb_probes_hang(&own);
     }
     return result;
 }

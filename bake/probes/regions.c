@@ -10,6 +10,8 @@ void lmb_regions_destroy(lmb_regions *regions)
     if (regions) {
         free(regions->point);
         free(regions->corner);
+        free(regions->hanging);
+        free(regions->hangs);
         free(regions->unknown);
         free(regions->unknown_of);
         free(regions);
@@ -22,6 +24,11 @@ const lmb_region_point *lmb_regions_points(const lmb_regions *regions, size_t *c
     return regions->point;
 }
 
+bool lmb_regions_hangs(const lmb_regions *regions, int32_t probe)
+{
+    return regions->hangs[probe] != 0;
+}
+
 static void work_free(lmb_region_work *work)
 {
     for (uint32_t level = 0; work->index && level < work->probes->level_count; ++level) {
@@ -29,6 +36,9 @@ static void work_free(lmb_region_work *work)
     }
     free(work->index);
     free(work->cell);
+    for (uint32_t i = 0; work->look && i < work->look_count; ++i) {
+        free(work->look[i].end);
+    }
     free(work->look);
     free(work->looked);
     free(work->place);
@@ -36,6 +46,7 @@ static void work_free(lmb_region_work *work)
     free(work->root);
     free(work->reached);
     free(work->corner);
+    free(work->link);
     free(work->rays);
 }
 
@@ -43,8 +54,8 @@ static void work_free(lmb_region_work *work)
 static lmb_result regions_find(lmb_region_work *work)
 {
     static lmb_result (*const step[])(lmb_region_work *) = {
-        lmb_region_cells_find, lmb_region_cells_look,    lmb_region_corners_name,
-        lmb_region_cells_cut,  lmb_region_points_choose,
+        lmb_region_cells_find, lmb_region_cells_look,   lmb_region_corners_name,
+        lmb_region_cells_cut,  lmb_region_hanging_find, lmb_region_points_choose,
     };
     lmb_result result = LMB_OK;
     for (size_t i = 0; i < sizeof step / sizeof step[0] && result == LMB_OK; ++i) {

@@ -74,6 +74,79 @@ static void cells_unite(lmb_region_work *work, uint32_t *part, const lmb_region_
     }
 }
 
+/* A corner of a finer region, by its root. */
+typedef struct touch {
+    uint32_t root, steps, link;
+} touch;
+
+static int touches_compare(const void *left, const void *right)
+{
+    const touch *const a = left, *const b = right;
+    if (a->root != b->root) {
+        return a->root < b->root ? -1 : 1;
+    }
+    return a->steps != b->steps ? (a->steps < b->steps ? -1 : 1) : (a->link < b->link ? -1 : a->link > b->link);
+}
+
+/* Two coarse cells, of one level, that a finer corner touches: what they have in common there is one. */
+static void parents_unite(lmb_region_work *work, const lmb_region_link *one, const lmb_region_link *other)
+{
+    float weight[2][8];
+    lmb_region_weights(one->t, weight[0]);
+    lmb_region_weights(other->t, weight[1]);
+    for (uint32_t a = 0; a < 8; ++a) {
+        for (uint32_t b = 0; b < 8; ++b) {
+            bool same = weight[0][a] > 0.0f && weight[1][b] > 0.0f;
+            for (uint32_t axis = 0; axis < 3; ++axis) {
+                /* From the finer corner to either: the same way. */
+                same = same && (float)(a >> axis & 1u) - one->t[axis] == (float)(b >> axis & 1u) - other->t[axis];
+            }
+            if (same) {
+                unite(work->root, 8 * one->coarse + a, 8 * other->coarse + b);
+            }
+        }
+    }
+}
+
+/* Coarse cells may touch at edges alone, with finer cells all around. `all` has room for every link. */
+static void touching_unite(lmb_region_work *work, touch *all)
+{
+    for (uint32_t level = 0; level + 1 < work->probes->level_count; ++level) {
+        size_t count = 0;
+        for (uint32_t i = 0; i < work->link_count; ++i) {
+            const lmb_region_link *const link = &work->link[i];
+            if (link->level == level) {
+                all[count++] = (touch){root_of(work->root, 8 * link->fine + link->corner), link->steps, i};
+            }
+        }
+        qsort(all, count, sizeof *all, touches_compare);
+        for (size_t i = 1; i < count; ++i) {
+            if (all[i].root == all[i - 1].root && all[i].steps == all[i - 1].steps) {
+                parents_unite(work, &work->link[all[i - 1].link], &work->link[all[i].link]);
+            }
+        }
+    }
+}
+
+/* Links of levels make their regions parts of one space. `part` is a forest of regions. */
+static lmb_result levels_unite(lmb_region_work *work, uint32_t *part)
+{
+    const lmb_result result = lmb_region_levels_link(work);
+    if (result != LMB_OK || work->link_count == 0) {
+        return result;
+    }
+    touch *const all = malloc(work->link_count * sizeof *all);
+    if (!all) {
+        return LMB_ERROR_MEMORY;
+    }
+    for (uint32_t i = 0; i < work->link_count; ++i) {
+        unite(part, work->link[i].fine, work->link[i].coarse);
+    }
+    touching_unite(work, all);
+    free(all);
+    return LMB_OK;
+}
+
 static bool corner_is_baked(const lmb_probes *probes, int32_t probe)
 {
     return probe >= 0 && probes->validity[probe] >= LMB_PROBES_MIN_VALIDITY;
@@ -136,9 +209,10 @@ static lmb_result corners_unite(lmb_region_work *work)
             }
         }
     }
+    const lmb_result result = levels_unite(work, part);
     regions_reach(work, part);
     free(part);
-    return LMB_OK;
+    return result;
 }
 
 /* --- values ------------------------------------------------------------------------------------------------------- */

@@ -1,4 +1,6 @@
-/* Fitting the corners of regions to light that was gathered inside of them. */
+/* Fitting the corners of regions to light that was gathered inside of them: least squares by their normal equations,
+ * which are the same for all coefficients, and conjugate gradients (Hestenes and Stiefel 1952) under a diagonal
+ * preconditioner. */
 #include <lambent/key_lights.h>
 
 #include <stdlib.h>
@@ -6,214 +8,395 @@
 
 #include "probes/regions_internal.h"
 
-/* How much a value is held to its neighbours, where gathered light counts 1. */
-#define HOLD 0.1
+/* Squared, where gathered light counts 1: how much values of a face are held to those of a plane, and ends of an edge
+ * to each other. */
+#define HOLD_FACE 0.01
+#define HOLD_EDGE 0.0004
 
-enum { COEFFICIENTS = 3 * LMB_SH3_COUNT, MOST_PASSES = 100 };
+/* Coefficients that are solved at once: a channel's, or all key lights'. */
+enum { LANES = LMB_SH3_COUNT, MOST_PASSES = 200 };
 
-/* Squared, of the gradient to where it began. */
-#define CONVERGED 1e-10
+/* Squared, of what is left to where it began. */
+#define CONVERGED 1e-12
 
-/* One coefficient of light, or what is seen of one key light, of all values. */
-typedef struct fit_task {
+typedef struct fit_entry {
+    int32_t column;
+    double value;
+} fit_entry;
+
+/* Rows of a matrix over what is unknown. */
+typedef struct fit_matrix {
+    size_t *first; /* [unknown + 1] */
+    fit_entry *entry;
+} fit_matrix;
+
+typedef struct fit_job {
     const lmb_regions *regions;
     const lmb_gathered *gathered;
     lmb_probes *probes;
     uint32_t set;
-    bool failed[COEFFICIENTS + LMB_KEY_LIGHTS_MOST]; /* out of memory */
-} fit_task;
+    fit_matrix matrix;
+    double *diagonal; /* [unknown] */
+    bool failed[4];   /* [task] out of memory */
+} fit_job;
 
-/* What is to be solved: x, of the unknown ones among the values of regions. */
-typedef struct fit_work {
-    const lmb_regions *regions;
-    const double *known;              /* [probe] 0 of unknown ones */
-    double *x, *gradient, *direction; /* [unknown] */
-    double *residual, *image;         /* [point, then 12 edges a region] */
-} fit_work;
+/* What values of a region are held by: sums that are about 0, of four corners of a face or of the two of an edge. */
+typedef struct hold {
+    int count, corner[4];
+    float sign[4];
+    double weight; /* of its square */
+} hold;
+enum { FACES = 6, EDGES = 12, HOLDS = FACES + EDGES };
 
-static float *value_at(lmb_probes *probes, uint32_t set, int32_t probe, int k)
+static hold hold_of(int i)
 {
-    return k < COEFFICIENTS ? &probes->radiance[set][probe].channel[k / LMB_SH3_COUNT].c[k % LMB_SH3_COUNT]
-                            : &probes->key_visibility[probe][k - COEFFICIENTS];
+    const int axis = i < FACES ? i / 2 : (i - FACES) / 4, below = (1 << axis) - 1;
+    hold found = {.count = 2, .sign = {1.0f, -1.0f, -1.0f, 1.0f}, .weight = HOLD_EDGE};
+    if (i < FACES) {
+        const int first = i % 2 << axis, one = 1 << (axis + 1) % 3, other = 1 << (axis + 2) % 3;
+        found = (hold){4, {first, first | one, first | other, first | one | other}, {1, -1, -1, 1}, HOLD_FACE};
+    } else {
+        const int k = (i - FACES) % 4;
+        found.corner[0] = (k & below) | (k & ~below) << 1;
+        found.corner[1] = found.corner[0] | 1 << axis;
+    }
+    return found;
 }
 
-static float gathered_at(const lmb_gathered *gathered, int k)
-{
-    return k < COEFFICIENTS ? gathered->moments.channel[k / LMB_SH3_COUNT].c[k % LMB_SH3_COUNT]
-                            : gathered->key_visibility[k - COEFFICIENTS];
-}
+/* --- the matrix --------------------------------------------------------------------------------------------------- */
 
-static void point_weights(const float t[3], double weight[8])
+/* Receives products of the equations' terms: of each pair of unknown ones. */
+typedef struct matrix_sink {
+    size_t *count;    /* [unknown] of entries, when `entry` is NULL; else the next one's place */
+    fit_entry *entry; /* NULL: they are only counted */
+} matrix_sink;
+
+static void sink_add(const matrix_sink *sink, int32_t row, int32_t column, double value)
 {
-    for (int i = 0; i < 8; ++i) {
-        weight[i] = (i & 1 ? (double)t[0] : 1.0 - (double)t[0]) * (i & 2 ? (double)t[1] : 1.0 - (double)t[1]) *
-                    (i & 4 ? (double)t[2] : 1.0 - (double)t[2]);
+    if (row >= 0 && column >= 0) {
+        if (sink->entry) {
+            sink->entry[sink->count[row]] = (fit_entry){column, value};
+        }
+        ++sink->count[row];
     }
 }
 
-/* Both ends of an edge of a cell: four along each axis. */
-static void edge_corners(int edge, int corner[2])
+static void products_add(const lmb_regions *regions, const matrix_sink *sink)
 {
-    const int axis = edge / 4, k = edge % 4, below = (1 << axis) - 1;
-    corner[0] = (k & below) | (k & ~below) << 1;
-    corner[1] = corner[0] | 1 << axis;
-}
-
-enum { EDGES = 12 };
-
-/* An edge says something where one of its ends is unknown: that they are about the same. */
-static bool edge_counts(const lmb_regions *regions, const int32_t *corner, const int end[2])
-{
-    return corner[end[0]] != corner[end[1]] &&
-           (regions->unknown_of[corner[end[0]]] >= 0 || regions->unknown_of[corner[end[1]]] >= 0);
-}
-
-/* All equations' left sides at some values of the unknown ones; with what is known, if there is any. */
-static void image_of(const fit_work *work, const double *x, const double *known, double *image)
-{
-    const lmb_regions *const regions = work->regions;
-#define VALUE(probe) (regions->unknown_of[probe] >= 0 ? x[regions->unknown_of[probe]] : known ? known[probe] : 0.0)
+    const int32_t *const unknown = regions->unknown_of;
     for (size_t i = 0; i < regions->point_count; ++i) {
         const int32_t *const corner = regions->corner[regions->point[i].region];
-        double weight[8], sum = 0.0;
-        point_weights(regions->point[i].t, weight);
-        for (int k = 0; k < 8; ++k) {
-            sum += weight[k] * VALUE(corner[k]);
-        }
-        image[i] = sum;
-    }
-    for (uint32_t region = 0; region < regions->region_count; ++region) {
-        const int32_t *const corner = regions->corner[region];
-        double *const own = &image[regions->point_count + (size_t)EDGES * region];
-        for (int edge = 0; edge < EDGES; ++edge) {
-            int end[2];
-            edge_corners(edge, end);
-            own[edge] =
-                edge_counts(regions, corner, end) ? HOLD * (VALUE(corner[end[0]]) - VALUE(corner[end[1]])) : 0.0;
-        }
-    }
-#undef VALUE
-}
-
-/* @return its length squared */
-static double gradient_of(const fit_work *work)
-{
-    const lmb_regions *const regions = work->regions;
-    double squared = 0.0;
-    memset(work->gradient, 0, regions->unknown_count * sizeof *work->gradient);
-#define ADD(probe, value)                                                                                              \
-    do {                                                                                                               \
-        const int32_t to = regions->unknown_of[probe];                                                                 \
-        if (to >= 0) {                                                                                                 \
-            work->gradient[to] += value;                                                                               \
-        }                                                                                                              \
-    } while (0)
-    for (size_t i = 0; i < regions->point_count; ++i) {
-        const int32_t *const corner = regions->corner[regions->point[i].region];
-        double weight[8];
-        point_weights(regions->point[i].t, weight);
-        for (int k = 0; k < 8; ++k) {
-            ADD(corner[k], weight[k] * work->residual[i]);
+        float weight[8];
+        lmb_region_weights(regions->point[i].t, weight);
+        for (int k = 0; k < 64; ++k) {
+            sink_add(sink, unknown[corner[k / 8]], unknown[corner[k % 8]],
+                     (double)weight[k / 8] * (double)weight[k % 8]);
         }
     }
     for (uint32_t region = 0; region < regions->region_count; ++region) {
         const int32_t *const corner = regions->corner[region];
-        const double *const own = &work->residual[regions->point_count + (size_t)EDGES * region];
-        for (int edge = 0; edge < EDGES; ++edge) {
-            int end[2];
-            edge_corners(edge, end);
-            if (edge_counts(regions, corner, end)) {
-                ADD(corner[end[0]], HOLD * own[edge]);
-                ADD(corner[end[1]], -HOLD * own[edge]);
+        for (int i = 0; i < HOLDS; ++i) {
+            const hold held = hold_of(i);
+            for (int k = 0; k < held.count * held.count; ++k) {
+                const int a = k / held.count, b = k % held.count;
+                sink_add(sink, unknown[corner[held.corner[a]]], unknown[corner[held.corner[b]]],
+                         held.weight * (double)held.sign[a] * (double)held.sign[b]);
             }
         }
     }
-#undef ADD
-    for (uint32_t i = 0; i < regions->unknown_count; ++i) {
-        squared += work->gradient[i] * work->gradient[i];
-    }
-    return squared;
 }
 
-/* Conjugate gradients on the normal equations (Hestenes and Stiefel 1952). `residual` is that of x = 0. */
-static void solve(const fit_work *work, size_t rows)
+/* Adds up entries of one place, and keeps those of each row together. `seen` has room for a number for each column. */
+static void rows_merge(fit_matrix *matrix, double *diagonal, size_t rows, size_t *seen)
 {
-    const size_t columns = work->regions->unknown_count;
-    double squared = gradient_of(work);
-    const double enough = CONVERGED * squared;
-    memcpy(work->direction, work->gradient, columns * sizeof *work->direction);
-    for (int pass = 0; pass < MOST_PASSES && squared > enough; ++pass) {
-        double length = 0.0;
-        image_of(work, work->direction, NULL, work->image);
+    size_t to = 0;
+    memset(seen, 0xff, rows * sizeof *seen);
+    for (size_t row = 0; row < rows; ++row) {
+        const size_t start = to;
+        for (size_t i = matrix->first[row]; i < matrix->first[row + 1]; ++i) {
+            const fit_entry entry = matrix->entry[i];
+            size_t *const at = &seen[entry.column];
+            if (*at != SIZE_MAX && *at >= start) {
+                matrix->entry[*at].value += entry.value;
+            } else {
+                *at = to;
+                matrix->entry[to++] = entry;
+            }
+        }
+        matrix->first[row] = start;
+        diagonal[row] = seen[row] != SIZE_MAX && seen[row] >= start ? matrix->entry[seen[row]].value : 0.0;
+    }
+    matrix->first[rows] = to;
+}
+
+static lmb_result matrix_make(const lmb_regions *regions, fit_matrix *matrix, double *diagonal)
+{
+    const size_t rows = regions->unknown_count;
+    size_t *const count = calloc(rows + 1, sizeof *count);
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (count && matrix->first) {
+        products_add(regions, &(matrix_sink){count, NULL});
+        size_t sum = 0;
         for (size_t row = 0; row < rows; ++row) {
-            length += work->image[row] * work->image[row];
+            matrix->first[row] = sum;
+            sum += count[row];
+            count[row] = matrix->first[row];
         }
-        if (!(length > 0.0)) {
-            return;
-        }
-        const double step = squared / length;
-        for (size_t i = 0; i < columns; ++i) {
-            work->x[i] += step * work->direction[i];
-        }
-        for (size_t row = 0; row < rows; ++row) {
-            work->residual[row] -= step * work->image[row];
-        }
-        const double next = gradient_of(work);
-        for (size_t i = 0; i < columns; ++i) {
-            work->direction[i] = work->gradient[i] + next / squared * work->direction[i];
-        }
-        squared = next;
+        matrix->first[rows] = sum;
+        matrix->entry = malloc((sum + 1) * sizeof *matrix->entry);
+        result = matrix->entry ? LMB_OK : LMB_ERROR_MEMORY;
+    }
+    if (result == LMB_OK) {
+        products_add(regions, &(matrix_sink){count, matrix->entry});
+        rows_merge(matrix, diagonal, rows, count);
+    }
+    free(count);
+    return result;
+}
+
+/* --- coefficients ------------------------------------------------------------------------------------------------- */
+
+/* A task's coefficients: of a channel, or what is seen of key lights. */
+static void value_get(const fit_job *job, size_t task, int32_t probe, double value[LANES])
+{
+    for (int k = 0; k < LANES; ++k) {
+        value[k] = task < 3                  ? (double)job->probes->radiance[job->set][probe].channel[task].c[k]
+                   : k < LMB_KEY_LIGHTS_MOST ? (double)job->probes->key_visibility[probe][k]
+                                             : 0.0;
     }
 }
 
-static void coefficient_fit(void *context, size_t task, int worker)
+static void value_set(const fit_job *job, size_t task, int32_t probe, const double value[LANES])
+{
+    for (int k = 0; k < LANES; ++k) {
+        if (task < 3) {
+            job->probes->radiance[job->set][probe].channel[task].c[k] = (float)value[k];
+        } else if (k < LMB_KEY_LIGHTS_MOST) {
+            job->probes->key_visibility[probe][k] = lmb_saturate((float)value[k]);
+        }
+    }
+}
+
+static void gathered_get(const fit_job *job, size_t task, size_t point, double value[LANES])
+{
+    const lmb_gathered *const gathered = &job->gathered[point];
+    for (int k = 0; k < LANES; ++k) {
+        value[k] = task < 3                  ? (double)gathered->moments.channel[task].c[k]
+                   : k < LMB_KEY_LIGHTS_MOST ? (double)gathered->key_visibility[k]
+                                             : 0.0;
+    }
+}
+
+/* Known ends of what is held. */
+static void right_hold(const fit_job *job, size_t task, const int32_t corner[8], int i, double (*right)[LANES])
+{
+    const int32_t *const unknown = job->regions->unknown_of;
+    const hold held = hold_of(i);
+    double sum[LANES] = {0.0}, known[LANES];
+    for (int a = 0; a < held.count; ++a) {
+        if (unknown[corner[held.corner[a]]] < 0) {
+            value_get(job, task, corner[held.corner[a]], known);
+            for (int k = 0; k < LANES; ++k) {
+                sum[k] += (double)held.sign[a] * known[k];
+            }
+        }
+    }
+    for (int a = 0; a < held.count; ++a) {
+        const int32_t to = unknown[corner[held.corner[a]]];
+        for (int k = 0; k < LANES && to >= 0; ++k) {
+            right[to][k] -= held.weight * (double)held.sign[a] * sum[k];
+        }
+    }
+}
+
+/* The right side: what is gathered less what known corners give, and the known ends of edges. */
+static void right_make(const fit_job *job, size_t task, double (*right)[LANES])
+{
+    const lmb_regions *const regions = job->regions;
+    const int32_t *const unknown = regions->unknown_of;
+    double value[LANES], known[LANES];
+    for (size_t i = 0; i < regions->point_count; ++i) {
+        const int32_t *const corner = regions->corner[regions->point[i].region];
+        float weight[8];
+        lmb_region_weights(regions->point[i].t, weight);
+        gathered_get(job, task, i, value);
+        for (int c = 0; c < 8; ++c) {
+            if (unknown[corner[c]] < 0) {
+                value_get(job, task, corner[c], known);
+                for (int k = 0; k < LANES; ++k) {
+                    value[k] -= (double)weight[c] * known[k];
+                }
+            }
+        }
+        for (int c = 0; c < 8; ++c) {
+            for (int k = 0; k < LANES && unknown[corner[c]] >= 0; ++k) {
+                right[unknown[corner[c]]][k] += (double)weight[c] * value[k];
+            }
+        }
+    }
+    for (uint32_t region = 0; region < regions->region_count; ++region) {
+        for (int i = 0; i < HOLDS; ++i) {
+            right_hold(job, task, regions->corner[region], i, right);
+        }
+    }
+}
+
+/* --- solving ------------------------------------------------------------------------------------------------------ */
+
+/* Vectors over what is unknown, LANES of them side by side. */
+typedef struct fit_work {
+    const fit_matrix *matrix;
+    const double *diagonal;
+    size_t rows;
+    double (*x)[LANES], (*left)[LANES], (*direction)[LANES], (*image)[LANES];
+} fit_work;
+
+/* The matrix times the direction; `along` is the direction's product with it. */
+static void image_make(const fit_work *work, double along[LANES])
+{
+    memset(along, 0, LANES * sizeof *along);
+    for (size_t row = 0; row < work->rows; ++row) {
+        double sum[LANES] = {0.0};
+        for (size_t i = work->matrix->first[row]; i < work->matrix->first[row + 1]; ++i) {
+            const double value = work->matrix->entry[i].value;
+            const double *const column = work->direction[work->matrix->entry[i].column];
+            for (int k = 0; k < LANES; ++k) {
+                sum[k] += value * column[k];
+            }
+        }
+        memcpy(work->image[row], sum, sizeof sum);
+        for (int k = 0; k < LANES; ++k) {
+            along[k] += sum[k] * work->direction[row][k];
+        }
+    }
+}
+
+/* What is left, squared, under the preconditioner. */
+static void left_measure(const fit_work *work, double squared[LANES])
+{
+    memset(squared, 0, LANES * sizeof *squared);
+    for (size_t row = 0; row < work->rows; ++row) {
+        const double inverse = work->diagonal[row] > 0.0 ? 1.0 / work->diagonal[row] : 0.0;
+        for (int k = 0; k < LANES; ++k) {
+            squared[k] += inverse * work->left[row][k] * work->left[row][k];
+        }
+    }
+}
+
+/* The next direction: what is left, and a share of the last one. */
+static void direction_turn(const fit_work *work, const double share[LANES])
+{
+    for (size_t row = 0; row < work->rows; ++row) {
+        const double inverse = work->diagonal[row] > 0.0 ? 1.0 / work->diagonal[row] : 0.0;
+        for (int k = 0; k < LANES; ++k) {
+            work->direction[row][k] = inverse * work->left[row][k] + share[k] * work->direction[row][k];
+        }
+    }
+}
+
+/* `left` is the right side, all else 0. */
+static void solve(const fit_work *work)
+{
+    double squared[LANES], enough[LANES], along[LANES], step[LANES], share[LANES] = {0.0};
+    left_measure(work, squared);
+    for (int k = 0; k < LANES; ++k) {
+        enough[k] = CONVERGED * squared[k];
+    }
+    bool goes_on = true;
+    for (int pass = 0; pass < MOST_PASSES && goes_on; ++pass) {
+        direction_turn(work, share);
+        image_make(work, along);
+        for (int k = 0; k < LANES; ++k) {
+            step[k] = squared[k] > enough[k] && along[k] > 0.0 ? squared[k] / along[k] : 0.0;
+        }
+        for (size_t row = 0; row < work->rows; ++row) {
+            for (int k = 0; k < LANES; ++k) {
+                work->x[row][k] += step[k] * work->direction[row][k];
+                work->left[row][k] -= step[k] * work->image[row][k];
+            }
+        }
+        double next[LANES];
+        left_measure(work, next);
+        goes_on = false;
+        for (int k = 0; k < LANES; ++k) {
+            share[k] = squared[k] > 0.0 ? next[k] / squared[k] : 0.0;
+            squared[k] = next[k];
+            goes_on = goes_on || (step[k] > 0.0 && squared[k] > enough[k]);
+        }
+    }
+}
+
+static void coefficients_fit(void *context, size_t task, int worker)
 {
     (void)worker;
-    fit_task *const fit = context;
-    const lmb_regions *const regions = fit->regions;
-    const size_t rows = regions->point_count + (size_t)EDGES * regions->region_count;
-    const size_t columns = regions->unknown_count, probes = (size_t)fit->probes->count;
-    double *const numbers = calloc(3 * columns + 2 * rows + probes + 1, sizeof *numbers);
-    if (!numbers) {
-        fit->failed[task] = true;
+    fit_job *const job = context;
+    const size_t rows = job->regions->unknown_count;
+    double(*const vectors)[LANES] = calloc(4 * rows + 1, sizeof *vectors);
+    if (!vectors) {
+        job->failed[task] = true;
         return;
     }
-    double *const known = numbers + 3 * columns + 2 * rows;
-    const fit_work work = {.regions = regions,
-                           .known = known,
-                           .x = numbers,
-                           .gradient = numbers + columns,
-                           .direction = numbers + 2 * columns,
-                           .residual = numbers + 3 * columns,
-                           .image = numbers + 3 * columns + rows};
-    for (size_t probe = 0; probe < probes; ++probe) {
-        known[probe] = (double)*value_at(fit->probes, fit->set, (int32_t)probe, (int)task);
+    const fit_work work = {.matrix = &job->matrix,
+                           .diagonal = job->diagonal,
+                           .rows = rows,
+                           .x = vectors,
+                           .left = vectors + rows,
+                           .direction = vectors + 2 * rows,
+                           .image = vectors + 3 * rows};
+    right_make(job, task, work.left);
+    solve(&work);
+    for (size_t i = 0; i < rows; ++i) {
+        value_set(job, task, job->regions->unknown[i], work.x[i]);
     }
-    image_of(&work, work.x, known, work.residual);
-    for (size_t row = 0; row < rows; ++row) {
-        const double right = row < regions->point_count ? (double)gathered_at(&fit->gathered[row], (int)task) : 0.0;
-        work.residual[row] = right - work.residual[row];
+    free(vectors);
+}
+
+/* Sets what hangs on coarser levels. */
+static void values_hang(const fit_job *job, size_t tasks)
+{
+    for (size_t i = 0; i < job->regions->hanging_count; ++i) {
+        const lmb_region_hanging *const hanging = &job->regions->hanging[i];
+        for (size_t task = 0; task < tasks; ++task) {
+            double sum[LANES] = {0.0}, parent[LANES];
+            for (int c = 0; c < 8; ++c) {
+                value_get(job, task, hanging->parent[c], parent);
+                for (int k = 0; k < LANES; ++k) {
+                    sum[k] += (double)hanging->weight[c] * parent[k];
+                }
+            }
+            value_set(job, task, hanging->value, sum);
+        }
     }
-    solve(&work, rows);
-    for (size_t i = 0; i < columns; ++i) {
-        const float found = (float)work.x[i];
-        *value_at(fit->probes, fit->set, regions->unknown[i], (int)task) =
-            task < COEFFICIENTS ? found : lmb_saturate(found);
-    }
-    free(numbers);
 }
 
 lmb_result lmb_regions_fit(const lmb_regions *regions, const lmb_gathered *gathered, uint32_t set, lmb_pool *pool,
                            lmb_probes *probes)
 {
-    if (regions->unknown_count == 0) {
+    const size_t rows = regions->unknown_count;
+    if (rows == 0 && regions->hanging_count == 0) {
         return LMB_OK;
     }
-    fit_task fit = {.regions = regions, .gathered = gathered, .probes = probes, .set = set};
-    lmb_result result =
-        lmb_pool_run(pool, COEFFICIENTS + probes->key_light_count, coefficient_fit, &fit, "probes", NULL);
-    for (size_t i = 0; i < sizeof fit.failed / sizeof fit.failed[0]; ++i) {
-        result = fit.failed[i] ? LMB_ERROR_MEMORY : result;
+    fit_job job = {.regions = regions,
+                   .gathered = gathered,
+                   .probes = probes,
+                   .set = set,
+                   .matrix.first = malloc((rows + 1) * sizeof *job.matrix.first),
+                   .diagonal = malloc((rows + 1) * sizeof *job.diagonal)};
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (job.matrix.first && job.diagonal) {
+        result = matrix_make(regions, &job.matrix, job.diagonal);
     }
+    /* Each pass, one more level hangs on those that are done. */
+    for (uint32_t pass = 0; pass < probes->level_count && result == LMB_OK; ++pass) {
+        values_hang(&job, probes->key_light_count > 0 ? 4 : 3);
+        result = lmb_pool_run(pool, probes->key_light_count > 0 ? 4 : 3, coefficients_fit, &job, "probes", NULL);
+    }
+    values_hang(&job, probes->key_light_count > 0 ? 4 : 3);
+    for (int i = 0; i < 4; ++i) {
+        result = job.failed[i] ? LMB_ERROR_MEMORY : result;
+    }
+    free(job.matrix.first);
+    free(job.matrix.entry);
+    free(job.diagonal);
     return result;
 }

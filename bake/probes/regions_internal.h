@@ -36,12 +36,20 @@ static inline int lmb_region_line_node(int axis, int line, int i)
     return i * lmb_region_stride(axis) + line % LMB_REGION_SIDE * other + line / LMB_REGION_SIDE * last;
 }
 
+/* Where a ray from a node ends at a surface. */
+typedef struct lmb_region_end {
+    uint8_t node, axis;
+    uint16_t at; /* along the axis, in 65535ths of the cell */
+} lmb_region_end;
+
 /* What was seen in a cell that a triangle touches. */
 typedef struct lmb_region_look {
     uint8_t label[LMB_REGION_NODES]; /* the region of each node, or LMB_REGION_NONE */
     uint8_t count;                   /* of regions */
     uint64_t open[6]; /* [2 axis, 2 axis + 1: the low face, the high one] bit of a line: it goes on beyond the face */
     uint8_t real[LMB_CELL_REGIONS_MOST]; /* bit of a corner: the region sees its baked probe */
+    uint32_t end_count;
+    lmb_region_end *end;
 } lmb_region_look;
 
 typedef struct lmb_region_cell {
@@ -52,6 +60,22 @@ typedef struct lmb_region_cell {
     uint32_t count; /* of regions */
     uint8_t probes; /* corners that have one */
 } lmb_region_cell;
+
+/* A corner of a finer region that touches a coarser one, at t in the coarser one's cell. */
+typedef struct lmb_region_link {
+    uint32_t fine, coarse; /* regions */
+    uint32_t level, steps; /* of the finer one, and levels from it to the coarser one */
+    uint8_t corner;        /* of the finer cell */
+    float t[3];
+} lmb_region_link;
+
+/* A value that is made of others', of coarser levels. */
+typedef struct lmb_region_hanging {
+    int32_t value;
+    uint32_t level;
+    int32_t parent[8];
+    float weight[8];
+} lmb_region_hanging;
 
 typedef struct lmb_region_work {
     const lmb_tracer *tracer;
@@ -70,6 +94,8 @@ typedef struct lmb_region_work {
     uint32_t *root;       /* [8 region + corner] a parent in the forest of corners that are one value */
     uint8_t *reached;     /* [region] somebody can be in it */
     int32_t (*corner)[8]; /* [region] probes and ghosts; -1: not reached */
+    lmb_region_link *link;
+    uint32_t link_count, link_room;
     uint64_t *rays;       /* [thread] */
     lmb_regions *regions; /* being made */
     lmb_regions_stats *stats;
@@ -89,6 +115,9 @@ struct lmb_regions {
     lmb_region_point *point;
     uint32_t region_count; /* that have anything to fit */
     int32_t (*corner)[8];  /* [region] */
+    size_t hanging_count;
+    lmb_region_hanging *hanging; /* those of coarser levels first */
+    uint8_t *hangs;              /* [probe] */
     uint32_t unknown_count;
     int32_t *unknown;    /* probes and ghosts that are fitted */
     int32_t *unknown_of; /* [probe] which of them it is, or -1 */
@@ -118,6 +147,20 @@ int lmb_region_node_before(float at);
 /* Finds which corners of regions are one value, which regions can be reached, and gives each value a probe of the
  * lattice, or a ghost that is added to the probes. @return LMB_ERROR_MEMORY */
 lmb_result lmb_region_corners_name(lmb_region_work *work);
+
+/* Finds which corners of regions touch those of coarser levels. */
+lmb_result lmb_region_levels_link(lmb_region_work *work);
+
+/* Finds the values that hang on coarser levels, once cells are cut. @return LMB_ERROR_MEMORY */
+lmb_result lmb_region_hanging_find(lmb_region_work *work);
+
+/* Trilinear weights of corners. */
+static inline void lmb_region_weights(const float t[3], float weight[8])
+{
+    for (int i = 0; i < 8; ++i) {
+        weight[i] = (i & 1 ? t[0] : 1.0f - t[0]) * (i & 2 ? t[1] : 1.0f - t[1]) * (i & 4 ? t[2] : 1.0f - t[2]);
+    }
+}
 
 /* A tree of planes that tells a cell's regions apart. */
 typedef struct lmb_region_tree {

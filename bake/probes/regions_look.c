@@ -79,16 +79,38 @@ void lmb_region_line_trace(const lmb_tracer *tracer, const lmb_region_frame *fra
     }
 }
 
-/* Which nodes see the next one: bit of an axis. */
+/* In a cell: two for each part of a line that something stands in. */
+enum { MOST_ENDS = 3 * LMB_REGION_LINES * 2 * (LMB_REGION_SIDE - 1) };
+
+static void ends_find(int axis, int line, const lmb_region_line *found, lmb_region_end *end, uint32_t *count)
+{
+    for (int i = 0; i < found->count; ++i) {
+        const int node = lmb_region_node_before(found->at[i]);
+        const uint16_t at = (uint16_t)(lmb_saturate(found->at[i]) * 65535.0f + 0.5f);
+        if (node < 0 || node + 1 >= LMB_REGION_SIDE) {
+            continue;
+        }
+        if (i == 0 || lmb_region_node_before(found->at[i - 1]) != node) {
+            end[(*count)++] = (lmb_region_end){(uint8_t)lmb_region_line_node(axis, line, node), (uint8_t)axis, at};
+        }
+        if (i + 1 == found->count || lmb_region_node_before(found->at[i + 1]) != node) {
+            end[(*count)++] = (lmb_region_end){(uint8_t)lmb_region_line_node(axis, line, node + 1), (uint8_t)axis, at};
+        }
+    }
+}
+
+/* Which nodes see the next one, bit of an axis, and where they do not. */
 static void nodes_link(const lmb_region_work *work, const lmb_region_frame *frame, uint8_t link[LMB_REGION_NODES],
-                       lmb_region_look *look, uint64_t *rays)
+                       lmb_region_look *look, lmb_region_end end[MOST_ENDS], uint64_t *rays)
 {
     lmb_region_line found;
+    look->end_count = 0;
     memset(link, 0, LMB_REGION_NODES);
     memset(look->open, 0, sizeof look->open);
     for (int axis = 0; axis < 3; ++axis) {
         for (int line = 0; line < LMB_REGION_LINES; ++line) {
             lmb_region_line_trace(work->tracer, frame, axis, line, &found, rays);
+            ends_find(axis, line, &found, end, &look->end_count);
             unsigned blocked = 0; /* bit i: before node i */
             for (int i = 0; i < found.count; ++i) {
                 blocked |= 1u << (lmb_region_node_before(found.at[i]) + 1);
@@ -227,6 +249,26 @@ static void corners_look(const lmb_region_work *work, const lmb_region_cell *cel
     }
 }
 
+/* Takes the names of regions in solids away: what sees no baked probe and is not free. */
+static void solids_leave(const lmb_region_work *work, const lmb_region_frame *frame, lmb_region_look *look,
+                         uint64_t *rays)
+{
+    for (uint8_t region = 0; region < look->count; ++region) {
+        int nodes[LMB_REGION_NODES], count = 0;
+        for (int node = 0; node < LMB_REGION_NODES; ++node) {
+            nodes[count] = node;
+            count += look->label[node] == region;
+        }
+        float t[3];
+        lmb_region_node_at(nodes[count / 2], t);
+        if (look->real[region] == 0 && !lmb_placement_is_free(work->tracer, lmb_region_position(frame, t), rays)) {
+            for (int i = 0; i < count; ++i) {
+                look->label[nodes[i]] = LMB_REGION_NONE;
+            }
+        }
+    }
+}
+
 static void cell_look(void *context, size_t task, int worker)
 {
     const lmb_region_work *const work = context;
@@ -234,10 +276,16 @@ static void cell_look(void *context, size_t task, int worker)
     lmb_region_look *const look = &work->look[task];
     const lmb_region_frame frame = lmb_region_frame_of(work->probes, cell);
     uint8_t link[LMB_REGION_NODES];
+    lmb_region_end end[MOST_ENDS];
     uint64_t rays = 0;
-    nodes_link(work, &frame, link, look, &rays);
+    nodes_link(work, &frame, link, look, end, &rays);
+    look->end = malloc((look->end_count + 1) * sizeof *look->end);
+    if (look->end) {
+        memcpy(look->end, end, look->end_count * sizeof *end);
+    }
     regions_label(link, look);
     corners_look(work, cell, &frame, look, &rays);
+    solids_leave(work, &frame, look, &rays);
     work->rays[worker] += rays;
 }
 
@@ -279,6 +327,9 @@ lmb_result lmb_region_cells_look(lmb_region_work *work)
     free(listed);
     if (result == LMB_OK) {
         result = lmb_pool_run(work->pool, work->look_count, cell_look, work, "regions", work->progress);
+    }
+    for (uint32_t i = 0; i < work->look_count && result == LMB_OK; ++i) {
+        result = work->look[i].end ? LMB_OK : LMB_ERROR_MEMORY;
     }
     return result;
 }

@@ -1,21 +1,27 @@
-/* Where light is gathered inside of regions: at nodes where values that are to be fitted weigh most. */
+/* Where light is gathered inside of regions: where values that are to be fitted weigh most, beside surfaces and away
+ * from them. */
 #include "probes/regions_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Points for each value, in so many of its cells. */
-enum { POINTS_EACH = 2 };
+/* A value that weighs less than that in all of its regions is only held to its neighbours. */
+#define LEAST_WEIGHT 0.1f
+
+/* Spacings that points keep from surfaces, along their axis. */
+#define BEFORE_SURFACE 0.01f
+
+enum { AT_NODE, AT_SURFACE, POINTS_EACH };
 
 typedef struct point_choice {
     float weight; /* of the value; 0: none */
     uint32_t cell, region;
-    uint8_t node;
+    float t[3];
 } point_choice;
 
 typedef struct points_work {
     lmb_region_work *all;
-    point_choice (*best)[POINTS_EACH]; /* [unknown] in different cells, the heaviest first */
+    point_choice (*best)[POINTS_EACH]; /* [unknown] */
 } points_work;
 
 static float corner_weight(const float t[3], int corner)
@@ -27,36 +33,41 @@ static float corner_weight(const float t[3], int corner)
     return weight;
 }
 
-static void choice_offer(point_choice best[POINTS_EACH], const point_choice *offered)
+static void choice_offer(point_choice *best, uint32_t cell, uint32_t region, const float t[3], int corner)
 {
-    point_choice next = *offered;
-    for (int i = 0; i < POINTS_EACH && next.weight > 0.0f; ++i) {
-        if (next.weight > best[i].weight) {
-            const point_choice moved = best[i];
-            best[i] = next;
-            next = moved;
-        }
+    const float weight = corner_weight(t, corner);
+    if (weight > best->weight) {
+        *best = (point_choice){weight, cell, region, {t[0], t[1], t[2]}};
     }
 }
 
-/* The node of a region where a corner weighs most. */
-static point_choice region_choice(const lmb_region_work *all, uint32_t cell, uint32_t label, int corner)
+/* A place just before the surface where a node's ray ends. */
+static void end_place(const lmb_region_end *end, float t[3])
 {
-    const lmb_region_cell *const own = &all->cell[cell];
-    const lmb_region_look *const look = own->look == UINT32_MAX ? NULL : &all->look[own->look];
-    point_choice best = {.weight = 0.0f, .cell = cell, .region = own->first + label};
+    lmb_region_node_at(end->node, t);
+    const float at = (float)end->at / 65535.0f, way = at - t[end->axis];
+    const float kept = lmb_smaller(BEFORE_SURFACE, way < 0.0f ? -0.5f * way : 0.5f * way);
+    t[end->axis] = way < 0.0f ? at + kept : at - kept;
+}
+
+/* Offers the places of a region for one of its corners. */
+static void region_offer(const points_work *work, uint32_t cell, uint32_t label, int corner, point_choice *best)
+{
+    const lmb_region_cell *const own = &work->all->cell[cell];
+    const lmb_region_look *const look = own->look == UINT32_MAX ? NULL : &work->all->look[own->look];
+    float t[3];
     for (int node = 0; node < LMB_REGION_NODES; ++node) {
         if (!look || look->label[node] == label) {
-            float t[3];
             lmb_region_node_at(node, t);
-            const float weight = corner_weight(t, corner);
-            if (weight > best.weight) {
-                best.weight = weight;
-                best.node = (uint8_t)node;
-            }
+            choice_offer(&best[AT_NODE], cell, own->first + label, t, corner);
         }
     }
-    return best;
+    for (uint32_t i = 0; look && i < look->end_count; ++i) {
+        if (look->label[look->end[i].node] == label) {
+            end_place(&look->end[i], t);
+            choice_offer(&best[AT_SURFACE], cell, own->first + label, t, corner);
+        }
+    }
 }
 
 static void choices_make(const points_work *work)
@@ -69,8 +80,7 @@ static void choices_make(const points_work *work)
             for (int corner = 0; corner < 8 && all->reached[region]; ++corner) {
                 const int32_t unknown = made->unknown_of[all->corner[region][corner]];
                 if (unknown >= 0) {
-                    const point_choice choice = region_choice(all, c, label, corner);
-                    choice_offer(work->best[unknown], &choice);
+                    region_offer(work, c, label, corner, work->best[unknown]);
                 }
             }
         }
@@ -80,7 +90,12 @@ static void choices_make(const points_work *work)
 static int choice_compare(const void *left, const void *right)
 {
     const point_choice *const a = left, *const b = right;
-    return a->region != b->region ? (a->region < b->region ? -1 : 1) : (int)a->node - (int)b->node;
+    for (int axis = 0; axis < 3 && a->region == b->region; ++axis) {
+        if (a->t[axis] != b->t[axis]) {
+            return a->t[axis] < b->t[axis] ? -1 : 1;
+        }
+    }
+    return a->region != b->region ? (a->region < b->region ? -1 : 1) : 0;
 }
 
 /* --- what is to be fitted ----------------------------------------------------------------------------------------- */
@@ -100,7 +115,7 @@ static void unknown_find(const lmb_region_work *all, uint32_t *kept)
         bool any = false;
         for (int corner = 0; corner < 8 && all->reached[region]; ++corner) {
             const int32_t value = all->corner[region][corner];
-            if (is_unknown(all->probes, value)) {
+            if (is_unknown(all->probes, value) && !made->hangs[value]) {
                 any = true;
                 if (made->unknown_of[value] < 0) {
                     made->unknown[made->unknown_count] = value;
@@ -122,13 +137,13 @@ static void points_add(const points_work *work, const uint32_t *kept)
     const size_t count = (size_t)made->unknown_count * POINTS_EACH;
     qsort(choice, count, sizeof *choice, choice_compare);
     for (size_t i = 0; i < count; ++i) {
-        if (!(choice[i].weight > 0.0f) || (i > 0 && choice_compare(&choice[i - 1], &choice[i]) == 0)) {
+        if (!(choice[i].weight > LEAST_WEIGHT) || (i > 0 && choice_compare(&choice[i - 1], &choice[i]) == 0)) {
             continue;
         }
         const lmb_region_cell *const cell = &work->all->cell[choice[i].cell];
         const lmb_region_frame frame = lmb_region_frame_of(work->all->probes, cell);
         lmb_region_point *const point = &made->point[made->point_count++];
-        lmb_region_node_at(choice[i].node, point->t);
+        memcpy(point->t, choice[i].t, sizeof point->t);
         point->position = lmb_region_position(&frame, point->t);
         point->region = kept[choice[i].region];
         point->spacing = frame.spacing;

@@ -3,6 +3,9 @@
 #include <lambent/bake_phases.h>
 
 #include "base/clock.h"
+#include "run/bake_current.h"
+#include "run/bake_folder_internal.h"
+#include "run/bake_work.h"
 #include "run/bake_write.h"
 #include "run/forecast.h"
 
@@ -58,20 +61,54 @@ static lmb_result bake_prepare(lmb_bake *bake, bake_report *report, lmb_error *e
     return result;
 }
 
-static lmb_result bake_finish(lmb_bake *bake, lmb_bake_folder *folder, lmb_error *error)
+static lmb_result bake_gather(lmb_bake *bake, lmb_error *error)
 {
     lmb_result result = lmb_bake_probes(bake, error);
-    if (result == LMB_OK) {
-        result = lmb_bake_lightmaps(bake, error);
+    return result == LMB_OK ? lmb_bake_lightmaps(bake, error) : result;
+}
+
+static lmb_result bake_finish(lmb_bake *bake, const lmb_bake_settings *asked, const lmb_bake_work *work,
+                              lmb_bake_folder *folder, lmb_error *error)
+{
+    if (!work->resume && !work->merge && !lmb_bake_work_is_shard(work)) {
+        lmb_bake_folder_drop_parts(folder);
+    }
+    lmb_parts parts;
+    if (lmb_bake_parts_make(work, folder, bake->record.key, &parts) != LMB_OK) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    bake->parts = &parts;
+    lmb_result result = bake_gather(bake, error);
+    bake->parts = NULL;
+    lmb_bake_parts_free(&parts);
+    if (result == LMB_OK && lmb_bake_work_is_shard(work)) {
+        return lmb_bake_shard_write(asked, work, folder, bake->record.content_hash, error);
     }
     if (result == LMB_OK) {
         result = lmb_bake_write(bake, folder, error);
     }
+    if (result == LMB_OK) {
+        lmb_bake_folder_drop_parts(folder);
+    }
     return result;
 }
 
+/* All of an open level's bake. */
+static lmb_result bake_whole(lmb_bake *bake, const lmb_bake_settings *asked, const lmb_bake_work *work,
+                             lmb_bake_folder *folder, bake_report *report, lmb_error *error)
+{
+    lmb_bake_record *const record = &bake->record;
+    if (!work->again && !lmb_bake_work_is_shard(work) &&
+        lmb_bake_is_current(lmb_bake_folder_directory(folder), record->key)) {
+        record->is_current = true;
+        return LMB_OK;
+    }
+    const lmb_result result = bake_prepare(bake, report, error);
+    return result == LMB_OK ? bake_finish(bake, asked, work, folder, error) : result;
+}
+
 /* `folder` NULL: a plan. */
-static lmb_result bake_level(const lmb_bake_settings *settings, lmb_bake_folder *folder,
+static lmb_result bake_level(const lmb_bake_settings *settings, const lmb_bake_work *work, lmb_bake_folder *folder,
                              const lmb_bake_listener *listener, lmb_bake_record *record, lmb_error *error)
 {
     bake_report report = {.phase = LMB_PHASE_LOAD, .phase_start = lmb_clock_seconds()};
@@ -83,10 +120,9 @@ static lmb_result bake_level(const lmb_bake_settings *settings, lmb_bake_folder 
         return result;
     }
     lmb_bake bake = lmb_bake_begin(settings, &level, &progress);
-    result = bake_prepare(&bake, &report, error);
-    if (result == LMB_OK && folder) {
-        result = bake_finish(&bake, folder, error);
-    } else if (result == LMB_OK) {
+    bake.record.key = lmb_bake_key(settings, level.scene->content_hash);
+    result = folder ? bake_whole(&bake, settings, work, folder, &report, error) : bake_prepare(&bake, &report, error);
+    if (result == LMB_OK && !folder) {
         bake.record.expected_seconds = lmb_forecast_left(&report.forecast, LMB_PHASE_PROBES, 0.0, 0.0);
     }
     if (result == LMB_OK && record) {
@@ -100,18 +136,25 @@ static lmb_result bake_level(const lmb_bake_settings *settings, lmb_bake_folder 
 lmb_result lmb_bake_run(const lmb_bake_settings *settings, lmb_bake_folder *folder, const lmb_bake_listener *listener,
                         lmb_bake_record *record, lmb_error *error)
 {
+    static const lmb_bake_work all = {.again = true};
+    return lmb_bake_run_as(settings, &all, folder, listener, record, error);
+}
+
+lmb_result lmb_bake_run_as(const lmb_bake_settings *settings, const lmb_bake_work *work, lmb_bake_folder *folder,
+                           const lmb_bake_listener *listener, lmb_bake_record *record, lmb_error *error)
+{
     if (!folder || lmb_bake_folder_lightmaps(folder) != settings->lightmaps) {
         return lmb_error_set(error, LMB_ERROR_ARGUMENT, "the folder was not opened for this bake");
     }
     if (!settings->level.path) {
         return lmb_error_set(error, LMB_ERROR_ARGUMENT, "no level");
     }
-    return bake_level(settings, folder, listener, record, error);
+    return bake_level(settings, work, folder, listener, record, error);
 }
 
 lmb_result lmb_bake_plan(const lmb_bake_settings *settings, const lmb_bake_listener *listener, lmb_bake_record *record,
                          lmb_error *error)
 {
-    return settings->level.path ? bake_level(settings, NULL, listener, record, error)
+    return settings->level.path ? bake_level(settings, NULL, NULL, listener, record, error)
                                 : lmb_error_set(error, LMB_ERROR_ARGUMENT, "no level");
 }

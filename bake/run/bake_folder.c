@@ -14,6 +14,8 @@
 
 #include <lambent/file.h>
 
+#include "run/parts.h"
+
 #define LOCK_NAME ".lambent-lock"
 #define NEW_NAME ".lambent-new"
 #define OLD_NAME ".lambent-old"
@@ -244,6 +246,8 @@ static lmb_result targets_check(const lmb_bake_folder *folder, lmb_error *error)
         LIGHTMAP_NAME "/lightmap.json",
         LIGHTMAP_NAME "/level_uv2.glb",
         LIGHTMAP_NAME "/lightmap_0.exr",
+        LIGHTMAP_NAME "/lightmap_0.ktx2",
+        LIGHTMAP_NAME "/lightmap_0.dds",
     };
     lmb_result result = LMB_OK;
     const size_t count = folder->lightmaps ? sizeof names / sizeof names[0] : 3;
@@ -395,6 +399,11 @@ static lmb_result folder_add(const lmb_bake_folder *folder, const char *below, c
     return result == LMB_OK && mkdir(path, 0777) != 0 && errno != EEXIST ? write_fail(path, errno, error) : result;
 }
 
+const char *lmb_bake_folder_directory(const lmb_bake_folder *folder)
+{
+    return folder->directory;
+}
+
 bool lmb_bake_folder_lightmaps(const lmb_bake_folder *folder)
 {
     return folder->lightmaps;
@@ -450,6 +459,11 @@ cJSON *lmb_bake_folder_files(const lmb_bake_folder *folder)
         return NULL;
     }
     return list;
+}
+
+void lmb_bake_folder_drop_parts(const lmb_bake_folder *folder)
+{
+    ours_remove(folder, LMB_PARTS_NAME);
 }
 
 static lmb_result file_move(const lmb_bake_folder *folder, const char *name, const char *from, const char *to,

@@ -9,6 +9,12 @@
 /* Whether the folder was opened for lightmaps. */
 bool lmb_bake_folder_lightmaps(const lmb_bake_folder *folder);
 
+/* As it was given. */
+const char *lmb_bake_folder_directory(const lmb_bake_folder *folder);
+
+/* Removes what a bake that did not finish has gathered. */
+void lmb_bake_folder_drop_parts(const lmb_bake_folder *folder);
+
 /* Makes the empty folder to write the new files into, under the names that they are to have: probes.lmb, probes.vdb,
  * lightmap/..., bake.json. `*path` lives as long as the folder. */
 lmb_result lmb_bake_folder_stage(lmb_bake_folder *folder, const char **path, lmb_error *error);

@@ -1,5 +1,6 @@
 #include "run/bake_level_internal.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include <lambent/environment.h>
@@ -59,6 +60,39 @@ static lmb_result environment_set(lmb_level *level, lmb_error *error)
     return lmb_scene_set_environment(level->scene, "#ffffff", error);
 }
 
+/* Which sets there are, for a message. */
+static void sets_list(const lmb_scene *scene, char *text, size_t size)
+{
+    size_t length = 0;
+    text[0] = '\0';
+    for (uint32_t set = 1; set <= scene->light_set_count && length < size; ++set) {
+        length += (size_t)snprintf(text + length, size - length, "%s%s", set > 1 ? ", " : "",
+                                   lmb_scene_light_set_name(scene, set));
+    }
+}
+
+static lmb_result light_set_show(lmb_level *level, lmb_error *error)
+{
+    const char *const name = level->settings.light_set;
+    lmb_scene *const scene = level->scene;
+    if (!name) {
+        return LMB_OK;
+    }
+    uint32_t set = scene->light_set_count;
+    while (set > 0 && strcmp(lmb_scene_light_set_name(scene, set), name) != 0) {
+        --set;
+    }
+    if (set == 0 && strcmp(name, LMB_LIGHT_SET_BASE) != 0) {
+        char known[256];
+        sets_list(scene, known, sizeof known);
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: no light is of the set '%s'; there %s %s%s%s%s",
+                             scene->path, name, scene->light_set_count > 0 ? "are" : "is no other than", known,
+                             scene->light_set_count > 0 ? " and '" : "'", LMB_LIGHT_SET_BASE, "'");
+    }
+    return lmb_scene_show_light_set(scene, set) == LMB_OK ? LMB_OK
+                                                          : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+}
+
 static lmb_result level_load(lmb_level *level, const lmb_progress *progress, lmb_error *error)
 {
     const double start = lmb_clock_seconds();
@@ -72,6 +106,9 @@ static lmb_result level_load(lmb_level *level, const lmb_progress *progress, lmb
     }
     if (result == LMB_OK && lmb_scene_choose_key_lights(level->scene, level->settings.key_lights) != LMB_OK) {
         result = lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    if (result == LMB_OK) {
+        result = light_set_show(level, error);
     }
     level->seconds_load = lmb_clock_seconds() - start;
     return result == LMB_OK ? step_report(progress, "load", 1.0, error) : result;

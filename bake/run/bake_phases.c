@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "run/bake_phases_levels.h"
+#include "run/parts.h"
 #include "run/step.h"
 
 /* Probes farther apart than so many steps between floats are told apart well enough. */
@@ -125,6 +126,7 @@ static lmb_lightmap_settings lightmap_settings(const lmb_bake *bake)
     settings.max_image_size = wanted->max_image_size > 0 ? wanted->max_image_size : settings.max_image_size;
     settings.padding = wanted->padding > 0 ? wanted->padding : settings.padding;
     settings.warnings = bake->level->warnings;
+    settings.format = wanted->lightmap_format;
     memcpy(settings.other, wanted->models, sizeof settings.other);
     settings.error = wanted->texel_error;
     settings.pool = bake->level->pool;
@@ -198,23 +200,30 @@ lmb_gather_effort lmb_bake_effort(const lmb_bake_settings *settings, const lmb_l
                                .floor = DARK_SHARE * UNIT_LENGTH * level->mean_light};
 }
 
+/* What is wrong with parts has been said. */
 static lmb_result phase_result(lmb_bake_phase phase, lmb_result result, lmb_error *error)
 {
-    return result == LMB_OK
-               ? LMB_OK
+    return result == LMB_OK || result == LMB_ERROR_WRITE || result == LMB_ERROR_UNSUPPORTED
+               ? result
                : lmb_error_set(error, result, "%s: %s", lmb_bake_phase_name(phase), lmb_result_text(result));
 }
 
-static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list)
+static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list, lmb_error *error)
 {
     lmb_bake_record *record = &bake->record;
     const lmb_gather_effort effort = lmb_bake_effort(&record->settings, bake->level);
     const lmb_gather_list elements = lmb_probe_list_elements(list);
     const lmb_gather_job job = lmb_gather_job_all(&bake->level->transport, &elements, &effort);
     lmb_gathered *gathered = malloc((list->count + 1) * sizeof *gathered);
-    lmb_result result = gathered
-                            ? lmb_gather_elements(&job, bake->level->pool, bake->progress, gathered, &record->gathered)
-                            : LMB_ERROR_MEMORY;
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (gathered) {
+        result =
+            lmb_parts_gather(bake->parts, &job, bake->level->pool, bake->progress, gathered, &record->gathered, error);
+    }
+    if (result == LMB_OK && lmb_parts_are_a_shard(bake->parts)) {
+        free(gathered);
+        return LMB_OK;
+    }
     if (result == LMB_OK && record->settings.denoise) {
         result = lmb_probe_list_denoise(list, bake->level->pool, NULL, gathered);
         lmb_gather_stats_renew(&record->gathered, gathered, list->count);
@@ -233,7 +242,7 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
     lmb_probe_list list;
     lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, bake->level->transport.tracer, &list);
     if (result == LMB_OK) {
-        result = probes_gather(bake, &list);
+        result = probes_gather(bake, &list, error);
         lmb_probe_list_free(&list);
     }
     record->seconds[LMB_PHASE_PROBES] = lmb_clock_seconds() - start;
@@ -242,12 +251,13 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
 }
 
 static lmb_result texels_gather(lmb_bake *bake, const lmb_gather_list *elements, const lmb_gather_effort *effort,
-                                lmb_gathered *gathered)
+                                lmb_gathered *gathered, lmb_error *error)
 {
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     const lmb_gather_job job = lmb_gather_job_all(&bake->level->transport, elements, effort);
-    const lmb_result result = lmb_gather_elements(&job, bake->level->pool, bake->progress, gathered, &record->lightmap);
+    const lmb_result result =
+        lmb_parts_gather(bake->parts, &job, bake->level->pool, bake->progress, gathered, &record->lightmap, error);
     record->seconds[LMB_PHASE_LIGHTMAPS] = lmb_clock_seconds() - start;
     record->rays[LMB_PHASE_LIGHTMAPS] = record->lightmap.rays;
     return result;
@@ -281,7 +291,11 @@ lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error)
     const lmb_gather_effort effort = lmb_bake_effort(settings, bake->level);
     const lmb_gather_list elements = lmb_texel_list_elements(bake->texels);
     lmb_gathered *gathered = malloc((elements.count + 1) * sizeof *gathered);
-    lmb_result result = gathered ? texels_gather(bake, &elements, &effort, gathered) : LMB_ERROR_MEMORY;
+    lmb_result result = gathered ? texels_gather(bake, &elements, &effort, gathered, error) : LMB_ERROR_MEMORY;
+    if (result == LMB_OK && lmb_parts_are_a_shard(bake->parts)) {
+        free(gathered);
+        return LMB_OK;
+    }
     if (result == LMB_OK && settings->denoise) {
         result = texels_denoise(bake, bake->texels, elements.count, gathered);
     }

@@ -144,7 +144,7 @@ static void json_add_seams(cJSON *json, const lmb_bake_record *record)
     json_add_steps(seams, "closed", &record->seams_closed);
 }
 
-cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files)
+cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files, cJSON *hashes)
 {
     cJSON *json = cJSON_CreateObject();
     json_add_elements(json, record);
@@ -167,13 +167,19 @@ cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files)
     if (files) {
         cJSON_AddItemToObject(json, "files", files);
     }
+    char key[17];
+    lmb_bake_settings_hash_text(record->key, key);
+    cJSON_AddStringToObject(json, "key", key);
+    if (hashes) {
+        cJSON_AddItemToObject(json, "hashes", hashes);
+    }
     cJSON_AddItemToObject(json, "settings", lmb_bake_settings_json(&record->settings, record->content_hash));
     return json;
 }
 
 char *lmb_bake_record_text(const lmb_bake_record *record)
 {
-    cJSON *json = lmb_bake_record_json(record, NULL);
+    cJSON *json = lmb_bake_record_json(record, NULL, NULL);
     char *text = cJSON_Print(json);
     cJSON_Delete(json);
     return text;

@@ -5,7 +5,7 @@
 
 #include <lambent/bake_record.h>
 
-/* What bake.json says of the bake; takes `files` (NULL: leaves them out). */
-cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files);
+/* What bake.json says of the bake; takes `files` and their `hashes` (NULL: leaves them out). */
+cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files, cJSON *hashes);
 
 #endif

@@ -75,9 +75,18 @@ static void json_add_level(cJSON *json, const lmb_level_settings *level, uint64_
     cJSON_AddItemToObject(json, "isa", text_or_null(level->isa));
     cJSON_AddNumberToObject(json, "bounces", level->bounces);
     cJSON_AddNumberToObject(json, "seed", (double)level->seed);
+    if (level->light_set) {
+        cJSON_AddStringToObject(json, "light_set", level->light_set);
+    }
     if (level->key_lights != 0) { /* what a record without it has */
         cJSON_AddNumberToObject(json, "key_lights", level->key_lights);
     }
+}
+
+const lmb_model *lmb_bake_settings_model(const lmb_bake_settings *settings)
+{
+    return lmb_model_default(settings->lightmap_format == LMB_LIGHTMAP_EXR ? LMB_MODEL_FOR_LIGHTMAP
+                                                                           : LMB_MODEL_FOR_TEXTURE);
 }
 
 /* The default model first; nothing where there is no other. */
@@ -85,7 +94,7 @@ static void json_add_models(cJSON *json, const lmb_bake_settings *settings)
 {
     if (settings->models[0]) {
         cJSON *models = cJSON_AddArrayToObject(json, "models");
-        cJSON_AddItemToArray(models, cJSON_CreateString(lmb_model_default(LMB_MODEL_FOR_LIGHTMAP)->name));
+        cJSON_AddItemToArray(models, cJSON_CreateString(lmb_bake_settings_model(settings)->name));
         for (int i = 0; i < LMB_LIGHTMAP_MOST_MODELS && settings->models[i]; ++i) {
             cJSON_AddItemToArray(models, cJSON_CreateString(settings->models[i]->name));
         }
@@ -111,6 +120,9 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
         const lmb_vec3d *seed = &settings->seeds[i];
         cJSON_AddItemToArray(seeds, cJSON_CreateDoubleArray((const double[3]){seed->x, seed->y, seed->z}, 3));
     }
+    if (settings->compact) {
+        cJSON_AddTrueToObject(json, "compact");
+    }
     cJSON_AddBoolToObject(json, "lightmaps", settings->lightmaps);
     if (settings->lightmaps) {
         cJSON_AddNumberToObject(json, "texels_per_m", (double)settings->texels_per_m);
@@ -118,12 +130,19 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
         if (settings->padding != 1) { /* what a record without it has */
             cJSON_AddNumberToObject(json, "padding", settings->padding);
         }
+        if (settings->lightmap_format != LMB_LIGHTMAP_EXR) {
+            cJSON_AddStringToObject(json, "lightmap_format", lmb_lightmap_format_name(settings->lightmap_format));
+        }
         json_add_models(json, settings);
         if (settings->texel_error) {
             cJSON_AddTrueToObject(json, "texel_error");
         }
     }
     cJSON_AddBoolToObject(json, "denoise", settings->denoise);
+    const bool is_open = settings->spacing <= 0.0f || (settings->lightmaps && settings->texels_per_m <= 0.0f);
+    if (is_open && settings->detail > 0.0f && settings->detail != 1.0f) { /* what a record of a bake never has */
+        cJSON_AddNumberToObject(json, "detail", (double)settings->detail);
+    }
     return json;
 }
 
@@ -175,6 +194,7 @@ static bool level_read(const cJSON *json, lmb_level_settings *level)
     level->path = text_of(json, "level");
     level->environment = text_of(json, "env");
     level->isa = text_of(json, "isa");
+    level->light_set = text_of(json, "light_set");
     level->allow_outside_uris = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "allow_outside_uris"));
     level->light_scale = number_or(json, "light_scale", level->light_scale);
     level->emission_scale = number_or(json, "emission_scale", level->emission_scale);
@@ -213,10 +233,35 @@ bool lmb_bake_settings_add_model(lmb_bake_settings *settings, const char *name)
     while (count < LMB_LIGHTMAP_MOST_MODELS && settings->models[count] && settings->models[count] != model) {
         ++count;
     }
-    if (model != lmb_model_default(LMB_MODEL_FOR_LIGHTMAP) && count < LMB_LIGHTMAP_MOST_MODELS) {
+    if (model != lmb_bake_settings_model(settings) && count < LMB_LIGHTMAP_MOST_MODELS) {
         settings->models[count] = model;
     }
     return count < LMB_LIGHTMAP_MOST_MODELS;
+}
+
+/* Takes the model that the format brings out of the others. */
+static void models_trim(lmb_bake_settings *settings)
+{
+    int kept = 0;
+    for (int i = 0; i < LMB_LIGHTMAP_MOST_MODELS; ++i) {
+        const lmb_model *model = settings->models[i];
+        settings->models[i] = NULL;
+        if (model && model != lmb_bake_settings_model(settings)) {
+            settings->models[kept++] = model;
+        }
+    }
+}
+
+bool lmb_bake_settings_lightmap_format(lmb_bake_settings *settings, const char *name)
+{
+    for (int i = 0; i < LMB_LIGHTMAP_FORMATS; ++i) {
+        if (strcmp(name, lmb_lightmap_format_name((lmb_lightmap_format)i)) == 0) {
+            settings->lightmap_format = (lmb_lightmap_format)i;
+            models_trim(settings);
+            return true;
+        }
+    }
+    return false;
 }
 
 static bool models_read(const cJSON *json, lmb_bake_settings *settings)
@@ -234,7 +279,9 @@ static bool models_read(const cJSON *json, lmb_bake_settings *settings)
 bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
 {
     lmb_bake_settings read = lmb_bake_settings_default();
-    if (!level_read(json, &read.level) || !seeds_read(json, &read) || !models_read(json, &read)) {
+    const char *format = text_of(json, "lightmap_format");
+    if ((format && !lmb_bake_settings_lightmap_format(&read, format)) || !level_read(json, &read.level) ||
+        !seeds_read(json, &read) || !models_read(json, &read)) {
         return false;
     }
     const char *estimator = text_of(json, "estimator");
@@ -249,11 +296,13 @@ bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
     read.noise = number_or(json, "noise", read.noise);
     read.min_spacing = (float)number_or(json, "min_spacing", 0.0);
     read.tolerance = number_or(json, "tolerance", read.tolerance);
+    read.compact = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "compact"));
     read.lightmaps = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "lightmaps"));
     read.texels_per_m = (float)number_or(json, "texels_per_m", 0.0);
     read.max_image_size = integer_or(json, "max_image_size", 0);
     read.padding = integer_or(json, "padding", 1);
     read.texel_error = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "texel_error"));
+    read.detail = (float)number_or(json, "detail", 1.0);
     read.denoise = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "denoise"));
     *settings = read;
     return true;

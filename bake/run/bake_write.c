@@ -12,6 +12,7 @@
 #include <lambent/vdb.h>
 
 #include "base/clock.h"
+#include "run/bake_current.h"
 #include "run/bake_level_internal.h"
 #include "run/bake_record_internal.h"
 #include "run/bake_settings_internal.h"
@@ -40,7 +41,8 @@ static lmb_result write_lmb(lmb_bake *bake, const char *stage, lmb_error *error)
     lmb_pack_stats stats;
     lmb_result result = path_make(stage, "probes.lmb", path, error);
     if (result == LMB_OK) {
-        result = lmb_pack(bake->probes, &data, &size, &stats);
+        const lmb_volume_form form = bake->record.settings.compact ? LMB_VOLUME_COMPACT : LMB_VOLUME_HALFS;
+        result = lmb_pack_as(form, bake->probes, &data, &size, &stats);
         if (result != LMB_OK) {
             lmb_error_set(error, result, "%s: %s", path, lmb_result_text(result));
         }
@@ -107,10 +109,11 @@ static lmb_result write_record(lmb_bake *bake, const lmb_bake_folder *folder, co
 {
     char path[PATH_SIZE];
     cJSON *files = lmb_bake_folder_files(folder);
-    cJSON *json = lmb_bake_record_json(&bake->record, files);
+    cJSON *hashes = lmb_bake_hashes(stage, files);
+    cJSON *json = lmb_bake_record_json(&bake->record, files, hashes);
     char *text = cJSON_Print(json);
-    lmb_result result = text && files ? path_make(stage, "bake.json", path, error)
-                                      : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    lmb_result result = text && files && hashes ? path_make(stage, "bake.json", path, error)
+                                                : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     if (result == LMB_OK) {
         result = lmb_file_write(path, text, strlen(text), error);
     }

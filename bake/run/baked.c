@@ -54,6 +54,7 @@ static lmb_result lightmap_open(const char *directory, lmb_baked *opened, lmb_er
     const lmb_lightmap_settings lightmap = {.texels_per_m = settings->texels_per_m,
                                             .max_image_size = settings->max_image_size,
                                             .padding = settings->padding,
+                                            .format = settings->lightmap_format,
                                             .pool = opened->level.pool};
     lmb_result result = lmb_lightmap_create(opened->level.scene, &lightmap, &opened->lightmap, error);
     char *path = result == LMB_OK ? lmb_file_in(directory, "lightmap") : NULL;
@@ -121,6 +122,22 @@ lmb_result lmb_baked_open(const char *level_path, const char *directory, int thr
     if (result != LMB_OK) {
         lmb_baked_close(opened);
     }
+    return result;
+}
+
+lmb_result lmb_baked_read_model(lmb_baked *baked, const char *directory, const lmb_model *model, lmb_error *error)
+{
+    if (!baked->lightmap) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: has no lightmaps, of model '%s' or any", directory,
+                             model->name);
+    }
+    if (baked->lightmap->model == model) {
+        return LMB_OK;
+    }
+    char *path = lmb_file_in(directory, "lightmap");
+    const lmb_result result = path ? lmb_lightmap_read_model(baked->lightmap, model, path, error)
+                                   : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    free(path);
     return result;
 }
 

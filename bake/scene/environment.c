@@ -1,7 +1,6 @@
 #include "image/image_internal.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,114 +9,19 @@
 #include <lambent/environment.h>
 #include <lambent/light_sets.h>
 #include <lambent/texture.h>
+#include <lambent/vector.h>
 
 #include "base/hex_digit.h"
+#include "scene/environment_daylight.h"
+#include "scene/environment_description.h"
+#include "scene/scene_internal.h"
 
-static const double RAD_PER_DEG = 0.017453292519943295769;
-
-/* What a description says, apart from the pixels. */
-typedef struct description {
-    char *source; /* path, #rrggbb or none */
-    float rotation_rad;
-    float strength;
-    char set[LMB_LIGHT_SET_NAME]; /* of lights; empty: none is named */
-} description;
-
-static bool number_parse(const char *text, double *value)
+/* Of #rrggbb. */
+static void colour_bytes(const char *text, unsigned char bytes[3])
 {
-    char *end = NULL;
-    if (*text == '\0' || strspn(text, "+-.0123456789eE") != strlen(text)) {
-        return false; /* strtod would take hexadecimal, infinity and leading blanks */
+    for (int c = 0; c < 3; ++c) {
+        bytes[c] = (unsigned char)(16 * lmb_hex_digit(text[1 + 2 * c]) + lmb_hex_digit(text[2 + 2 * c]));
     }
-    *value = strtod(text, &end);
-    return *end == '\0' && isfinite(*value);
-}
-
-static lmb_result set_parse(const char *name, description *parsed, lmb_error *error)
-{
-    if (strlen(name) >= sizeof parsed->set) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' is too long a name of a set of lights", name);
-    }
-    strcpy(parsed->set, name);
-    return LMB_OK;
-}
-
-/* Takes "name=value", which is NUL-terminated. `seen` has a bit for each option met so far. */
-static lmb_result option_parse(const char *option, description *parsed, unsigned *seen, lmb_error *error)
-{
-    const bool rotation = strncmp(option, "rotation=", 9) == 0;
-    const bool strength = strncmp(option, "strength=", 9) == 0;
-    const bool set = strncmp(option, "set=", 4) == 0;
-    const unsigned bit = rotation ? 1U : strength ? 2U : 4U;
-    double value = 0.0;
-    if (!rotation && !strength && !set) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: unknown option '%s' (rotation=, strength= or set=)",
-                             option);
-    }
-    if (*seen & bit) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: option '%s' comes twice", option);
-    }
-    *seen |= bit;
-    if (set) {
-        return set_parse(option + 4, parsed, error);
-    }
-    if (!number_parse(option + 9, &value) || fabs(value) > 1e30 || (strength && value < 0.0)) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' is no %s", option,
-                             rotation ? "angle in degrees" : "number from 0 up");
-    }
-    if (rotation) {
-        parsed->rotation_rad = (float)(fmod(value, 360.0) * RAD_PER_DEG + 0.0);
-    } else {
-        parsed->strength = (float)value;
-    }
-    return LMB_OK;
-}
-
-/* The last ",name=value" of the text, or NULL. Only lower-case names count, so that most paths may have commas. */
-static char *option_find_last(char *text)
-{
-    char *const comma = strrchr(text, ',');
-    if (!comma) {
-        return NULL;
-    }
-    const size_t name_length = strspn(comma + 1, "abcdefghijklmnopqrstuvwxyz");
-    return name_length > 0 && comma[1 + name_length] == '=' ? comma : NULL;
-}
-
-static lmb_result description_parse(const char *text, description *parsed, lmb_error *error)
-{
-    unsigned seen = 0;
-    *parsed = (description){malloc(strlen(text) + 1), 0.0f, 1.0f, ""};
-    if (!parsed->source) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "environment: no memory");
-    }
-    strcpy(parsed->source, text);
-    lmb_result result = LMB_OK;
-    for (char *option = option_find_last(parsed->source); option && result == LMB_OK;
-         option = option_find_last(parsed->source)) {
-        *option = '\0';
-        result = option_parse(option + 1, parsed, &seen, error);
-    }
-    if (result == LMB_OK && parsed->source[0] == '\0') {
-        result = lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' names no picture or colour", text);
-    }
-    if (result != LMB_OK) {
-        free(parsed->source);
-        parsed->source = NULL;
-    }
-    return result;
-}
-
-static lmb_result colour_parse(const char *text, unsigned char bytes[3], lmb_error *error)
-{
-    bool good = strlen(text) == 7;
-    for (int c = 0; c < 3 && good; ++c) {
-        const int high = lmb_hex_digit(text[1 + 2 * c]);
-        const int low = lmb_hex_digit(text[2 + 2 * c]);
-        good = high >= 0 && low >= 0;
-        bytes[c] = good ? (unsigned char)(16 * high + low) : 0;
-    }
-    return good ? LMB_OK : lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' is not #rrggbb", text);
 }
 
 static uint64_t float_hash(uint64_t hash, float value)
@@ -168,19 +72,18 @@ static lmb_result shape_check(const char *source, const lmb_image *image, lmb_er
                          source, image->width, image->height, found);
 }
 
-/* Fills what depends on the source; `hash` is continued with what was read. */
-static lmb_result source_read(const char *source, lmb_environment *environment, uint64_t *hash, lmb_error *error)
+static void constant_set(const char *source, lmb_environment *environment, uint64_t *hash)
 {
-    environment->present = true;
-    if (source[0] == '#') {
-        unsigned char bytes[3];
-        const lmb_result result = colour_parse(source, bytes, error);
-        for (int c = 0; c < 3 && result == LMB_OK; ++c) {
-            environment->constant.c[c] = lmb_srgb_to_linear(bytes[c]);
-        }
-        *hash = result == LMB_OK ? lmb_hash(*hash, bytes, sizeof bytes) : *hash;
-        return result;
+    unsigned char bytes[3];
+    colour_bytes(source, bytes);
+    for (int c = 0; c < 3; ++c) {
+        environment->constant.c[c] = lmb_srgb_to_linear(bytes[c]);
     }
+    *hash = lmb_hash(*hash, bytes, sizeof bytes);
+}
+
+static lmb_result picture_read(const char *source, lmb_environment *environment, uint64_t *hash, lmb_error *error)
+{
     unsigned char *data = NULL;
     size_t size = 0;
     lmb_result result = lmb_file_read(source, &data, &size, error);
@@ -199,31 +102,90 @@ static lmb_result source_read(const char *source, lmb_environment *environment, 
     return result;
 }
 
+static lmb_result daylight_make(const lmb_environment_description *described, lmb_environment *environment,
+                                lmb_environment_sun *sun, uint64_t *hash)
+{
+    const lmb_result result = lmb_environment_daylight(described, environment, sun);
+    const lmb_image *image = &environment->image;
+    for (int32_t i = 0; result == LMB_OK && i < 3 * image->width * image->height; ++i) {
+        *hash = float_hash(*hash, image->rgb[i]);
+    }
+    const float numbers[6] = {sun->direction.x,     sun->direction.y,     sun->direction.z,
+                              sun->irradiance.c[0], sun->irradiance.c[1], sun->irradiance.c[2]};
+    for (int i = 0; result == LMB_OK && i < 6; ++i) {
+        *hash = float_hash(*hash, numbers[i]);
+    }
+    return result;
+}
+
+/* Fills what depends on the source; `hash` is continued with what was read or made. */
+static lmb_result source_take(const lmb_environment_description *described, lmb_environment *environment,
+                              lmb_environment_sun *sun, uint64_t *hash, lmb_error *error)
+{
+    environment->present = true;
+    if (!described->source) {
+        const lmb_result result = daylight_make(described, environment, sun, hash);
+        return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "environment: no memory");
+    }
+    if (described->source[0] == '#') {
+        constant_set(described->source, environment, hash);
+        return LMB_OK;
+    }
+    return picture_read(described->source, environment, hash, error);
+}
+
+/* Puts the environment in the place of the one before, whose sun was the scene's last light if it had one. */
+static lmb_result environment_replace(lmb_scene *scene, lmb_environment *environment, const lmb_environment_sun *sun)
+{
+    if (lmb_rgb_max(sun->irradiance) > 0.0f) {
+        const lmb_result result = lmb_scene_add_sun(scene, sun);
+        if (result != LMB_OK) {
+            return result;
+        }
+        scene->lights[scene->light_count - 1].set = environment->set;
+        environment->has_sun = true;
+    }
+    if (scene->environment.has_sun) {
+        const uint32_t old = scene->light_count - 1 - environment->has_sun;
+        free(scene->lights[old].name);
+        scene->lights[old] = scene->lights[scene->light_count - 1];
+        --scene->light_count;
+    }
+    lmb_image_free(&scene->environment.image);
+    free(scene->environment.taken);
+    scene->environment = *environment;
+    return LMB_OK;
+}
+
 lmb_result lmb_scene_set_environment(lmb_scene *scene, const char *text, lmb_error *error)
 {
     assert(scene && text);
-    description parsed;
-    lmb_result result = description_parse(text, &parsed, error);
+    lmb_environment_description described;
+    lmb_result result = lmb_environment_describe(text, &described, error);
     if (result != LMB_OK) {
         return result;
     }
-    lmb_environment environment = {.rotation_rad = parsed.rotation_rad, .strength = parsed.strength};
-    if (parsed.set[0] != '\0' && lmb_scene_light_set(scene, parsed.set, &environment.set) != LMB_OK) {
-        free(parsed.source);
+    lmb_environment environment = {.rotation_rad = described.rotation_rad, .strength = described.strength};
+    if (described.set[0] != '\0' && lmb_scene_light_set(scene, described.set, &environment.set) != LMB_OK) {
+        lmb_environment_description_free(&described);
         return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' names no set of lights, or there are too many",
-                             parsed.set);
+                             described.set);
     }
+    lmb_environment_sun sun = {.count = 0};
     uint64_t hash = scene->content_hash;
-    if (strcmp(parsed.source, "none") != 0) {
-        result = source_read(parsed.source, &environment, &hash, error);
-        hash = float_hash(float_hash(hash, parsed.rotation_rad), parsed.strength);
+    if (!described.source || strcmp(described.source, "none") != 0) {
+        result = source_take(&described, &environment, &sun, &hash, error);
+        hash = float_hash(float_hash(hash, described.rotation_rad), described.strength);
     }
-    free(parsed.source);
-    if (result == LMB_OK) {
-        lmb_image_free(&scene->environment.image);
-        free(scene->environment.taken);
-        scene->environment = environment;
-        scene->content_hash = hash;
+    lmb_environment_description_free(&described);
+    if (result != LMB_OK) {
+        return result;
     }
-    return result;
+    if (environment_replace(scene, &environment, &sun) != LMB_OK) {
+        lmb_image_free(&environment.image);
+        free(environment.taken);
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "environment: no memory");
+    }
+    scene->content_hash = hash;
+    return LMB_OK;
 }

@@ -315,7 +315,7 @@ static double picture_irradiance(const picture_axes *axes, lmb_vec3 towards, dou
 lmb_result lmb_environment_find_sun(const lmb_environment *environment, lmb_environment_sun *sun)
 {
     *sun = (lmb_environment_sun){.count = 0};
-    if (!environment->present || !environment->image.rgb || !(environment->strength > 0.0f)) {
+    if (!environment->present || !environment->image.rgb || !(environment->strength > 0.0f) || environment->has_sun) {
         return LMB_OK;
     }
     const picture_axes axes = axes_of(environment);

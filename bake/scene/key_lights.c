@@ -8,7 +8,7 @@
 #include <lambent/environment.h>
 #include <lambent/vector.h>
 
-static const char SUN_NAME[] = "the environment's sun";
+#include "scene/scene_internal.h"
 
 /* Of half an ulp more than the degrees that files say. */
 #define MOST_ANGLE_RAD ((float)(LMB_KEY_MOST_ANGLE_DEG * 1.000001 * LMB_PI / 180.0))
@@ -41,24 +41,16 @@ static void strongest_add(lmb_scene *scene, uint32_t most, uint32_t light)
 }
 
 /* Makes a light of the sun, the scene's last, and takes it out of the picture. */
-static lmb_result sun_light_add(lmb_scene *scene, const lmb_environment_sun *sun)
+static lmb_result sun_separate(lmb_scene *scene, const lmb_environment_sun *sun)
 {
-    lmb_light *const lights = realloc(scene->lights, (scene->light_count + 1u) * sizeof *lights);
-    char *const name = malloc(sizeof SUN_NAME);
-    scene->lights = lights ? lights : scene->lights;
-    const lmb_result result = lights && name ? lmb_environment_take_sun(&scene->environment, sun) : LMB_ERROR_MEMORY;
-    if (result != LMB_OK) {
-        free(name);
-        return result;
+    lmb_result result = lmb_scene_add_sun(scene, sun);
+    if (result == LMB_OK) {
+        result = lmb_environment_take_sun(&scene->environment, sun);
     }
-    memcpy(name, SUN_NAME, sizeof SUN_NAME);
-    lights[scene->light_count++] = (lmb_light){.name = name,
-                                               .type = LMB_LIGHT_DIRECTIONAL,
-                                               .direction = lmb_vec3_scale(sun->direction, -1.0f),
-                                               .intensity = sun->irradiance,
-                                               .angle_rad = sun->angle_rad,
-                                               .set = scene->environment.set};
-    return LMB_OK;
+    if (result == LMB_OK) {
+        scene->lights[scene->light_count - 1].set = scene->environment.set;
+    }
+    return result;
 }
 
 /* Whether the sun is as strong as those that are kept apart. */
@@ -81,7 +73,7 @@ lmb_result lmb_scene_choose_key_lights(lmb_scene *scene, uint32_t most)
     lmb_environment_sun sun;
     lmb_result result = lmb_environment_find_sun(&scene->environment, &sun);
     if (result == LMB_OK && sun_is_wanted(scene, most, &sun)) {
-        result = sun_light_add(scene, &sun);
+        result = sun_separate(scene, &sun);
         if (result == LMB_OK) {
             strongest_add(scene, most, scene->light_count - 1);
         }

@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <lambent/vector.h>
 
@@ -41,6 +42,9 @@ void lmb_scene_clear_nodes(lmb_scene *scene)
     for (uint32_t i = 0; scene->seed_names && i < scene->seed_point_count; ++i) {
         free(scene->seed_names[i]);
     }
+    for (uint32_t i = 0; i < scene->cube_point_count; ++i) {
+        free(scene->cube_names[i]);
+    }
     for (uint32_t i = 0; i < scene->camera_count; ++i) {
         free(scene->cameras[i].name);
     }
@@ -50,6 +54,8 @@ void lmb_scene_clear_nodes(lmb_scene *scene)
     free(scene->seed_points);
     free(scene->seed_names);
     free(scene->path_points);
+    free(scene->cube_points);
+    free(scene->cube_names);
     free(scene->cameras);
     scene->meshes = NULL;
     scene->instances = NULL;
@@ -58,6 +64,9 @@ void lmb_scene_clear_nodes(lmb_scene *scene)
     scene->seed_names = NULL;
     scene->path_points = NULL;
     scene->cameras = NULL;
+    scene->cube_points = NULL;
+    scene->cube_names = NULL;
+    scene->cube_point_count = 0;
     scene->mesh_count = scene->instance_count = scene->light_count = scene->key_light_count = 0;
     scene->seed_point_count = scene->path_point_count = scene->camera_count = 0;
     scene->dropped_triangle_count = 0;
@@ -83,6 +92,25 @@ void lmb_scene_destroy(lmb_scene *scene)
     free(scene->environment.taken);
     free(scene->path);
     free(scene);
+}
+
+lmb_result lmb_scene_add_sun(lmb_scene *scene, const lmb_environment_sun *sun)
+{
+    static const char SUN_NAME[] = "the environment's sun";
+    lmb_light *const lights = realloc(scene->lights, (scene->light_count + 1u) * sizeof *lights);
+    char *const name = malloc(sizeof SUN_NAME);
+    scene->lights = lights ? lights : scene->lights;
+    if (!lights || !name) {
+        free(name);
+        return LMB_ERROR_MEMORY;
+    }
+    memcpy(name, SUN_NAME, sizeof SUN_NAME);
+    lights[scene->light_count++] = (lmb_light){.name = name,
+                                               .type = LMB_LIGHT_DIRECTIONAL,
+                                               .direction = lmb_vec3_scale(sun->direction, -1.0f),
+                                               .intensity = sun->irradiance,
+                                               .angle_rad = sun->angle_rad};
+    return LMB_OK;
 }
 
 lmb_vec3 lmb_scene_from_world(const lmb_scene *scene, lmb_vec3d world)
@@ -301,6 +329,11 @@ static lmb_result validate_points(const lmb_scene *scene, lmb_error *error)
     for (uint32_t i = 0; i < scene->path_point_count; ++i) {
         if (!is_finite3(scene->path_points[i])) {
             return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: path point %u: not finite", scene->path, i);
+        }
+    }
+    for (uint32_t i = 0; i < scene->cube_point_count; ++i) {
+        if (!is_finite3(scene->cube_points[i])) {
+            return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: cube map %u: not finite", scene->path, i);
         }
     }
     if (!is_finite3(scene->bounds_min) || !is_finite3(scene->bounds_max)) {

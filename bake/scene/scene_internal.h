@@ -2,6 +2,7 @@
 #ifndef LMB_SCENE_INTERNAL_H
 #define LMB_SCENE_INTERNAL_H
 
+#include <lambent/environment.h>
 #include <lambent/scene.h>
 
 #ifdef __cplusplus
@@ -13,6 +14,9 @@ void lmb_mesh_free(lmb_mesh *mesh);
 
 /* Takes away all that came from nodes: meshes, instances, lights, points. */
 void lmb_scene_clear_nodes(lmb_scene *scene);
+
+/* Makes a directional light of the sun, the scene's last. @return LMB_ERROR_MEMORY */
+lmb_result lmb_scene_add_sun(lmb_scene *scene, const lmb_environment_sun *sun);
 
 /* Where the origin of the scene should be in the world, for instances that still count from 0. It stays
  * 0 unless the level is farther out than 64 times its own size, and the move helps more of its surface than it harms.

@@ -3,12 +3,28 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "transport/gather_sh3_internal.h"
 
 static bool effort_adapts(const lmb_gather_effort *effort)
 {
     return effort->max_samples > effort->samples;
+}
+
+/* Of brief elements: a quarter of the samples, with (1/4)^(-2/3) times the error. */
+#define BRIEF_PART 4
+#define BRIEF_ERROR 2.52
+
+static lmb_gather_effort effort_of(const lmb_gather_effort *effort, const lmb_gather_site *site)
+{
+    lmb_gather_effort own = *effort;
+    if (site->brief) {
+        own.samples = (effort->samples + BRIEF_PART - 1) / BRIEF_PART;
+        own.max_samples = (effort->max_samples + BRIEF_PART - 1) / BRIEF_PART;
+        own.tolerance *= BRIEF_ERROR;
+    }
+    return own;
 }
 
 static uint32_t effort_pilot(const lmb_gather_effort *effort)
@@ -90,9 +106,10 @@ static pilot_sums group_begin(const lmb_gather_job *job, size_t first, uint32_t 
     for (uint32_t i = 0; i < count; ++i) {
         lmb_gather_site *site = &work->site[i];
         site->rays = 0;
-        site->moved = false;
+        site->moved = site->brief = false;
         list->find_site(list->context, first + i, site);
-        lmb_sh3_sums_begin(job->transport, site->point, site->count, effort_pilot(job->effort), &work->sums[i]);
+        const lmb_gather_effort effort = effort_of(job->effort, site);
+        lmb_sh3_sums_begin(job->transport, site->point, site->count, effort_pilot(&effort), &work->sums[i]);
         lmb_sh3_sums_combine(&work->sums[i], &gathered[i]);
         pilot_sums_add(&all, job->effort, &gathered[i], 1.0);
     }
@@ -102,10 +119,10 @@ static pilot_sums group_begin(const lmb_gather_job *job, size_t first, uint32_t 
 static void group_gather(const lmb_gather_job *job, size_t first, uint32_t count, group_work *work,
                          lmb_gathered *gathered)
 {
-    const lmb_gather_effort *effort = job->effort;
     const pilot_sums all = group_begin(job, first, count, work, gathered);
-    for (uint32_t i = 0; i < count && effort_adapts(effort); ++i) {
-        const uint32_t share = share_by_others(effort, all, &gathered[i], count);
+    for (uint32_t i = 0; i < count && effort_adapts(job->effort); ++i) {
+        const lmb_gather_effort effort = effort_of(job->effort, &work->site[i]);
+        const uint32_t share = share_by_others(&effort, all, &gathered[i], count);
         if (share > work->sums[i].taken) {
             lmb_sh3_sums_continue(job->transport, work->site[i].point, share, &work->sums[i]);
             lmb_sh3_sums_combine(&work->sums[i], &gathered[i]);
@@ -172,8 +189,17 @@ static void group_task(void *context, size_t task, int worker)
     }
 }
 
-lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,
-                               lmb_gathered *gathered, lmb_gather_stats *stats)
+lmb_gather_stats lmb_gather_stats_sum(const lmb_gather_stats *stats, size_t count)
+{
+    lmb_gather_stats sum = {0};
+    for (size_t i = 0; i < count; ++i) {
+        stats_add(&sum, &stats[i]);
+    }
+    return sum;
+}
+
+lmb_result lmb_gather_elements_by_group(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,
+                                        lmb_gathered *gathered, lmb_gather_stats *stats)
 {
     const size_t workers = (size_t)lmb_pool_threads(pool);
     elements_work work = {
@@ -182,22 +208,29 @@ lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const 
         .gathered = gathered,
         .group = malloc(workers * sizeof *work.group),
         .points = malloc(workers * LMB_GATHER_GROUP_MOST * job->list->most_points * sizeof *work.points),
-        .stats = calloc(job->group_count + 1, sizeof *work.stats),
+        .stats = stats,
     };
     assert(job->list->most_points > 0 && job->list->most_points <= LMB_GATHER_MOST_POINTS);
     lmb_result result = LMB_ERROR_MEMORY;
-    if (work.group && work.points && work.stats) {
+    if (work.group && work.points) {
+        memset(stats, 0, job->group_count * sizeof *stats);
         result = lmb_pool_run(pool, job->group_count, group_task, &work, job->list->name, progress);
-    }
-    if (result == LMB_OK) {
-        *stats = (lmb_gather_stats){0};
-        for (size_t i = 0; i < job->group_count; ++i) {
-            stats_add(stats, &work.stats[i]);
-        }
     }
     free(work.group);
     free(work.points);
-    free(work.stats);
+    return result;
+}
+
+lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,
+                               lmb_gathered *gathered, lmb_gather_stats *stats)
+{
+    lmb_gather_stats *const group = malloc((job->group_count + 1) * sizeof *group);
+    const lmb_result result =
+        group ? lmb_gather_elements_by_group(job, pool, progress, gathered, group) : LMB_ERROR_MEMORY;
+    if (result == LMB_OK) {
+        *stats = lmb_gather_stats_sum(group, job->group_count);
+    }
+    free(group);
     return result;
 }
 

@@ -143,6 +143,12 @@ vec3 lmbSh3Irradiance(LmbSh3 sh, vec3 n)
     return lmbLight(sum);
 }
 
+// The same of linear SH, the first four coefficients, as lightmaps of that model store it (lmb_sh2_rgb_irradiance).
+vec3 lmbSh2Irradiance(vec3 c0, vec3 c1, vec3 c2, vec3 c3, vec3 n)
+{
+    return lmbLight(0.28209479177 * c0 + 0.66666666667 * 0.4886025119 * (n.z * c2 - n.y * c1 - n.x * c3));
+}
+
 // The parts of an SH3 that a cone about an axis turns into linear SH (docs/maths.md).
 struct LmbAxial {
     vec3 l0;
@@ -304,6 +310,17 @@ LmbIrradz lmbIrradzEncode(LmbSh3 sh, vec3 nv, float coneCos)
 }
 
 // A texel, filtered or not, as a light (lmb_irradz_decode).
+// The direction of a compressed texel, from its filtered point of the disc, -1 to 1 (lmb_disc_to_direction):
+//     irradz.direction = lmbDiscToDirection(2.0 * texture(direction, uv).xy - 1.0, nv);
+vec3 lmbDiscToDirection(vec2 p, vec3 nv)
+{
+    vec3 axis = vec3(-0.36, 0.8, -0.48);
+    vec3 across = vec3(-0.8, 0.0, 0.6) * p.x + vec3(0.48, 0.6, 0.64) * p.y;
+    vec3 turned = across - (axis + nv) * (dot(nv, across) / max(1.0 + dot(axis, nv), 1e-6));
+    float height = max(1.0 - dot(p, p), LMB_IRRADZ_MIN_COS);
+    return nv * height + turned * sqrt(1.0 + height);
+}
+
 LmbHhd lmbIrradzDecode(LmbIrradz irradz, vec3 nv)
 {
     float w = lmbSaturate(irradz.ambientWeight);

@@ -167,6 +167,7 @@ typedef struct lmb_level_node {
     lmb_vec3 scale;
     bool dynamic;                    /* extras {"lambent": {"static": false}} */
     bool seed;                       /* extras {"lambent": {"seed": true}} */
+    bool cube_map;                   /* extras {"lambent": {"cube_map": true}} */
     int path;                        /* extras {"lambent": {"path": n}}; LMB_LEVEL_NONE: not a point of the path */
     bool no_lightmap;                /* extras {"lambent": {"lightmap": false}} */
     float texels_per_m, texel_scale; /* extras likewise; 0: none */

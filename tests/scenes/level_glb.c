@@ -432,12 +432,15 @@ static void write_node_extras(glb *out, cJSON *item, const lmb_level_node *node)
 {
     const bool soft = node->angle_deg > 0.0f || node->radius_m > 0.0f;
     const bool maps = node->no_lightmap || node->texels_per_m > 0.0f || node->texel_scale > 0.0f || node->light_set;
-    if (!node->dynamic && !node->seed && node->path == LMB_LEVEL_NONE && !soft && !maps) {
+    if (!node->dynamic && !node->seed && !node->cube_map && node->path == LMB_LEVEL_NONE && !soft && !maps) {
         return;
     }
     cJSON *lambent = put_object(out, put_object(out, item, "extras"), "lambent");
     if (node->dynamic) {
         put(out, lambent, "static", cJSON_CreateFalse());
+    }
+    if (node->cube_map) {
+        put(out, lambent, "cube_map", cJSON_CreateTrue());
     }
     if (node->seed) {
         put(out, lambent, "seed", cJSON_CreateTrue());

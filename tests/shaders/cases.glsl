@@ -1,8 +1,8 @@
 // Runs the shader include on one item: reads INPUTS numbers, writes OUTPUTS (tests/test_shader.c has both lists).
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
-#define INPUTS 45
-#define OUTPUTS 42
+#define INPUTS 64
+#define OUTPUTS 71
 
 vec3 lmbRead3(uint at)
 {
@@ -57,4 +57,33 @@ void lmbItem(uint item)
     lmbWrite3(to + 33u, fitted.irradianceZ);
     lmbWrite3(to + 36u, lmbIrradzEvaluate(fitted, nv, n));
     lmbWrite3(to + 39u, lmbHlshEvaluate(lmbHlshFromProbe(sh, nv, coneCos), nv, n));
+
+    vec3 view = lmbRead3(from + 45u);
+    float roughness = lmbRead(from + 48u);
+    vec3 f0 = lmbRead3(from + 49u);
+    LmbSpecularLobe lobe;
+    lobe.constant0236 = vec4(lmbRead3(from + 52u), lmbRead(from + 55u));
+    lobe.schlick0236 = vec4(lmbRead3(from + 56u), lmbRead(from + 59u));
+    lobe.both78 = vec4(lmbRead3(from + 60u), lmbRead(from + 63u));
+    lmbWrite3(to + 42u, lmbSpecularArea(sh, lobe, f0, n, view));
+    LmbKeyLight dominant = lmbDominantLight(sh);
+    lmbWrite3(to + 45u, dominant.irradiance);
+    LmbSh3 rest = lmbWithoutLight(sh, dominant);
+    lmbWrite3(to + 48u, lmbSh3Irradiance(rest, n));
+    key.direction = lmbUnitOr(key.direction, nv);
+    lmbWrite3(to + 51u, lmbSpecularLight(key, visibility, roughness, f0, nv, n, view));
+    lmbWrite(to + 54u, lmbSpecularCoordinates(roughness, n, view).x);
+    lmbWrite(to + 55u, lmbSpecularCoordinates(roughness, n, view).y);
+    lmbWrite3(to + 56u, lmbSpecularEnvironment(albedo, sh, lobe, f0, n, view));
+    LmbRnm rnm;
+    rnm.light1 = texel.irradianceZ;
+    rnm.light2 = albedo;
+    rnm.light3 = max(sh.c[0], vec3(0.0, 0.0, 0.0));
+    lmbWrite3(to + 59u, lmbRnmEvaluate(rnm, lmbRnmSlopes(nv), n));
+    lmbWrite3(to + 62u, lmbSsbumpEvaluate(rnm, albedo));
+    lmbWrite3(to + 65u, lmbSh2Irradiance(sh.c[0], sh.c[1], sh.c[2], sh.c[3], n));
+    vec2 disc;
+    disc.x = texel.direction.x;
+    disc.y = texel.direction.y;
+    lmbWrite3(to + 68u, lmbDiscToDirection(disc, nv));
 }

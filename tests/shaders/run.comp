@@ -4,6 +4,8 @@
 #include "lambent.glsl"
 #include "lambent_networks.glsl"
 #include "lambent_probe.glsl"
+#include "lambent_specular.glsl"
+#include "lambent_rnm.glsl"
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Inputs { float inputs[]; };

@@ -13,7 +13,9 @@ void lmbWrite(uint index, float value)
     outputs[index] = value;
 }
 
+#define vec2 float2
 #define vec3 float3
+#define vec4 float4
 #include "cases.glsl"
 
 [numthreads(64, 1, 1)] void main(uint3 id : SV_DispatchThreadID)

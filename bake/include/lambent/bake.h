@@ -27,6 +27,18 @@ typedef struct lmb_bake_listener {
     lmb_warnings warnings;
 } lmb_bake_listener;
 
+/* How a bake is done, which changes none of its bytes. All zero: all of it, from the beginning. Strings are the
+ * caller's. */
+typedef struct lmb_bake_work {
+    bool resume;                 /* goes on from what an interrupted bake of the same settings has left in the folder */
+    bool again;                  /* bakes even where the folder holds this very bake, whole */
+    uint32_t shard, shard_count; /* gathers a share alone, and leaves it in the folder; 0 <= shard < shard_count, from 2
+                                    on. 0: all */
+    const char *const *from;     /* folders of shards, from which what they have gathered is taken */
+    uint32_t from_count;
+    bool merge; /* what none of them has is an error, rather than gathered */
+} lmb_bake_work;
+
 /* Bakes into `folder`, opened for lightmaps if the settings have them: probes.lmb, probes.vdb, lightmap/ and bake.json.
  * On failure the folder is as it was. `listener` and `error` may be NULL; `*record` is set on success, and may be NULL.
  * The same settings give the same bytes for any number of threads (bake.json apart from times, threads and memory).
@@ -34,6 +46,19 @@ typedef struct lmb_bake_listener {
  * (the listener stopped it); LMB_ERROR_ARGUMENT (the folder is not for these settings) */
 lmb_result lmb_bake_run(const lmb_bake_settings *settings, lmb_bake_folder *folder, const lmb_bake_listener *listener,
                         lmb_bake_record *record, lmb_error *error);
+
+/* The same, done in pieces. A bake that took more than a second leaves what it gathered in the folder when it fails, is
+ * stopped or killed. Where the folder holds this very bake, of this program's version, nothing is done, unless `again`,
+ * and `record->is_current` says so. A shard writes nothing but what it gathered. @return as above, and
+ * LMB_ERROR_UNSUPPORTED (`merge`: a part is missing) */
+lmb_result lmb_bake_run_as(const lmb_bake_settings *settings, const lmb_bake_work *work, lmb_bake_folder *folder,
+                           const lmb_bake_listener *listener, lmb_bake_record *record, lmb_error *error);
+
+/* What a shard in that folder was asked for: settings for lmb_bake_run_as. Their strings lie in `*json`, which the
+ * caller frees by cJSON_Delete. @return LMB_ERROR_IO, _FORMAT, _MEMORY; then `*json` is NULL */
+struct cJSON;
+lmb_result lmb_bake_shard_settings(const char *directory, struct cJSON **json, lmb_bake_settings *settings,
+                                   lmb_error *error);
 
 /* What the bake would make and how long it would take, without gathering or writing anything: the phases up to the
  * light on surfaces, and a trial. `record->expected_seconds` is of the rest. */

@@ -15,6 +15,9 @@ extern "C" {
 
 enum { LMB_LEVEL_MAX_EXCLUDE = 64 };
 
+/* The lights that name no set. */
+#define LMB_LIGHT_SET_BASE "base"
+
 /* Which level, and how it is traced. Values: copy them by assignment; nothing points into them. Strings are the
  * caller's, who keeps them for as long as the settings, a copy of them, or a level opened with them is used. */
 typedef struct lmb_level_settings {
@@ -30,7 +33,9 @@ typedef struct lmb_level_settings {
     int threads;             /* 0: one for each processor */
     int bounces;             /* reflections at most; negative: no limit */
     uint64_t seed;           /* of the random numbers */
-    uint32_t key_lights;     /* suns kept apart from the harmonics at most, see lmb_scene_choose_key_lights */
+    const char
+        *light_set;      /* which lights alone (lambent/light_sets.h): a set's name, or LMB_LIGHT_SET_BASE; NULL: all */
+    uint32_t key_lights; /* suns kept apart from the harmonics at most, see lmb_scene_choose_key_lights */
 } lmb_level_settings;
 
 /* No level, scales 1, all threads, any number of bounces, seed 0, one key light. */
@@ -62,10 +67,11 @@ typedef struct lmb_level {
     double seconds_load, seconds_bvh, seconds_surface;
 } lmb_level;
 
-/* Loads the level, sets the environment, chooses key lights, builds; the estimator is the reference. A level without
- * any light gets a constant sky of 1, and a warning that says so. `warnings` and `progress` may be NULL; progress has
- * the phases "load" and "bvh". On failure `*level` needs no closing.
- * @return what lmb_gltf_load, lmb_scene_set_environment and lmb_tracer_create return, LMB_ERROR_MEMORY, _INTERRUPTED */
+/* Loads the level, sets the environment, chooses key lights, lights the set that is wanted, builds; the estimator is
+ * the reference. A level without any light gets a constant sky of 1, and a warning that says so. `warnings` and
+ * `progress` may be NULL; progress has the phases "load" and "bvh". On failure `*level` needs no closing.
+ * @return what lmb_gltf_load, lmb_scene_set_environment and lmb_tracer_create return, LMB_ERROR_UNSUPPORTED (no light
+ * names that set), _MEMORY, _INTERRUPTED */
 lmb_result lmb_level_open(const lmb_level_settings *settings, const lmb_warnings *warnings,
                           const lmb_progress *progress, lmb_level *level, lmb_error *error);
 void lmb_level_close(lmb_level *level);

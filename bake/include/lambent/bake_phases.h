@@ -12,12 +12,13 @@ extern "C" {
 /* Everything a bake holds in memory. */
 typedef struct lmb_bake {
     lmb_level *level;
-    const lmb_progress *progress; /* NULL: silent */
-    lmb_probes *probes;           /* once placed */
-    lmb_regions *regions;         /* likewise */
-    lmb_lightmap *lightmap;       /* once laid out, if wanted */
-    lmb_texel_list *texels;       /* its texels, likewise */
-    lmb_bake_record record;       /* of the phases that have run */
+    const lmb_progress *progress;  /* NULL: silent */
+    const struct lmb_parts *parts; /* where what is gathered is kept; NULL: in memory alone */
+    lmb_probes *probes;            /* once placed */
+    lmb_regions *regions;          /* likewise */
+    lmb_lightmap *lightmap;        /* once laid out, if wanted */
+    lmb_texel_list *texels;        /* its texels, likewise */
+    lmb_bake_record record;        /* of the phases that have run */
 } lmb_bake;
 
 /* A bake of an open level, which is the caller's and must outlive it. `settings->level` is for the record alone: how

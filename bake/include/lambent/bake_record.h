@@ -47,6 +47,8 @@ typedef struct lmb_bake_record {
     /* As they were used: spacing and lightmap density are set, seeds are where floats are. They make the same again. */
     lmb_bake_settings settings;
     uint64_t content_hash; /* of level and environment */
+    uint64_t key;          /* of all that decides the bytes, this program's version too */
+    bool is_current;       /* nothing was done: the folder held this very bake */
     int threads;
     uint32_t triangles_dropped;
     uint32_t key_light_count;
@@ -83,7 +85,8 @@ double lmb_bake_record_mrays_per_s(const lmb_bake_record *record);
 /* Estimated standard error of probes and texels together, relative to their light. */
 double lmb_bake_record_error(const lmb_bake_record *record);
 
-/* The record as bake.json has it, but without `files`: a JSON object. The caller frees it; NULL: out of memory. */
+/* The record as bake.json has it, but without `files` and `hashes`: a JSON object. The caller frees it; NULL: out of
+ * memory. */
 char *lmb_bake_record_text(const lmb_bake_record *record);
 
 #ifdef __cplusplus

@@ -23,12 +23,14 @@ typedef struct lmb_bake_settings {
     int32_t max_probes;
     lmb_vec3d seeds[LMB_BAKE_MAX_SEEDS]; /* in the world */
     uint32_t seed_count;
+    bool compact; /* probes.lmb is of compact probes: lmb_pack_as */
     /* Effort: see lmb_gather_effort. */
     uint32_t samples; /* at each probe and texel; at least, if max_samples is more */
     uint32_t max_samples;
     double noise; /* relative standard error that ends an element's sampling */
     /* Lightmaps: see lmb_lightmap_settings; 0: as lmb_lightmap_settings_default has it. */
     bool lightmaps;
+    lmb_lightmap_format lightmap_format;
     float texels_per_m;
     int32_t max_image_size;
     int32_t padding;
@@ -44,6 +46,12 @@ lmb_bake_settings lmb_bake_settings_default(void);
 
 /* Samples, noise and detail of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
 bool lmb_bake_settings_quality(lmb_bake_settings *settings, const char *name);
+
+/* "exr", "ktx2" or "dds"; false, and nothing is written, for any other name. */
+bool lmb_bake_settings_lightmap_format(lmb_bake_settings *settings, const char *name);
+
+/* The model that lightmaps are in, whatever others they are in too: the format's default one. */
+const lmb_model *lmb_bake_settings_model(const lmb_bake_settings *settings);
 
 /* Lightmaps in that model too, by its name or short name; the default one is always among them. False: no lightmap has
  * it, or there are too many. */

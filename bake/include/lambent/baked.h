@@ -29,6 +29,10 @@ lmb_result lmb_baked_open(const char *level_path, const char *directory, int thr
                           lmb_baked *opened, lmb_error *error);
 void lmb_baked_close(lmb_baked *closed);
 
+/* Has the lightmap in another model, which DIR must hold: one that it was baked with (bake --models).
+ * @return LMB_ERROR_FORMAT (it does not), and what reading returns */
+lmb_result lmb_baked_read_model(lmb_baked *baked, const char *directory, const lmb_model *model, lmb_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -9,12 +9,22 @@ extern "C" {
 #endif
 
 /* Sets the environment from a description:
- *     a path to .hdr or .exr, or #rrggbb (sRGB constant colour), or "none";
+ *     a path to .hdr or .exr, or #rrggbb (sRGB constant colour), or "none", or daylight,
+ *     "preetham:sun=AZIMUTH/ELEVATION" or "preetham:time=HOURS,latitude=DEG";
  * each may be followed by options, ",rotation=DEG", ",strength=X" and ",set=NAME", the set of lights that it belongs to
  * (lambent/light_sets.h). A picture must be twice as wide as high, within
  * 1 % of its height. Continues scene->content_hash.
+ *
+ * Daylight is the clear sky of Preetham, Shirley and Smits (1999), and its sun as the scene's last light, a directional
+ * one, where it is above the horizon. Radiance is in kcd/m2 and irradiance in klx: strength=1000 gives the units of
+ * KHR_lights_punctual. Azimuths run clockwise from north, -Z; east is +X. Time is solar, 12 at noon, and goes with
+ * ",day=" of the year (172). Further options: ",turbidity=" from 2 to 10 (3), and ",ground=", the albedo of what is
+ * below the horizon, lit by sky and sun (0.2). Before key lights are chosen (lambent/key_lights.h).
  * @return LMB_ERROR_FORMAT, _IO, _UNSUPPORTED, _MEMORY */
 lmb_result lmb_scene_set_environment(lmb_scene *scene, const char *description, lmb_error *error);
+
+/* Whether a description is well formed; reads no file. @return LMB_ERROR_FORMAT, _MEMORY */
+lmb_result lmb_environment_check(const char *description, lmb_error *error);
 
 /* The sun in a picture, as a disc. */
 typedef struct lmb_environment_sun {
@@ -28,8 +38,8 @@ typedef struct lmb_environment_sun {
 
 /* Looks for it: the brightest pixel with those joined to it that have a tenth of its luminance, if they lie within 5
  * degrees of it, spread no more than a disc of 10 degrees and give a tenth or more of the irradiance of a surface that
- * faces them, by what they have more than the pixels around. To surfaces that it is wholly above of, the disc gives the
- * irradiance of that excess. @return LMB_ERROR_MEMORY */
+ * faces them, by what they have more than the pixels around. Daylight, whose sun is a light already, has none. To
+ * surfaces that it is wholly above of, the disc gives the irradiance of that excess. @return LMB_ERROR_MEMORY */
 lmb_result lmb_environment_find_sun(const lmb_environment *environment, lmb_environment_sun *sun);
 
 /* Takes the excess out of the picture, and notes what was there. @return LMB_ERROR_MEMORY */

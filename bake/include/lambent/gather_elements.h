@@ -32,6 +32,7 @@ typedef struct lmb_gather_site {
     lmb_gather_point *point; /* room for the list's `most_points` */
     uint32_t count;          /* to be set, > 0 */
     bool moved;              /* to be set: out of a solid */
+    bool brief;              /* to be set: a quarter of the samples will do */
     uint64_t rays;           /* to be added to */
 } lmb_gather_site;
 
@@ -80,10 +81,17 @@ typedef struct lmb_gather_stats {
 /* Sums of errors and lengths over what was gathered, once it has changed. */
 void lmb_gather_stats_renew(lmb_gather_stats *stats, const lmb_gathered *gathered, size_t count);
 
+/* What was gathered in several groups, together. */
+lmb_gather_stats lmb_gather_stats_sum(const lmb_gather_stats *stats, size_t count);
+
 /* Gathers at the job's elements; gathered[i] is that of the i-th of them. The same for any number of threads.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_gather_elements(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,
                                lmb_gathered *gathered, lmb_gather_stats *stats);
+
+/* The same with stats for each of the job's groups, [group_count]. */
+lmb_result lmb_gather_elements_by_group(const lmb_gather_job *job, lmb_pool *pool, const lmb_progress *progress,
+                                        lmb_gathered *gathered, lmb_gather_stats *stats);
 
 #ifdef __cplusplus
 }

@@ -27,6 +27,11 @@ typedef struct lmb_gltf_options {
  * @return LMB_ERROR_IO, _FORMAT, _UNSUPPORTED, _MEMORY */
 lmb_result lmb_gltf_load(const char *path, const lmb_gltf_options *options, lmb_scene **scene, lmb_error *error);
 
+/* The same of a file that lies in memory. `path` names it in messages, and in its folder URIs find what they name;
+ * nothing need be there. `data` is not kept. @return as lmb_gltf_load */
+lmb_result lmb_gltf_load_memory(const char *path, const void *data, size_t size, const lmb_gltf_options *options,
+                                lmb_scene **scene, lmb_error *error);
+
 /* New lightmap UVs for one glTF mesh, as lambent/chart.h makes them: for each triangle corner of the loaded mesh. */
 typedef struct lmb_gltf_uv {
     const lmb_mesh *mesh;

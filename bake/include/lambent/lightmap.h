@@ -20,6 +20,17 @@ extern "C" {
 
 enum { LMB_LIGHTMAP_MAX_PADDING = 64, LMB_LIGHTMAP_MOST_MODELS = 16 };
 
+/* What a lightmap's images are written as. */
+typedef enum lmb_lightmap_format {
+    LMB_LIGHTMAP_EXR,
+    LMB_LIGHTMAP_KTX2, /* block-compressed textures, with mip levels as the padding allows */
+    LMB_LIGHTMAP_DDS,  /* the same in other files */
+    LMB_LIGHTMAP_FORMATS
+} lmb_lightmap_format;
+
+/* "exr", "ktx2", "dds". */
+const char *lmb_lightmap_format_name(lmb_lightmap_format format);
+
 typedef struct lmb_lightmap_settings {
     float texels_per_m;     /* > 0; lowered for instances that would not fit an image */
     int32_t max_image_size; /* texels along a side, a power of two */
@@ -27,10 +38,12 @@ typedef struct lmb_lightmap_settings {
                                LMB_LIGHTMAP_MAX_PADDING: one is what bilinear filtering reads, each mip level doubles
                                that. 0 counts as 1 */
     lmb_warnings warnings;  /* UVs that are not used, densities that do not fit, islands of a few texels */
-    const lmb_model *model; /* that texels are stored in; NULL: the default one of lightmaps */
-    const lmb_model *other[LMB_LIGHTMAP_MOST_MODELS]; /* that they are stored in too, up to the first NULL */
+    lmb_lightmap_format format;
+    const lmb_model *model;                           /* that texels are stored in; NULL: the format's default one */
+    const lmb_model *other[LMB_LIGHTMAP_MOST_MODELS]; /* that they are stored in too, up to the first NULL; in
+                                                         EXR where textures do not hold them */
     bool error;                                       /* the standard error of each texel, too */
-    lmb_pool *pool;                                   /* that lays out; NULL: the caller's thread */
+    lmb_pool *pool; /* that lays out, and compresses textures; NULL: the caller's thread */
 } lmb_lightmap_settings;
 
 /* Texels per metre from the level's size, for about a million texels at most; max_image_size 2048, padding 1. */
@@ -157,8 +170,9 @@ lmb_result lmb_lightmap_seam_steps(const lmb_lightmap *lightmap, const lmb_trace
 bool lmb_lightmap_texel(const lmb_lightmap *lightmap, const lmb_hit *hit, int32_t *column, int32_t *row);
 
 /* Writes lightmap_N.exr, the irradiance at the vertex normal as a picture, and lightmap_N_MODEL.exr, what else each
- * model has, for each image, lightmap.json, and, when charts were made, `level_uv2.glb` (the level with the new UVs,
- * through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets their sum.
+ * model has, for each image, or textures in their place (docs/formats.md), lightmap.json, and, when charts were made,
+ * `level_uv2.glb` (the level with the new UVs, through lmb_gltf_write_with_uvs), into folder `directory`. `*bytes` gets
+ * their sum.
  * @return LMB_ERROR_WRITE, _MEMORY */
 struct lmb_gltf_options;
 lmb_result lmb_lightmap_write(const lmb_lightmap *lightmap, const char *directory,
@@ -167,6 +181,11 @@ lmb_result lmb_lightmap_write(const lmb_lightmap *lightmap, const char *director
 /* Fills the images of a freshly created lightmap from the files in `directory`, of its own model alone; lightmap.json
  * must describe the same layout. @return LMB_ERROR_IO, _FORMAT (another layout), _MEMORY */
 lmb_result lmb_lightmap_read(lmb_lightmap *lightmap, const char *directory, lmb_error *error);
+
+/* The same of another model that was written beside its own, which becomes the lightmap's. @return LMB_ERROR_FORMAT,
+ * too, where it was not; the lightmap is then as it was */
+lmb_result lmb_lightmap_read_model(lmb_lightmap *lightmap, const lmb_model *model, const char *directory,
+                                   lmb_error *error);
 
 #ifdef __cplusplus
 }

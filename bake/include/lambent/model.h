@@ -20,24 +20,28 @@ extern "C" {
 typedef enum lmb_model_use {
     LMB_MODEL_FOR_LIGHTMAP = 1, /* a texel, of SH3 fitted over its hemisphere */
     LMB_MODEL_FOR_SURFACE = 2,  /* a surface that is lit by probes as if by a lightmap */
-    LMB_MODEL_FOR_OBJECT = 4    /* an object that moves among probes */
+    LMB_MODEL_FOR_OBJECT = 4,   /* an object that moves among probes */
+    LMB_MODEL_FOR_TEXTURE = 8   /* a texel, in compressed textures: every part is light or has a range */
 } lmb_model_use;
 
 /* Of models that are I_z at the vertex normal n_v, an ambient weight w and a direction d: the light that a texel stands
  * for, C_a (1 + n_v.n)/2 + C_d max(0, n.d), depends on the normal that it is decoded for, and filtering may make light.
  */
 typedef struct lmb_model_direction {
-    int weight;       /* channel of w; 1 - w is the directional share */
-    int first;        /* of the three channels of d, which may be shorter than 1 */
+    int weight; /* channel of w; 1 - w is the directional share */
+    int first;  /* of the three channels of d, which may be shorter than 1; LMB_MODEL_NO_LENGTH: it is always unit */
     float min_height; /* the lowest n_v.d of which decoding believes all */
     /* C_a, C_d and n_v.d of the light with I(n_v) = 1 that w and d give at a normal. */
     void (*decode)(const float *channel, lmb_vec3 normal, float *ambient, float *directional, float *height);
 } lmb_model_direction;
 
+enum { LMB_MODEL_NO_LENGTH = -1 };
+
 /* Channels that belong together, one after the other. */
 typedef struct lmb_model_part {
     const char *name;
     int count;
+    float low, high; /* the range of channels that are not light; 0, 0: not known */
 } lmb_model_part;
 
 enum { LMB_MODEL_MOST_CHANNELS = 33 };

@@ -30,7 +30,8 @@ void lmb_probe_list_free(lmb_probe_list *list);
 /* To be gathered at. */
 lmb_gather_list lmb_probe_list_elements(const lmb_probe_list *list);
 
-/* Takes noise off what was gathered (lambent/denoise.h), [count]. @return LMB_ERROR_MEMORY, _INTERRUPTED */
+/* Takes noise off what was gathered, [count], at probes (lambent/denoise.h): fitting evens out that of points of
+ * regions. @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_probe_list_denoise(const lmb_probe_list *list, lmb_pool *pool, const lmb_progress *progress,
                                   lmb_gathered *gathered);
 

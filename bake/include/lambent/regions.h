@@ -52,8 +52,12 @@ typedef struct lmb_region_point {
 /* Neighbours follow each other. */
 const lmb_region_point *lmb_regions_points(const lmb_regions *regions, size_t *count);
 
+/* Whether a probe has no light of its own: a region at one of its cells touches a coarser level's. */
+bool lmb_regions_hangs(const lmb_regions *regions, int32_t probe);
+
 /* Sets light, in a set of lights, and what is seen of key lights, of ghosts and of the probes that were not baked but
- * lie at corners of regions, by what was gathered at the points and what baked probes have. Adds no other rays.
+ * lie at corners of regions, by what was gathered at the points and what baked probes have; and of all that hangs on
+ * coarser levels.
  * @return LMB_ERROR_MEMORY, _INTERRUPTED */
 lmb_result lmb_regions_fit(const lmb_regions *regions, const lmb_gathered *gathered, uint32_t set, lmb_pool *pool,
                            lmb_probes *probes);

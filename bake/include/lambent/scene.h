@@ -145,6 +145,7 @@ typedef struct lmb_environment {
     uint32_t set;                 /* of lights that it belongs to */
     lmb_environment_pixel *taken; /* ascending; who looks at the picture sees these */
     uint32_t taken_count;
+    bool has_sun; /* the scene's last light is this sky's sun, which is not in the picture */
 } lmb_environment;
 
 /* A camera of the level, or a node that a picture is to be taken from (lmb_gltf_options.view_node). */
@@ -187,6 +188,9 @@ typedef struct lmb_scene {
     lmb_vec3 *seed_points; /* nodes marked by extras {"lambent": {"seed": true}}, world space */
     char **seed_names;     /* [seed point] name of its node; NULL: they have none */
     uint32_t seed_point_count;
+    lmb_vec3 *cube_points; /* nodes marked by extras {"lambent": {"cube_map": true}}, world space */
+    char **cube_names;     /* [cube point] name of its node */
+    uint32_t cube_point_count;
     lmb_scene_camera *cameras;
     uint32_t camera_count;
     lmb_vec3 *path_points; /* nodes marked by extras {"lambent": {"path": n}}, in the order of n */

@@ -32,6 +32,11 @@ typedef struct lmb_sh2 {
     float c[LMB_SH2_COUNT];
 } lmb_sh2;
 
+/* Linear SH of a colour: what a lightmap of the model `sh2` stores. */
+typedef struct lmb_sh2_rgb {
+    lmb_sh2 channel[3];
+} lmb_sh2_rgb;
+
 /* Quadratic SH of one scalar: 3 bands, 9 coefficients. */
 typedef struct lmb_sh3 {
     float c[LMB_SH3_COUNT];
@@ -52,6 +57,11 @@ LMB_API float lmb_sh3_evaluate(const lmb_sh3 *radiance, lmb_vec3 direction);
  * goes negative, as truncated SH ring. NaN and infinite coefficients give 0. */
 LMB_API float lmb_sh3_irradiance(const lmb_sh3 *radiance, lmb_vec3 normal);
 LMB_API lmb_rgb lmb_sh3_rgb_irradiance(const lmb_sh3_rgb *radiance, lmb_vec3 normal);
+
+/* The same of linear SH. Of SH that hold what a surface's hemisphere lets through, as lightmaps do, it is the
+ * irradiance with occlusion. */
+LMB_API float lmb_sh2_irradiance(const lmb_sh2 *radiance, lmb_vec3 normal);
+LMB_API lmb_rgb lmb_sh2_rgb_irradiance(const lmb_sh2_rgb *radiance, lmb_vec3 normal);
 
 /* Adds light of `weight` (radiance times solid angle) that arrives from `direction`: the Monte Carlo projector. */
 LMB_API void lmb_sh3_add_light(lmb_sh3 *radiance, lmb_vec3 direction, float weight);

@@ -33,6 +33,7 @@ typedef struct lmb_volume_info {
     uint32_t key_light_count;
     uint32_t level_count; /* of the probes' spacing: each has twice that of the one before */
     uint32_t cut_count;   /* cells that geometry parts */
+    bool is_compact;      /* coefficients above the first are bytes */
 } lmb_volume_info;
 
 /* Memory for a handle, from the caller: a member of a game's own struct, an entry of a pool, a static. Its contents

@@ -1,7 +1,7 @@
 /* The layout of a .lmb file, version 3, as C structs: for those who write one. docs/formats.md is normative and says
  * what every field means and what must hold; everything is little-endian, and the structs have no padding of their own.
  *
- *     header | directory | heads of bricks | probes | what is seen of key lights | cut cells' offsets | cut cells
+ *     header | directory | heads of bricks | probes, with what is seen of key lights | cut cells' offsets | cut cells
  *
  * each part from the next multiple of 64 on. A brick is 4 x 4 x 4 cells of one level. The directory has a word for each
  * 4 x 4 x 4 cells of the finest level, which names the brick that is there. A brick's head says which of its cells are
@@ -24,7 +24,6 @@ extern "C" {
 
 /* As PNG's: the first byte is no text, the line ends show a transfer that meddled with them. */
 #define LMB_VOLUME_MAGIC "\x89LMB\r\n\x1a\n"
-#define LMB_VOLUME_NO_BRICK UINT32_C(0xffffffff)
 
 enum {
     LMB_VOLUME_MAGIC_SIZE = 8,
@@ -39,8 +38,8 @@ enum {
     LMB_BRICK_POINTS = 5,
     LMB_BRICK_ROWS = 25,         /* of points along x: y + 5 z */
     LMB_PROBE_COEFFICIENTS = 27, /* red 0..8, green 0..8, blue 0..8 */
-    LMB_PROBE_BYTES = 54,
-    LMB_PROBE_READ_BYTES = 64 /* that may be read from the last probe on */
+    LMB_PROBE_UNIT = 2,          /* bytes that places of probes are counted in */
+    LMB_PROBE_READ_BYTES = 64    /* that may be read from the last probe on */
 };
 
 /* The file's checksum. Eight hashes of every eighth word each, so that processors multiply several at once; every step
@@ -88,13 +87,14 @@ typedef struct lmb_volume_header {
     int32_t size[3];       /* points per axis */
     uint64_t probe_count;  /* that were baked, or stand for one that was, without copies */
     uint32_t stored_count; /* in the array */
-    uint32_t brick_count;
+    uint32_t brick_count;  /* the first one is no brick: all 0, what blocks without a brick name */
     uint32_t level_count;
     uint32_t key_light_count;
-    uint32_t probe_bytes; /* of a probe in the array */
+    uint32_t probe_bytes; /* of a probe in the array: lmb_volume_probe_bytes */
     uint32_t cut_count;   /* cut cells */
     uint64_t cut_bytes;   /* of all of them */
-    uint32_t reserved[14];
+    uint32_t probe_form;  /* lmb_volume_form */
+    uint32_t reserved[13];
     lmb_key_light key_light[LMB_KEY_LIGHTS_MOST]; /* those beyond the count are 0 */
 } lmb_volume_header;
 
@@ -102,14 +102,39 @@ typedef struct lmb_volume_header {
 typedef struct lmb_volume_brick {
     uint64_t plain; /* its eight corners are interpolated */
     uint64_t cut;
-    uint32_t row[LMB_BRICK_ROWS]; /* [y + 5 z] the probe at x = 0, modulo 2^32: where the row begins at a later x, there
-                                     may be none before it. 0 where no cell has a point of the row */
-    uint32_t cut_first;           /* its first cut cell, among all; the others follow in the order of their bits */
+    uint32_t
+        row[LMB_BRICK_ROWS]; /* [y + 5 z] place of the probe at x = 0 in units, modulo 2^32: where the row begins at
+                                a later x, there may be none before it. 0 where no cell has a point of the row */
+    uint32_t cut_first;      /* its first cut cell, among all; the others follow in the order of their bits */
     uint32_t reserved[2];
 } lmb_volume_brick;
 
-/* A cut cell: this, then 8 probes (uint32_t) for each region, corner by corner, then its planes (lmb_cell_plane), then
- * zeros up to a multiple of 4 bytes. */
+/* How the coefficients of a probe are stored. */
+typedef enum lmb_volume_form {
+    LMB_VOLUME_HALFS,   /* 27 halfs: red 0..8, green 0..8, blue 0..8 */
+    LMB_VOLUME_COMPACT, /* three halfs: coefficient 0 of red, green and blue; then 24 signed bytes: red 1..8,
+                           green 1..8, blue 1..8, each a share of its colour's 0 (lmb_compact_share) */
+    LMB_VOLUME_FORMS
+} lmb_volume_form;
+
+enum { LMB_HALFS_BYTES = 54, LMB_COMPACT_BYTES = 30 };
+
+/* A probe: its coefficients, then a byte for each key light: what is seen of it, in 255ths; one that is 0 makes them
+ * even. */
+static inline uint32_t lmb_volume_probe_bytes(uint32_t form, uint32_t key_lights)
+{
+    return (form == LMB_VOLUME_COMPACT ? LMB_COMPACT_BYTES : LMB_HALFS_BYTES) + (key_lights + 1) / 2 * 2;
+}
+
+/* Coefficient k = 1..8 over coefficient 0 is b |b| times this. Light that is nowhere negative has shares of up to
+ * sqrt(3) in band 1 and sqrt(5) in band 2: then b is +-127. Squares are close together where most shares are. */
+static inline float lmb_compact_share(int k)
+{
+    return k < 4 ? 1.0738726e-4f : 1.3863636e-4f; /* sqrt(3) / 127^2, sqrt(5) / 127^2 */
+}
+
+/* A cut cell: this, then places of 8 probes (uint32_t, in units) for each region, corner by corner, then its planes
+ * (lmb_cell_plane), then zeros up to a multiple of 4 bytes. */
 typedef struct lmb_volume_cut {
     uint8_t region_count; /* 1 to LMB_CELL_REGIONS_MOST */
     uint8_t plane_count;  /* 0 to LMB_CELL_PLANES_MOST */
@@ -126,7 +151,7 @@ typedef struct lmb_volume_layout {
     int32_t block_first[3]; /* 4 x 4 x 4 cells of the finest level, which begin at multiples of 4: the box's first, */
     uint32_t blocks[3];     /* how many along each axis */
     uint64_t entries;       /* of the directory: x + blocks[0] (y + blocks[1] z) */
-    uint64_t directory, bricks, probes, seen, cut_offsets, cuts, end;
+    uint64_t directory, bricks, probes, cut_offsets, cuts, end;
 } lmb_volume_layout;
 
 /* The quotient of a division by a positive number, rounded down. */
@@ -159,10 +184,9 @@ static inline bool lmb_volume_layout_find(const lmb_volume_header *header, lmb_v
                              layout->entries * sizeof(uint32_t),
                              (uint64_t)header->brick_count * sizeof(lmb_volume_brick),
                              (uint64_t)header->stored_count * header->probe_bytes + LMB_PROBE_READ_BYTES,
-                             (uint64_t)header->stored_count * header->key_light_count,
                              (uint64_t)header->cut_count * sizeof(uint32_t),
                              header->cut_bytes};
-    uint64_t *const place[] = {&layout->directory,   &layout->bricks, &layout->probes, &layout->seen,
+    uint64_t *const place[] = {&layout->directory,   &layout->bricks, &layout->probes,
                                &layout->cut_offsets, &layout->cuts,   &layout->end};
     uint64_t at = 0;
     for (size_t i = 0; i < sizeof size / sizeof size[0]; ++i) {

@@ -11,8 +11,8 @@
 extern "C" {
 #endif
 
-/* Reads a whole file into malloc'ed memory (one NUL byte follows the contents). The caller frees `*data`.
- * @return LMB_ERROR_IO, _MEMORY */
+/* Reads a whole file or pipe, not a device, of up to 4 GiB into malloc'ed memory (one NUL byte follows the contents).
+ * The caller frees `*data`. @return LMB_ERROR_IO, _MEMORY, _UNSUPPORTED (larger) */
 lmb_result lmb_file_read(const char *path, unsigned char **data, size_t *size, lmb_error *error);
 
 /* `directory`/`name` in malloc'ed memory; NULL when out of it. */

@@ -1,0 +1,27 @@
+/* How a bake is done in pieces: by which key its parts are known, where they lie, and what a shard leaves. */
+#ifndef LMB_BAKE_WORK_H
+#define LMB_BAKE_WORK_H
+
+#include <lambent/bake.h>
+
+#include "run/parts.h"
+
+/* Of everything that decides the bytes of a bake: settings, the level's and environment's content, this program's
+ * version. Not of the paths by which they were named. 0: out of memory. */
+uint64_t lmb_bake_key(const lmb_bake_settings *settings, uint64_t content_hash);
+
+static inline bool lmb_bake_work_is_shard(const lmb_bake_work *work)
+{
+    return work->shard_count > 1;
+}
+
+/* The parts of a bake into `folder`. @return LMB_ERROR_MEMORY */
+lmb_result lmb_bake_parts_make(const lmb_bake_work *work, const lmb_bake_folder *folder, uint64_t key,
+                               lmb_parts *parts);
+void lmb_bake_parts_free(lmb_parts *parts);
+
+/* Writes what lmb_bake_shard_settings reads: the settings as they were asked for. @return LMB_ERROR_WRITE, _MEMORY */
+lmb_result lmb_bake_shard_write(const lmb_bake_settings *settings, const lmb_bake_work *work,
+                                const lmb_bake_folder *folder, uint64_t content_hash, lmb_error *error);
+
+#endif

@@ -1,0 +1,106 @@
+/* .lmb files: opened, and, where that is allowed, sampled all over. Bytes as they come hardly get past the checksum, so
+ * that each input is also tried with its length and checksum put right. */
+#include "fuzz.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include <lambent/volume.h>
+#include <lambent/volume_format.h>
+
+enum { POSITIONS = 24 };
+
+static bool light_is_finite(const lmb_sh3_rgb *light)
+{
+    bool finite = true;
+    for (int i = 0; i < 27; ++i) {
+        finite = finite && isfinite(light->channel[i / 9].c[i % 9]);
+    }
+    return finite;
+}
+
+static bool seen_is_a_share(const float seen[LMB_KEY_LIGHTS_MOST])
+{
+    bool good = true;
+    for (int i = 0; i < LMB_KEY_LIGHTS_MOST; ++i) {
+        good = good && seen[i] >= 0.0f && seen[i] <= 1.0f;
+    }
+    return good;
+}
+
+/* Within the bounds, around them, and at places that no level has. */
+static lmb_vec3d position_of(const lmb_volume_info *info, int i)
+{
+    static const double odd[] = {0.0, NAN, INFINITY, -INFINITY, 1e300, -1e30, 1e-310, 0.5};
+    if (i < 8) {
+        return (lmb_vec3d){odd[i], odd[(i + 1) % 8], odd[(i + 3) % 8]};
+    }
+    const lmb_vec3d low = info->bounds_min, high = info->bounds_max;
+    const double x = fmod(0.754877666 * i, 1.0), y = fmod(0.569840291 * i, 1.0), z = fmod(0.438579021 * i, 1.0);
+    return (lmb_vec3d){low.x + (1.2 * x - 0.1) * (high.x - low.x), low.y + (1.2 * y - 0.1) * (high.y - low.y),
+                       low.z + (1.2 * z - 0.1) * (high.z - low.z)};
+}
+
+static void volume_use(const lmb_volume *volume)
+{
+    const lmb_volume_info info = lmb_volume_get_info(volume);
+    lmb_vec3d position[POSITIONS];
+    lmb_sh3_rgb many[POSITIONS];
+    float seen[POSITIONS][LMB_KEY_LIGHTS_MOST];
+    bool inside[POSITIONS];
+    for (int i = 0; i < POSITIONS; ++i) {
+        position[i] = position_of(&info, i);
+    }
+    lmb_volume_sample_batch(volume, position, POSITIONS, many, seen, inside);
+    for (int i = 0; i < POSITIONS; ++i) {
+        lmb_sh3_rgb one;
+        float one_seen[LMB_KEY_LIGHTS_MOST];
+        const bool is_inside = lmb_volume_sample_with_keys(volume, position[i], &one, one_seen);
+        FUZZ_CHECK(light_is_finite(&one) && seen_is_a_share(one_seen), "position %d", i);
+        FUZZ_CHECK(is_inside == inside[i] && memcmp(&one, &many[i], sizeof one) == 0 &&
+                       memcmp(one_seen, seen[i], sizeof one_seen) == 0,
+                   "position %d: a batch differs", i);
+        lmb_volume_spacing_at(volume, position[i]);
+    }
+    lmb_key_light light[LMB_KEY_LIGHTS_MOST];
+    FUZZ_CHECK(lmb_volume_key_lights(volume, light) <= LMB_KEY_LIGHTS_MOST, "key lights");
+}
+
+static void bytes_open(const unsigned char *bytes, size_t size)
+{
+    lmb_volume_storage storage;
+    lmb_volume *volume = NULL;
+    const lmb_result result = lmb_volume_open_memory_in(&storage, bytes, size, &volume);
+    FUZZ_CHECK((result == LMB_OK) == (volume != NULL), "%s", lmb_result_text(result));
+    if (volume) {
+        volume_use(volume);
+        lmb_volume_close(volume);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    unsigned char *const copy = calloc(size > 0 ? size : 1, 1); /* aligned, and of just this size */
+    FUZZ_CHECK(copy, "%zu bytes", size);
+    if (size > 0) {
+        memcpy(copy, data, size);
+    }
+    bytes_open(copy, size);
+    if (size >= sizeof(lmb_volume_header)) {
+        const uint64_t bytes = size;
+        memcpy(copy + offsetof(lmb_volume_header, file_bytes), &bytes, sizeof bytes);
+        const uint64_t checksum =
+            lmb_volume_hash(LMB_VOLUME_HASH_SEED, copy + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
+        memcpy(copy + offsetof(lmb_volume_header, checksum), &checksum, sizeof checksum);
+        bytes_open(copy, size);
+    }
+    free(copy);
+    return 0;
+}
+
+void fuzz_seeds(void)
+{
+    fuzz_seed_file(LMB_GOLDEN_DIR "/small.lmb");
+    fuzz_seed_file(LMB_GOLDEN_DIR "/small_keys.lmb");
+}

@@ -1,0 +1,221 @@
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <cjson/cJSON.h>
+
+#include <lambent/baked.h>
+#include <lambent/exr.h>
+#include <lambent/file.h>
+
+#include "command.h"
+#include "cube_map.h"
+#include "query.h"
+
+static const char usage[] =
+    "usage: lambent cube LEVEL DIR -o FOLDER [options]\n"
+    "\n"
+    "Traces environment maps of LEVEL, with the settings of the bake in DIR: at every node whose extras say\n"
+    "{\"lambent\": {\"cube_map\": true}}. Each is an EXR of cubes whose levels are blurred for rising roughness, "
+    "divided\n"
+    "by the area specular of the probes there; cube_map.json lists them. Key lights are not in them.\n"
+    "\n"
+    "  -o FOLDER             where to write; made if it is not there\n"
+    "  --at X,Y,Z            a map here too (repeatable, up to 64)\n"
+    "  --samples N           rays a texel (default 16)\n"
+    "  --threads N           default: all processors\n"
+    "  --quiet               no progress and no notes\n";
+
+enum { MOST_PLACES = 64 };
+
+typedef struct cube_options {
+    const char *level;
+    const char *directory;
+    const char *folder;
+    lmb_vec3d at[MOST_PLACES];
+    int at_count;
+    uint32_t samples;
+    int threads;
+    bool quiet;
+} cube_options;
+
+static void options_read(lmb_arguments *arguments, cube_options *options)
+{
+    for (const char *next; (next = arguments_next(arguments));) {
+        if (strcmp(next, "-o") == 0) {
+            options->folder = arguments_text(arguments, next);
+        } else if (strcmp(next, "--at") == 0) {
+            if (options->at_count == MOST_PLACES) {
+                arguments_error(arguments, "too many", next);
+                return;
+            }
+            options->at[options->at_count++] = arguments_position(arguments, next);
+        } else if (strcmp(next, "--samples") == 0) {
+            options->samples = (uint32_t)arguments_integer(arguments, next, 1, 1000000);
+        } else if (strcmp(next, "--threads") == 0) {
+            options->threads = (int)arguments_integer(arguments, next, 1, 1024);
+        } else if (strcmp(next, "--quiet") == 0) {
+            options->quiet = true;
+        } else if (next[0] == '-' && next[1] != '\0') {
+            arguments_error(arguments, "unknown option", next);
+        } else if (!options->level) {
+            options->level = next;
+        } else if (!options->directory) {
+            options->directory = next;
+        } else {
+            arguments_error(arguments, "one argument too many:", next);
+        }
+    }
+    if (!arguments->failed && !arguments->help && !options->directory) {
+        arguments_error(arguments, "missing argument", options->level ? "DIR" : "LEVEL");
+    } else if (!arguments->failed && !arguments->help && !options->folder) {
+        arguments_error(arguments, "missing option", "-o FOLDER");
+    }
+}
+
+/* Levels lie below each other, six faces beside each other. */
+static int picture_height(void)
+{
+    int height = 0;
+    for (int level = 0; level < CUBE_LEVELS; ++level) {
+        height += cube_side(level);
+    }
+    return height;
+}
+
+static void planes_fill(const cube_map *map, float *plane[3])
+{
+    const int width = CUBE_FACES * CUBE_SIDE;
+    int top = 0;
+    for (int level = 0; level < CUBE_LEVELS; ++level) {
+        const int side = cube_side(level);
+        for (int i = 0; i < CUBE_FACES * side * side * 3; ++i) {
+            const int x = i / 3 % side, row = i / 3 / side % side, face = i / 3 / side / side;
+            plane[i % 3][(top + row) * width + face * side + x] = map->rgb[level][i];
+        }
+        top += side;
+    }
+}
+
+static lmb_result picture_write(const char *path, const cube_map *map, lmb_error *error)
+{
+    const size_t pixels = (size_t)(CUBE_FACES * CUBE_SIDE) * (size_t)picture_height();
+    float *const values = calloc(3 * pixels, sizeof *values);
+    if (!values) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    float *plane[3] = {values, values + pixels, values + 2 * pixels};
+    planes_fill(map, plane);
+    const lmb_exr_channel channels[3] = {{"R", plane[0]}, {"G", plane[1]}, {"B", plane[2]}};
+    const lmb_exr_picture picture = {CUBE_FACES * CUBE_SIDE, picture_height(), channels, 3, NULL, 0};
+    const lmb_result result = lmb_exr_write(path, &picture, NULL, error);
+    free(values);
+    return result;
+}
+
+/* Traces one map and writes it. */
+static lmb_result place_make(const cube_options *options, lmb_baked *baked, int index, const char *name,
+                             lmb_vec3d position, const lmb_progress *progress, cJSON *maps, lmb_error *error)
+{
+    char image[32], path[4096];
+    cube_map map;
+    lmb_sh3_rgb place;
+    snprintf(image, sizeof image, "cube_map_%d.exr", index);
+    snprintf(path, sizeof path, "%s/%s", options->folder, image);
+    const bool inside = lmb_volume_sample_at(baked->volume, position, &place);
+    if (!inside) {
+        char line[LMB_ERROR_MESSAGE_SIZE];
+        snprintf(line, sizeof line, "%s is outside of the baked volume: divided by the nearest probes", name);
+        console_warning(line, options->quiet);
+    }
+    lmb_result result = cube_map_make(&baked->level.transport, lmb_scene_from_world(baked->level.scene, position),
+                                      &place, options->samples, baked->level.pool, progress, &map);
+    if (result != LMB_OK) {
+        return lmb_error_set(error, result, "cube: %s", lmb_result_text(result));
+    }
+    result = picture_write(path, &map, error);
+    cube_map_free(&map);
+    cJSON *entry = cJSON_CreateObject();
+    cJSON_AddStringToObject(entry, "name", name);
+    cJSON_AddItemToObject(entry, "position", json_position(position));
+    cJSON_AddStringToObject(entry, "image", image);
+    cJSON_AddItemToArray(maps, entry);
+    return result;
+}
+
+static lmb_result list_write(const char *folder, cJSON *maps, lmb_error *error)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/cube_map.json", folder);
+    cJSON *json = cJSON_CreateObject();
+    cJSON *levels = cJSON_AddArrayToObject(json, "levels");
+    int top = 0;
+    for (int level = 0; level < CUBE_LEVELS; ++level) {
+        cJSON *entry = cJSON_CreateObject();
+        cJSON_AddNumberToObject(entry, "side", cube_side(level));
+        cJSON_AddNumberToObject(entry, "y", top);
+        cJSON_AddNumberToObject(entry, "roughness", 0.05 * (1 << level));
+        cJSON_AddItemToArray(levels, entry);
+        top += cube_side(level);
+    }
+    cJSON_AddItemToObject(json, "maps", maps);
+    char *const text = cJSON_Print(json);
+    const lmb_result result = text ? lmb_file_write(path, text, strlen(text), error)
+                                   : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    cJSON_free(text);
+    cJSON_Delete(json);
+    return result;
+}
+
+static lmb_result maps_make(const cube_options *options, lmb_baked *baked, lmb_error *error)
+{
+    const lmb_scene *scene = baked->level.scene;
+    const int marked = (int)scene->cube_point_count, count = marked + options->at_count;
+    if (count == 0) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no node is marked \"cube_map\", and there is no --at",
+                             scene->path);
+    }
+    lmb_console console;
+    const lmb_progress progress = console_progress(&console, options->quiet, false);
+    cJSON *maps = cJSON_CreateArray();
+    lmb_result result = lmb_level_solve(&baked->level, baked->settings.estimator, &progress, error);
+    for (int i = 0; i < count && result == LMB_OK; ++i) {
+        const lmb_vec3d position =
+            i < marked ? lmb_scene_to_world(scene, scene->cube_points[i]) : options->at[i - marked];
+        result =
+            place_make(options, baked, i, i < marked ? scene->cube_names[i] : "--at", position, &progress, maps, error);
+    }
+    console_finish(&console);
+    if (result != LMB_OK) {
+        cJSON_Delete(maps);
+        return result;
+    }
+    return list_write(options->folder, maps, error);
+}
+
+int command_cube(int count, char **values)
+{
+    cube_options options = {.samples = 16};
+    lmb_arguments arguments = arguments_begin(count, values, "cube", usage);
+    options_read(&arguments, &options);
+    if (arguments.failed || arguments.help) {
+        return arguments_status(&arguments);
+    }
+    lmb_error error = {""};
+    lmb_baked baked;
+    lmb_result result = LMB_OK;
+    if (mkdir(options.folder, 0777) != 0 && errno != EEXIST) {
+        result = lmb_error_set(&error, LMB_ERROR_WRITE, "%s: %s", options.folder, strerror(errno));
+    }
+    if (result == LMB_OK) {
+        result = lmb_baked_open(options.level, options.directory, options.threads, NULL, &baked, &error);
+    }
+    if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    result = maps_make(&options, &baked, &error);
+    lmb_baked_close(&baked);
+    return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
+}

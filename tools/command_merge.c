@@ -1,0 +1,94 @@
+#include <cjson/cJSON.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake_command.h"
+#include "command.h"
+
+static const char usage[] =
+    "usage: lambent merge DIR... -o DIR [options]\n"
+    "\n"
+    "Puts the shares of a bake together that lambent bake --shard gathered, one folder each, into the bytes that one\n"
+    "bake of all would have made. The level is read again, by the path that the first share names.\n"
+    "\n"
+    "  -o DIR                where to write\n"
+    "  --level LEVEL         the level, where it lies elsewhere now\n"
+    "  --threads N           threads (default: one for each processor)\n"
+    "  --json-progress       progress, warnings and the result or error as JSON lines on standard output\n"
+    "  --quiet               no progress and no closing lines\n";
+
+typedef struct merge_options {
+    const char **from;
+    uint32_t from_count;
+    const char *level;
+    int threads;
+    bake_options bake;
+} merge_options;
+
+static bool option_take(merge_options *options, lmb_arguments *arguments, const char *argument)
+{
+    if (strcmp(argument, "-o") == 0) {
+        options->bake.directory = arguments_text(arguments, argument);
+    } else if (strcmp(argument, "--level") == 0) {
+        options->level = arguments_text(arguments, argument);
+    } else if (strcmp(argument, "--threads") == 0) {
+        options->threads = (int)arguments_integer(arguments, argument, 1, 4096);
+    } else if (strcmp(argument, "--json-progress") == 0) {
+        options->bake.json_progress = true;
+    } else if (strcmp(argument, "--quiet") == 0) {
+        options->bake.quiet = true;
+    } else if (argument[0] != '-') {
+        options->from[options->from_count++] = argument;
+    } else {
+        return false;
+    }
+    return true;
+}
+
+/* Reads the command line. False: a usage error was printed, or --help. */
+static bool options_read(merge_options *options, lmb_arguments *arguments)
+{
+    for (const char *argument; (argument = arguments_next(arguments));) {
+        if (!option_take(options, arguments, argument)) {
+            arguments_error(arguments, "unexpected argument", argument);
+        }
+    }
+    if (arguments->failed || arguments->help) {
+        return false;
+    }
+    if (options->from_count == 0) {
+        arguments_error(arguments, "missing argument", "DIR");
+    } else if (!options->bake.directory) {
+        arguments_error(arguments, "missing option", "-o DIR");
+    }
+    return !arguments->failed;
+}
+
+static int merge_run(merge_options *options)
+{
+    lmb_error error = {{0}};
+    cJSON *json;
+    lmb_bake_settings *const settings = &options->bake.settings;
+    const lmb_result result = lmb_bake_shard_settings(options->from[0], &json, settings, &error);
+    if (result != LMB_OK) {
+        return command_fail(result, &error);
+    }
+    settings->level.path = options->level ? options->level : settings->level.path;
+    settings->level.threads = options->threads;
+    options->bake.work = (lmb_bake_work){.from = options->from, .from_count = options->from_count, .merge = true};
+    const int status = bake_command_run(&options->bake);
+    cJSON_Delete(json);
+    return status;
+}
+
+int command_merge(int count, char **values)
+{
+    lmb_arguments arguments = arguments_begin(count, values, "merge", usage);
+    merge_options options = {.from = calloc((size_t)count + 1, sizeof *options.from)};
+    if (!options.from) {
+        return command_fail(LMB_ERROR_MEMORY, &(lmb_error){"out of memory"});
+    }
+    const int status = options_read(&options, &arguments) ? merge_run(&options) : arguments_status(&arguments);
+    free(options.from);
+    return status;
+}

@@ -1,0 +1,186 @@
+#include "cube_map.h"
+
+#include <stdlib.h>
+
+#include <lambent/sequence.h>
+#include <lambent/specular.h>
+#include <lambent/vector.h>
+
+#include "half_vector.h"
+#include "shade_specular.h"
+
+/* Half vectors of a blurred texel. */
+enum { LOBE_SAMPLES = 512 };
+
+typedef struct cube_work {
+    const lmb_transport *transport;
+    lmb_vec3 position;
+    const lmb_sh3_rgb *place;
+    uint32_t samples;
+    const float *seen[CUBE_LEVELS]; /* what is seen, not blurred, as wide as the level */
+    cube_map *map;
+} cube_work;
+
+float cube_roughness(int level)
+{
+    return CUBE_LEAST_ROUGHNESS * (float)(1 << level);
+}
+
+lmb_vec3 cube_direction(int face, float s, float t)
+{
+    const float x = 2.0f * s - 1.0f, y = 2.0f * t - 1.0f;
+    const lmb_vec3 directions[CUBE_FACES] = {{1, -y, -x}, {-1, -y, x}, {x, 1, y},
+                                             {x, -1, -y}, {x, -y, 1},  {-x, -y, -1}};
+    return lmb_vec3_unit_or(directions[face], directions[face]);
+}
+
+static int clamped_index(float coordinate, int side)
+{
+    const int index = (int)(0.5f * (coordinate + 1.0f) * (float)side);
+    return index < 0 ? 0 : index < side ? index : side - 1;
+}
+
+size_t cube_texel(int side, lmb_vec3 d)
+{
+    const float ax = fabsf(d.x), ay = fabsf(d.y), az = fabsf(d.z);
+    float across, down, along;
+    int face;
+    if (ax >= ay && ax >= az) {
+        face = d.x > 0.0f ? 0 : 1;
+        along = ax, across = d.x > 0.0f ? -d.z : d.z, down = -d.y;
+    } else if (ay >= az) {
+        face = d.y > 0.0f ? 2 : 3;
+        along = ay, across = d.x, down = d.y > 0.0f ? d.z : -d.z;
+    } else {
+        face = d.z > 0.0f ? 4 : 5;
+        along = az, across = d.z > 0.0f ? d.x : -d.x, down = -d.y;
+    }
+    const size_t row = (size_t)clamped_index(down / along, side), column = (size_t)clamped_index(across / along, side);
+    return 3 * (((size_t)face * (size_t)side + row) * (size_t)side + column);
+}
+
+/* A row of the first level. */
+static void trace_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    const cube_work *work = context;
+    float *rgb = work->map->rgb[0] + task * CUBE_SIDE * 3;
+    const uint64_t place = lmb_stream_of_position(work->transport->seed, work->position);
+    for (int x = 0; x < CUBE_SIDE; ++x) {
+        const uint64_t stream = lmb_mix(place, task * CUBE_SIDE + (size_t)x);
+        lmb_rgb sum = {{0.0f, 0.0f, 0.0f}};
+        for (uint32_t i = 0; i < work->samples; ++i) {
+            float at[2];
+            lmb_sequence_2d(~stream, i, 0, at);
+            const lmb_vec3 direction = cube_direction((int)(task / CUBE_SIDE), ((float)x + at[0]) / CUBE_SIDE,
+                                                      ((float)(task % CUBE_SIDE) + at[1]) / CUBE_SIDE);
+            sum = lmb_rgb_add(sum, radiance_without_keys(work->transport, work->position, direction, stream, i));
+        }
+        for (int c = 0; c < 3; ++c) {
+            rgb[3 * x + c] = sum.c[c] / (float)work->samples;
+        }
+    }
+}
+
+/* What a mirror of that roughness shows of what is seen, looked at along its normal. */
+static lmb_rgb blurred(const float *seen, int side, float roughness, lmb_vec3 direction)
+{
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (uint32_t i = 0; i < LOBE_SAMPLES; ++i) {
+        float u[2];
+        half_vector_sample picked;
+        lmb_sequence_2d(0, i, 0, u);
+        if (half_vector_pick(roughness, direction, direction, u, &picked)) {
+            const float *rgb = seen + cube_texel(side, picked.towards);
+            for (int c = 0; c < 3; ++c) {
+                sum[c] += picked.arrives / LOBE_SAMPLES * (double)rgb[c];
+            }
+        }
+    }
+    return lmb_rgb_of((float)sum[0], (float)sum[1], (float)sum[2]);
+}
+
+/* A row of a level: tasks are numbered through all levels. */
+static void blur_task(void *context, size_t task, int worker)
+{
+    (void)worker;
+    const cube_work *work = context;
+    int level = 0;
+    while (task >= (size_t)(CUBE_FACES * cube_side(level))) {
+        task -= (size_t)(CUBE_FACES * cube_side(level++));
+    }
+    const int side = cube_side(level), face = (int)task / side, row = (int)task % side;
+    const float roughness = cube_roughness(level);
+    for (int x = 0; x < side; ++x) {
+        const lmb_vec3 direction =
+            cube_direction(face, ((float)x + 0.5f) / (float)side, ((float)row + 0.5f) / (float)side);
+        const lmb_rgb light = blurred(work->seen[level], side, roughness, direction);
+        const lmb_rgb divisor = lmb_specular_environment_divisor(work->place, roughness, direction);
+        float *rgb = work->map->rgb[level] + 3 * (task * (size_t)side + (size_t)x);
+        for (int c = 0; c < 3; ++c) {
+            rgb[c] = divisor.c[c] > 0.0f ? lmb_light_clamped(light.c[c] / divisor.c[c]) : 0.0f;
+        }
+    }
+}
+
+static size_t level_floats(int level)
+{
+    return (size_t)CUBE_FACES * (size_t)cube_side(level) * (size_t)cube_side(level) * 3;
+}
+
+/* Means of four texels; a face's rows follow each other, so that six faces are one tall picture. */
+static void halve(const float *from, int side, float *to)
+{
+    for (int i = 0; i < CUBE_FACES * side / 2 * (side / 2) * 3; ++i) {
+        const int c = i % 3, x = i / 3 % (side / 2), y = i / 3 / (side / 2);
+        const float *corner = from + 3 * (2 * y * side + 2 * x) + c;
+        to[i] = 0.25f * (corner[0] + corner[3] + corner[3 * side] + corner[3 * side + 3]);
+    }
+}
+
+static bool levels_allocate(float *level[CUBE_LEVELS])
+{
+    bool all = true;
+    for (int i = 0; i < CUBE_LEVELS; ++i) {
+        level[i] = malloc(level_floats(i) * sizeof *level[i]);
+        all = all && level[i];
+    }
+    return all;
+}
+
+void cube_map_free(cube_map *freed)
+{
+    for (int i = 0; i < CUBE_LEVELS; ++i) {
+        free(freed->rgb[i]);
+        freed->rgb[i] = NULL;
+    }
+}
+
+lmb_result cube_map_make(const lmb_transport *transport, lmb_vec3 position, const lmb_sh3_rgb *place, uint32_t samples,
+                         lmb_pool *pool, const lmb_progress *progress, cube_map *made)
+{
+    cube_map seen;
+    cube_work work = {transport, position, place, samples, {NULL}, &seen};
+    const bool first = levels_allocate(seen.rgb), second = levels_allocate(made->rgb);
+    lmb_result result = first && second ? LMB_OK : LMB_ERROR_MEMORY;
+    if (result == LMB_OK) {
+        result = lmb_pool_run(pool, (size_t)CUBE_FACES * CUBE_SIDE, trace_task, &work, "trace", progress);
+    }
+    if (result == LMB_OK) {
+        size_t rows = 0;
+        for (int i = 0; i < CUBE_LEVELS; ++i) {
+            if (i > 0) {
+                halve(seen.rgb[i - 1], cube_side(i - 1), seen.rgb[i]);
+            }
+            work.seen[i] = seen.rgb[i];
+            rows += (size_t)(CUBE_FACES * cube_side(i));
+        }
+        work.map = made;
+        result = lmb_pool_run(pool, rows, blur_task, &work, "blur", progress);
+    }
+    cube_map_free(&seen);
+    if (result != LMB_OK) {
+        cube_map_free(made);
+    }
+    return result;
+}

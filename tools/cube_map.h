@@ -1,0 +1,40 @@
+/* Environment maps: what is seen around a place, as cubes whose levels are blurred by lobes of rising roughness,
+ * divided by the area layer of the place's harmonics. Times the area layer of a surface they are its reflection
+ * (docs/sampling.md). */
+#ifndef LMB_TOOLS_CUBE_MAP_H
+#define LMB_TOOLS_CUBE_MAP_H
+
+#include <lambent/pool.h>
+#include <lambent/sh.h>
+#include <lambent/transport.h>
+
+enum { CUBE_FACES = 6, CUBE_SIDE = 128, CUBE_LEVELS = 5 };
+
+/* Of the first level; each further one is twice as rough and half as wide. */
+#define CUBE_LEAST_ROUGHNESS 0.05f
+
+/* Faces are +X, -X, +Y, -Y, +Z, -Z, and lie as graphics interfaces take them: row 0 is t = 0. */
+typedef struct cube_map {
+    float *rgb[CUBE_LEVELS]; /* [face][row][column][channel] */
+} cube_map;
+
+static inline int cube_side(int level)
+{
+    return CUBE_SIDE >> level;
+}
+
+float cube_roughness(int level);
+
+/* Unit direction of a place on a face, both coordinates in [0, 1]. */
+lmb_vec3 cube_direction(int face, float s, float t);
+
+/* Index of the texel of a level that a direction goes through, times 3. */
+size_t cube_texel(int side, lmb_vec3 direction);
+
+/* Traces the first level's texels, `samples` rays each, without the direct light of key lights; then blurs and divides
+ * all levels. On failure nothing is to be freed. @return LMB_ERROR_MEMORY, _INTERRUPTED */
+lmb_result cube_map_make(const lmb_transport *transport, lmb_vec3 position, const lmb_sh3_rgb *place, uint32_t samples,
+                         lmb_pool *pool, const lmb_progress *progress, cube_map *made);
+void cube_map_free(cube_map *freed);
+
+#endif

@@ -1,0 +1,23 @@
+/* Specular reflection by samples: what pictures and measurements hold the sampler's layers against (lambent/specular.h
+ * has the reflectance). */
+#ifndef LMB_TOOLS_HALF_VECTOR_H
+#define LMB_TOOLS_HALF_VECTOR_H
+
+#include <stdbool.h>
+
+#include <lambent/types.h>
+
+/* Reflectance of a dielectric by Snell's law, of that along its normal and the cosine of the angle of incidence. */
+double dielectric_reflectance(double f0, double cosine);
+
+/* Where a facet sends the view, and with how much. */
+typedef struct half_vector_sample {
+    lmb_vec3 towards;
+    double arrives; /* of the radiance from there, but for the Fresnel factor */
+    double along;   /* the cosine that it takes */
+} half_vector_sample;
+
+/* Picks a facet in proportion to D (N.H) by u in [0, 1)^2. @return false where no light can come from */
+bool half_vector_pick(float roughness, lmb_vec3 normal, lmb_vec3 view, const float u[2], half_vector_sample *picked);
+
+#endif
