@@ -2,11 +2,6 @@
 
 #include "sh_internal.h"
 
-/* Radiance -> normalised irradiance, per coefficient (Ramamoorthi and Hanrahan 2001, divided by pi). */
-static const float irradiance_band_scale[LMB_SH3_COUNT] = {
-    1.0f, 2.0f / 3.0f, 2.0f / 3.0f, 2.0f / 3.0f, 0.25f, 0.25f, 0.25f, 0.25f, 0.25f,
-};
-
 lmb_sh3 lmb_sh3_basis(lmb_vec3 direction)
 {
     const float x = direction.x, y = direction.y, z = direction.z;
@@ -30,16 +25,6 @@ static float sh3_dot(const lmb_sh3 *a, const lmb_sh3 *b)
         sum += a->c[i] * b->c[i];
     }
     return sum;
-}
-
-/* The set whose dot product with radiance is the normalised irradiance on `normal`. */
-static lmb_sh3 irradiance_kernel(lmb_vec3 normal)
-{
-    lmb_sh3 kernel = lmb_sh3_basis(normal);
-    for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-        kernel.c[i] *= irradiance_band_scale[i];
-    }
-    return kernel;
 }
 
 float lmb_sh3_evaluate(const lmb_sh3 *radiance, lmb_vec3 direction)
@@ -69,13 +54,13 @@ static float kernel_irradiance(const lmb_sh3 *radiance, const lmb_sh3 *kernel)
 
 float lmb_sh3_irradiance(const lmb_sh3 *radiance, lmb_vec3 normal)
 {
-    const lmb_sh3 kernel = irradiance_kernel(normal);
+    const lmb_sh3 kernel = lmb_sh3_irradiance_kernel(normal);
     return kernel_irradiance(radiance, &kernel);
 }
 
 lmb_rgb lmb_sh3_rgb_irradiance(const lmb_sh3_rgb *radiance, lmb_vec3 normal)
 {
-    const lmb_sh3 kernel = irradiance_kernel(normal);
+    const lmb_sh3 kernel = lmb_sh3_irradiance_kernel(normal);
     lmb_rgb irradiance;
     for (int i = 0; i < 3; ++i) {
         irradiance.c[i] = kernel_irradiance(&radiance->channel[i], &kernel);

@@ -96,4 +96,23 @@ static inline lmb_sh3_axial lmb_sh3_about_axis(const lmb_sh3 *sh, lmb_vec3 axis)
     return axial;
 }
 
+/* The nine numbers whose dot product with radiance is the normalised irradiance on `normal`: the basis there, its bands
+ * times 1, 2/3 and 1/4 (Ramamoorthi and Hanrahan 2001, divided by pi). */
+static inline lmb_sh3 lmb_sh3_irradiance_kernel(lmb_vec3 normal)
+{
+    const float band_1 = 2.0f / 3.0f, band_2 = 0.25f;
+    const float x = normal.x, y = normal.y, z = normal.z;
+    lmb_sh3 kernel;
+    kernel.c[0] = (float)LMB_SH_N0;
+    kernel.c[1] = -(float)LMB_SH_N1 * y * band_1;
+    kernel.c[2] = (float)LMB_SH_N1 * z * band_1;
+    kernel.c[3] = -(float)LMB_SH_N1 * x * band_1;
+    kernel.c[4] = (float)LMB_SH_N2 * x * y * band_2;
+    kernel.c[5] = -(float)LMB_SH_N2 * y * z * band_2;
+    kernel.c[6] = (float)LMB_SH_N20 * (3.0f * z * z - 1.0f) * band_2;
+    kernel.c[7] = -(float)LMB_SH_N2 * x * z * band_2;
+    kernel.c[8] = (float)LMB_SH_N22 * (x * x - y * y) * band_2;
+    return kernel;
+}
+
 #endif

@@ -7,6 +7,8 @@
 
 #include "volume_locate_avx2.h"
 
+#include <string.h>
+
 static inline __m512 load_16(const unsigned char *halfs)
 {
     return _mm512_cvtph_ps(_mm256_loadu_si256((const __m256i *)(const void *)halfs));
@@ -40,16 +42,53 @@ static inline void weights_spread(__m128 half, __m512 weight[4])
 }
 
 /* 27 sums in two registers of sixteen: the last begins at the 11th, and repeats five. */
-static inline void blend_corners(const unsigned char *const corner[8], fraction at, float scale, lmb_sh3_rgb *radiance)
+static inline void sums_find(const unsigned char *const corner[8], fraction at, float scale, __m512 sum[2])
 {
     __m512 weight[8];
     const weights found = weights_find(at);
     weights_spread(found.low, weight);
     weights_spread(found.high, weight + 4);
     const __m512 scales = _mm512_set1_ps(scale);
-    float *const to = radiance->channel[0].c;
-    _mm512_storeu_ps(to, _mm512_mul_ps(blend_16(corner, 0, weight), scales));
-    _mm512_storeu_ps(to + 11, _mm512_mul_ps(blend_16(corner, 11, weight), scales));
+    sum[0] = _mm512_mul_ps(blend_16(corner, 0, weight), scales);
+    sum[1] = _mm512_mul_ps(blend_16(corner, 11, weight), scales);
+}
+
+static inline void blend_corners(const unsigned char *const corner[8], fraction at, float scale, lmb_sh3_rgb *radiance)
+{
+    __m512 sum[2];
+    sums_find(corner, at, scale, sum);
+    _mm512_storeu_ps(radiance->channel[0].c, sum[0]);
+    _mm512_storeu_ps(radiance->channel[0].c + 11, sum[1]);
+}
+
+/* lmb_volume_irradiance_sum from registers, the three channels' fours beside each other, their last ones behind. Of the
+ * lanes picked, those from 16 on are the second register's, which begins at the 11th number. */
+static inline lmb_rgb irradiance_corners(const unsigned char *const corner[8], fraction at, float scale,
+                                         const lmb_sh3 *kernel)
+{
+    enum { G = 16 - 11 };
+    const __m512i low_lanes =
+        _mm512_setr_epi32(0, 1, 2, 3, 9, 10, 11, 12, 18 + G, 19 + G, 20 + G, 21 + G, 8, 17 + G, 26 + G, 26 + G);
+    const __m512i high_lanes =
+        _mm512_setr_epi32(4, 5, 6, 7, 13, 14, 15, 16 + G, 22 + G, 23 + G, 24 + G, 25 + G, 8, 8, 8, 8);
+    const __m512i first_lanes = _mm512_setr_epi32(0, 4, 8, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+    __m512 sum[2];
+    sums_find(corner, at, scale, sum);
+    const __m512 low_kernel =
+        _mm512_mask_blend_ps(0xf000, _mm512_broadcast_f32x4(_mm_loadu_ps(kernel->c)), _mm512_set1_ps(kernel->c[8]));
+    const __m512 high_kernel = _mm512_broadcast_f32x4(_mm_loadu_ps(kernel->c + 4));
+    const __m512 low = _mm512_mul_ps(_mm512_permutex2var_ps(sum[0], low_lanes, sum[1]), low_kernel);
+    const __m512 high = _mm512_mul_ps(_mm512_permutex2var_ps(sum[0], high_lanes, sum[1]), high_kernel);
+    const __m512 four = _mm512_add_ps(low, high);
+    const __m512 two = _mm512_add_ps(four, _mm512_permute_ps(four, _MM_SHUFFLE(2, 3, 0, 1)));
+    const __m512 one = _mm512_add_ps(two, _mm512_permute_ps(two, _MM_SHUFFLE(1, 0, 3, 2)));
+    const __m128 most = _mm512_castps512_ps128(_mm512_permutexvar_ps(first_lanes, one));
+    const __m128 all = _mm_add_ps(most, _mm512_extractf32x4_ps(low, 3));
+    lmb_rgb irradiance;
+    float stored[4];
+    _mm_storeu_ps(stored, _mm_min_ps(_mm_max_ps(all, _mm_setzero_ps()), _mm_set1_ps(FLT_MAX)));
+    memcpy(irradiance.c, stored, sizeof irradiance.c);
+    return irradiance;
 }
 
 /* b |b| of sixteen of a compact probe's bytes, and of eight. */

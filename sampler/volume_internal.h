@@ -2,6 +2,8 @@
 #ifndef LMB_VOLUME_INTERNAL_H
 #define LMB_VOLUME_INTERNAL_H
 
+#include <float.h>
+
 #include <lambent/lattice.h>
 #include <lambent/volume.h>
 #include <lambent/volume_format.h>
@@ -55,10 +57,14 @@ static inline const unsigned char *lmb_volume_probe_at(const lmb_volume *volume,
 /* How many bits are set. */
 static inline uint32_t lmb_volume_bits(uint64_t bits)
 {
+#if defined(__POPCNT__)
+    return (uint32_t)__builtin_popcountll(bits);
+#else
     bits -= bits >> 1 & UINT64_C(0x5555555555555555);
     bits = (bits & UINT64_C(0x3333333333333333)) + (bits >> 2 & UINT64_C(0x3333333333333333));
     bits = (bits + (bits >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f);
     return (uint32_t)(bits * UINT64_C(0x0101010101010101) >> 56);
+#endif
 }
 
 /* The record of a brick's cut cell. */
@@ -78,6 +84,23 @@ static inline const uint32_t *lmb_volume_cut_corners(const lmb_volume_cut *cut, 
 static inline const lmb_cell_plane *lmb_volume_cut_planes(const lmb_volume_cut *cut)
 {
     return (const lmb_cell_plane *)lmb_volume_cut_corners(cut, cut->region_count);
+}
+
+/* Irradiance by a kernel (lmb_sh3_irradiance_kernel), never negative nor NaN. Summed so that four lanes may do it: all
+ * kernels give the same bits. */
+static inline lmb_rgb lmb_volume_irradiance_sum(const lmb_sh3_rgb *light, const lmb_sh3 *kernel)
+{
+    lmb_rgb irradiance;
+    for (int channel = 0; channel < 3; ++channel) {
+        const float *const c = light->channel[channel].c;
+        float four[4];
+        for (int k = 0; k < 4; ++k) {
+            four[k] = c[k] * kernel->c[k] + c[k + 4] * kernel->c[k + 4];
+        }
+        const float sum = ((four[0] + four[1]) + (four[2] + four[3])) + c[8] * kernel->c[8];
+        irradiance.c[channel] = sum > 0.0f ? (sum < FLT_MAX ? sum : FLT_MAX) : 0.0f;
+    }
+    return irradiance;
 }
 
 /* Verifies the file in memory wholly and sets header, directory, bricks, probes and what there is of cut cells.

@@ -14,13 +14,19 @@ typedef struct lmb_volume_calls {
     /* As lmb_volume_sample_batch. */
     void (*batch)(const lmb_volume *volume, const lmb_vec3d *position, size_t count, lmb_sh3_rgb *radiance,
                   float (*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside);
+    /* As lmb_volume_irradiance and lmb_volume_irradiance_batch. */
+    bool (*irradiance)(const lmb_volume *volume, double x, double y, double z, const lmb_vec3 *normal,
+                       lmb_rgb *irradiance);
+    void (*irradiance_batch)(const lmb_volume *volume, const lmb_vec3d *position, const lmb_vec3 *normal, size_t count,
+                             lmb_rgb *irradiance, bool *inside);
 } lmb_volume_calls;
 
 typedef struct lmb_volume_kernel {
     const char *name;
-    lmb_volume_calls plain; /* of volumes without key lights, whose probes lie at a distance that compilers know */
-    lmb_volume_calls keyed; /* with */
-    lmb_volume_calls compact;
+    const lmb_volume_calls
+        *plain; /* of volumes without key lights, whose probes lie at a distance that compilers know */
+    const lmb_volume_calls *keyed; /* with */
+    const lmb_volume_calls *compact;
 } lmb_volume_kernel;
 
 extern const lmb_volume_kernel lmb_volume_kernel_scalar;
@@ -34,9 +40,9 @@ extern const lmb_volume_kernel *const lmb_volume_kernel_avx512;
 static inline const lmb_volume_calls *lmb_volume_kernel_calls(const lmb_volume_kernel *kernel,
                                                               const lmb_volume_header *header)
 {
-    return header->probe_form == LMB_VOLUME_COMPACT ? &kernel->compact
-           : header->key_light_count > 0            ? &kernel->keyed
-                                                    : &kernel->plain;
+    return header->probe_form == LMB_VOLUME_COMPACT ? kernel->compact
+           : header->key_light_count > 0            ? kernel->keyed
+                                                    : kernel->plain;
 }
 
 /* The fastest that this processor runs. Asks the processor each time. */

@@ -27,3 +27,16 @@ void lmb_volume_sample_batch(const lmb_volume *volume, const lmb_vec3d *position
     assert(volume && (count == 0 || (position && radiance)));
     volume->calls->batch(volume, position, count, radiance, visibility, inside);
 }
+
+bool lmb_volume_irradiance(const lmb_volume *volume, lmb_vec3d position, lmb_vec3 normal, lmb_rgb *irradiance)
+{
+    assert(volume && irradiance);
+    return volume->calls->irradiance(volume, position.x, position.y, position.z, &normal, irradiance);
+}
+
+void lmb_volume_irradiance_batch(const lmb_volume *volume, const lmb_vec3d *position, const lmb_vec3 *normal,
+                                 size_t count, lmb_rgb *irradiance, bool *inside)
+{
+    assert(volume && (count == 0 || (position && normal && irradiance)));
+    volume->calls->irradiance_batch(volume, position, normal, count, irradiance, inside);
+}

@@ -8,12 +8,15 @@
  *     static inline void blend_corners(const unsigned char *const corner[8], fraction at, float scale,
  *                                      lmb_sh3_rgb *radiance);
  *     static inline void blend_compact(... the same ...);   of compact probes
+ *     static inline lmb_rgb irradiance_corners(const unsigned char *const corner[8], fraction at, float scale,
+ *                                              const lmb_sh3 *kernel);
  *     static inline void weights_store(fraction at, float weight[8]);
  *
  * in which each number comes from the same operations in the same order everywhere: all kernels give the same bits. */
 #ifndef LMB_VOLUME_SAMPLE_BODY_H
 #define LMB_VOLUME_SAMPLE_BODY_H
 
+#include "sh_internal.h"
 #include "volume_internal.h"
 
 #include <string.h>
@@ -38,9 +41,10 @@
 #define LMB_APART static
 #endif
 
-/* Samples that a batch asks for before it blends the first; as many as the memory can be asked for at once. The ring
- * that they wait in is a power of two. */
-enum { BATCH_AHEAD = 12, BATCH_RING = 16 };
+/* Samples that a batch asks for before it blends the first; as many as the memory can be asked for at once. Those in
+ * cut cells know which probes they need only when their records are there, half way. The ring that they wait in is a
+ * power of two. */
+enum { BATCH_AHEAD = 12, BATCH_CUT_AHEAD = 6, BATCH_RING = 16 };
 
 enum { CACHE_LINE_BYTES = 64 };
 
@@ -74,6 +78,11 @@ LMB_INLINE bool place_is_plain(const place *at)
     return at->inside && (at->brick->plain >> at->cell & 1u);
 }
 
+LMB_INLINE bool place_is_cut(const place *at)
+{
+    return at->inside && (at->brick->cut >> at->cell & 1u);
+}
+
 /* The eight corners of a plain cell: pairs along x follow each other. `units`: from one probe to the next. */
 LMB_INLINE void corners_find(const lmb_volume *volume, const place *at, uint32_t units, const unsigned char *corner[8])
 {
@@ -90,11 +99,11 @@ LMB_INLINE void corners_find(const lmb_volume *volume, const place *at, uint32_t
 }
 
 /* Those of a cut cell's region that the position is in. */
-LMB_INLINE void cut_corners_find(const lmb_volume *volume, const place *at, const unsigned char *corner[8])
+LMB_INLINE void cut_corners_find(const lmb_volume *volume, const lmb_volume_cut *cut, fraction at,
+                                 const unsigned char *corner[8])
 {
-    const lmb_volume_cut *const cut = lmb_volume_cut_at(volume, at->brick, at->cell);
     float t[3];
-    fraction_store(at->t, t);
+    fraction_store(at, t);
     const uint32_t region = lmb_cell_region(lmb_volume_cut_planes(cut), cut->plane_count, t);
     const uint32_t *const units = lmb_volume_cut_corners(cut, region);
     for (int i = 0; i < 8; ++i) {
@@ -127,6 +136,16 @@ LMB_INLINE void blend(const lmb_volume *volume, uint32_t form, const unsigned ch
     }
 }
 
+/* In a cell that is cut. What tells its place comes in registers, as in a cell that is not, it would be written for
+ * nothing. */
+LMB_APART void blend_cut(const lmb_volume *volume, const lmb_volume_cut *cut, fraction at, lmb_sh3_rgb *radiance,
+                         float *visibility)
+{
+    const unsigned char *corner[8];
+    cut_corners_find(volume, cut, at, corner);
+    blend(volume, volume->header->probe_form, corner, at, radiance, visibility);
+}
+
 /* Any position: outside, NaN, in a cell that is cut, or in none. */
 LMB_APART bool sample_any(const lmb_volume *volume, double x, double y, double z, lmb_sh3_rgb *radiance,
                           float *visibility)
@@ -136,7 +155,7 @@ LMB_APART bool sample_any(const lmb_volume *volume, double x, double y, double z
     const uint64_t cell = UINT64_C(1) << at.cell;
     const unsigned char *corner[8];
     if (is_number && (at.brick->cut & cell)) {
-        cut_corners_find(volume, &at, corner);
+        cut_corners_find(volume, lmb_volume_cut_at(volume, at.brick, at.cell), at.t, corner);
     } else if (is_number && (at.brick->plain & cell)) {
         corners_find(volume, &at, volume->probe_units, corner);
     } else {
@@ -154,75 +173,155 @@ LMB_INLINE bool sample_one(const lmb_volume *volume, uint32_t form, uint32_t uni
                            lmb_sh3_rgb *radiance, float *visibility)
 {
     const place at = place_find(volume, x, y, z);
-    if (!place_is_plain(&at)) {
-        return sample_any(volume, x, y, z, radiance, visibility);
+    if (place_is_plain(&at)) {
+        const unsigned char *corner[8];
+        corners_find(volume, &at, units, corner);
+        blend(volume, form, corner, at.t, radiance, visibility);
+        return true;
     }
-    const unsigned char *corner[8];
-    corners_find(volume, &at, units, corner);
-    blend(volume, form, corner, at.t, radiance, visibility);
-    return true;
+    if (place_is_cut(&at)) {
+        blend_cut(volume, lmb_volume_cut_at(volume, at.brick, at.cell), at.t, radiance, visibility);
+        return true;
+    }
+    return sample_any(volume, x, y, z, radiance, visibility);
 }
 
 /* A later sample of a batch. */
 typedef struct waiting {
-    const unsigned char
-        *corner[4]; /* the first ones of pairs along x, where the cell is plain; [0] is NULL elsewhere */
+    const unsigned char *corner[8]; /* [0] is NULL where the cell is neither plain nor cut */
+    const lmb_volume_cut *cut;      /* until its corners are found; then NULL */
     fraction t;
 } waiting;
 
-/* Finds the place of a later sample, and asks for what it needs: the lines that pairs of probes lie in, those of all
- * four before second ones of any. */
+/* Asks for the lines that pairs of probes lie in, those of all four before second ones of any. */
+LMB_INLINE void pairs_prefetch(const unsigned char *const corner[8], uint32_t units)
+{
+    const size_t end = 2 * (size_t)units * LMB_PROBE_UNIT - 1;
+    for (size_t line = 0; line <= 2; ++line) {
+        for (int i = 0; i < 8; i += 2) {
+            LMB_PREFETCH(corner[i] + (line < 2 ? line * CACHE_LINE_BYTES : end));
+        }
+    }
+}
+
+/* Irradiance by a kernel of nine numbers. */
+LMB_INLINE lmb_rgb blend_irradiance(const lmb_volume *volume, uint32_t form, const unsigned char *const corner[8],
+                                    fraction at, const lmb_sh3 *kernel)
+{
+    if (form == LMB_VOLUME_HALFS) {
+        return irradiance_corners(corner, at, volume->scale, kernel);
+    }
+    lmb_sh3_rgb light;
+    blend_compact(corner, at, volume->scale, &light);
+    return lmb_volume_irradiance_sum(&light, kernel);
+}
+
+LMB_APART bool irradiance_any(const lmb_volume *volume, double x, double y, double z, const lmb_sh3 *kernel,
+                              lmb_rgb *irradiance)
+{
+    lmb_sh3_rgb light;
+    const bool inside = sample_any(volume, x, y, z, &light, NULL);
+    *irradiance = lmb_volume_irradiance_sum(&light, kernel);
+    return inside;
+}
+
+LMB_INLINE bool irradiance_one(const lmb_volume *volume, uint32_t form, uint32_t units, double x, double y, double z,
+                               const lmb_vec3 *normal, lmb_rgb *irradiance)
+{
+    const place at = place_find(volume, x, y, z);
+    const lmb_sh3 kernel = lmb_sh3_irradiance_kernel(*normal);
+    if (!place_is_plain(&at)) {
+        return irradiance_any(volume, x, y, z, &kernel, irradiance);
+    }
+    const unsigned char *corner[8];
+    corners_find(volume, &at, units, corner);
+    *irradiance = blend_irradiance(volume, form, corner, at.t, &kernel);
+    return true;
+}
+
+/* Finds the place of a later sample, and asks for what it needs next: probes, or a cut cell's record. */
 LMB_INLINE void waiting_begin(const lmb_volume *volume, uint32_t units, const lmb_vec3d *position, waiting *next)
 {
     const place at = place_find(volume, position->x, position->y, position->z);
     next->corner[0] = NULL;
+    next->cut = NULL;
     next->t = at.t;
-    if (!place_is_plain(&at)) {
-        return;
-    }
-    const unsigned char *corner[8];
-    corners_find(volume, &at, units, corner);
-    const size_t end = 2 * (size_t)units * LMB_PROBE_UNIT - 1;
-    for (size_t line = 0; line <= 2; ++line) {
-        for (int i = 0; i < 4; ++i) {
-            LMB_PREFETCH(corner[2 * i] + (line < 2 ? line * CACHE_LINE_BYTES : end));
-        }
-    }
-    for (int i = 0; i < 4; ++i) {
-        next->corner[i] = corner[2 * i];
+    if (place_is_plain(&at)) {
+        corners_find(volume, &at, units, next->corner);
+        pairs_prefetch(next->corner, units);
+    } else if (place_is_cut(&at)) {
+        next->cut = lmb_volume_cut_at(volume, at.brick, at.cell);
+        LMB_PREFETCH(next->cut);
+        LMB_PREFETCH((const unsigned char *)next->cut + CACHE_LINE_BYTES);
+        LMB_PREFETCH((const unsigned char *)next->cut + 2 * CACHE_LINE_BYTES);
     }
 }
 
-LMB_INLINE bool waiting_finish(const lmb_volume *volume, uint32_t form, uint32_t units, const waiting *next,
-                               const lmb_vec3d *position, lmb_sh3_rgb *radiance, float *visibility)
+/* Finds the probes of a cut cell, whose record is there by now, and asks for them. */
+LMB_APART void waiting_resolve(const lmb_volume *volume, waiting *next)
+{
+    cut_corners_find(volume, next->cut, next->t, next->corner);
+    next->cut = NULL;
+    for (int i = 0; i < 8; ++i) {
+        LMB_PREFETCH(next->corner[i]);
+        LMB_PREFETCH(next->corner[i] + volume->probe_units * LMB_PROBE_UNIT - 1);
+    }
+}
+
+LMB_INLINE bool waiting_finish(const lmb_volume *volume, uint32_t form, const waiting *next, const lmb_vec3d *position,
+                               lmb_sh3_rgb *radiance, float *visibility)
 {
     if (!next->corner[0]) {
         return sample_any(volume, position->x, position->y, position->z, radiance, visibility);
     }
-    const unsigned char *corner[8];
-    for (int i = 0; i < 8; ++i) {
-        corner[i] = next->corner[i / 2] + (size_t)(i % 2) * units * LMB_PROBE_UNIT;
-    }
-    blend(volume, form, corner, next->t, radiance, visibility);
+    blend(volume, form, next->corner, next->t, radiance, visibility);
     return true;
 }
 
-LMB_INLINE void batch(const lmb_volume *volume, uint32_t form, uint32_t units, const lmb_vec3d *position, size_t count,
-                      lmb_sh3_rgb *radiance, float (*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside)
+LMB_INLINE bool waiting_finish_irradiance(const lmb_volume *volume, uint32_t form, const waiting *next,
+                                          const lmb_vec3d *position, lmb_vec3 normal, lmb_rgb *irradiance)
+{
+    const lmb_sh3 kernel = lmb_sh3_irradiance_kernel(normal);
+    if (!next->corner[0]) {
+        return irradiance_any(volume, position->x, position->y, position->z, &kernel, irradiance);
+    }
+    *irradiance = blend_irradiance(volume, form, next->corner, next->t, &kernel);
+    return true;
+}
+
+/* What a batch is asked for: radiance with visibility or without, or irradiance on normals. */
+typedef struct batch_wish {
+    const lmb_vec3d *position;
+    const lmb_vec3 *normal; /* NULL: radiance */
+    size_t count;
+    lmb_rgb *irradiance;
+    lmb_sh3_rgb *radiance;
+    float (*visibility)[LMB_KEY_LIGHTS_MOST]; /* or NULL */
+    bool *inside;                             /* or NULL */
+} batch_wish;
+
+/* Sample i begins, i - BATCH_CUT_AHEAD is resolved, i - BATCH_AHEAD is blended. */
+LMB_INLINE void batch(const lmb_volume *volume, uint32_t form, uint32_t units, const batch_wish *wish)
 {
     waiting ring[BATCH_RING];
-    const size_t ahead = count < BATCH_AHEAD ? count : BATCH_AHEAD;
-    for (size_t i = 0; i < ahead; ++i) {
-        waiting_begin(volume, units, &position[i], &ring[i]);
-    }
-    for (size_t i = 0; i < count; ++i) {
-        if (i + ahead < count) {
-            waiting_begin(volume, units, &position[i + ahead], &ring[(i + ahead) % BATCH_RING]);
+    for (size_t i = 0; i < wish->count + BATCH_AHEAD; ++i) {
+        if (i < wish->count) {
+            waiting_begin(volume, units, &wish->position[i], &ring[i % BATCH_RING]);
         }
-        const bool is_inside = waiting_finish(volume, form, units, &ring[i % BATCH_RING], &position[i], &radiance[i],
-                                              visibility ? visibility[i] : NULL);
-        if (inside) {
-            inside[i] = is_inside;
+        if (i >= BATCH_CUT_AHEAD && i - BATCH_CUT_AHEAD < wish->count && ring[(i - BATCH_CUT_AHEAD) % BATCH_RING].cut) {
+            waiting_resolve(volume, &ring[(i - BATCH_CUT_AHEAD) % BATCH_RING]);
+        }
+        if (i < BATCH_AHEAD) {
+            continue;
+        }
+        const size_t k = i - BATCH_AHEAD;
+        const waiting *const now = &ring[k % BATCH_RING];
+        const bool is_inside = wish->normal ? waiting_finish_irradiance(volume, form, now, &wish->position[k],
+                                                                        wish->normal[k], &wish->irradiance[k])
+                                            : waiting_finish(volume, form, now, &wish->position[k], &wish->radiance[k],
+                                                             wish->visibility ? wish->visibility[k] : NULL);
+        if (wish->inside) {
+            wish->inside[k] = is_inside;
         }
     }
 }
@@ -241,8 +340,22 @@ LMB_INLINE void batch(const lmb_volume *volume, uint32_t form, uint32_t units, c
     static void batch_##what(const lmb_volume *volume, const lmb_vec3d *position, size_t count, lmb_sh3_rgb *radiance, \
                              float(*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside)                                    \
     {                                                                                                                  \
-        batch(volume, form, units, position, count, radiance, visibility, inside);                                     \
-    }
+        const batch_wish wish = {position, NULL, count, NULL, radiance, visibility, inside};                           \
+        batch(volume, form, units, &wish);                                                                             \
+    }                                                                                                                  \
+    static bool irradiance_##what(const lmb_volume *volume, double x, double y, double z, const lmb_vec3 *normal,      \
+                                  lmb_rgb *irradiance)                                                                 \
+    {                                                                                                                  \
+        return irradiance_one(volume, form, units, x, y, z, normal, irradiance);                                       \
+    }                                                                                                                  \
+    static void irradiance_batch_##what(const lmb_volume *volume, const lmb_vec3d *position, const lmb_vec3 *normal,   \
+                                        size_t count, lmb_rgb *irradiance, bool *inside)                               \
+    {                                                                                                                  \
+        const batch_wish wish = {position, normal, count, irradiance, NULL, NULL, inside};                             \
+        batch(volume, form, units, &wish);                                                                             \
+    }                                                                                                                  \
+    static const lmb_volume_calls calls_##what = {sample_##what, sample_with_keys_##what, batch_##what,                \
+                                                  irradiance_##what, irradiance_batch_##what};
 
 LMB_VOLUME_CALLS(plain, LMB_VOLUME_HALFS, LMB_HALFS_BYTES / LMB_PROBE_UNIT)
 LMB_VOLUME_CALLS(keyed, LMB_VOLUME_HALFS, volume->probe_units)
@@ -250,9 +363,7 @@ LMB_VOLUME_CALLS(compact, LMB_VOLUME_COMPACT, volume->probe_units)
 
 #define LMB_VOLUME_KERNEL(what)                                                                                        \
     {                                                                                                                  \
-        .name = what, .plain = {sample_plain, sample_with_keys_plain, batch_plain},                                    \
-        .keyed = {sample_keyed, sample_with_keys_keyed, batch_keyed},                                                  \
-        .compact = {sample_compact, sample_with_keys_compact, batch_compact},                                          \
+        what, &calls_plain, &calls_keyed, &calls_compact                                                               \
     }
 
 #endif

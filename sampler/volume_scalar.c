@@ -143,6 +143,14 @@ static inline void blend_compact(const unsigned char *const corner[8], fraction 
     }
 }
 
+static inline lmb_rgb irradiance_corners(const unsigned char *const corner[8], fraction at, float scale,
+                                         const lmb_sh3 *kernel)
+{
+    lmb_sh3_rgb light;
+    blend_corners(corner, at, scale, &light);
+    return lmb_volume_irradiance_sum(&light, kernel);
+}
+
 #include "volume_sample_body.h"
 
 const lmb_volume_kernel lmb_volume_kernel_scalar = LMB_VOLUME_KERNEL("C");

@@ -203,6 +203,12 @@ static void extremes_are_exact(void)
     }
 }
 
+/* ASTC comes last, and is there where astcenc was. */
+static int formats_here(void)
+{
+    return lmb_block_format_is_here(LMB_BLOCK_ASTC) ? LMB_BLOCK_FORMATS : LMB_BLOCK_ASTC;
+}
+
 enum { WIDTH = 100, HEIGHT = 52, LAYERS = 2, LEVELS = 4, MOST = WIDTH * HEIGHT };
 
 /* A texture of light that varies in all directions, each level by itself. */
@@ -222,14 +228,14 @@ static bool texture_make(lmb_block_format format, lmb_pool *pool, lmb_block_text
             }
         }
         const lmb_block_pixels pixels = {.plane = planes, .floor = 0.01f};
-        lmb_block_texture_encode(texture, level, &pixels, pool);
+        CHECK(lmb_block_texture_encode(texture, level, &pixels, pool) == LMB_OK, "level %d", level);
     }
     return made;
 }
 
 static void threads_make_no_difference(void)
 {
-    for (int format = 0; format < LMB_BLOCK_FORMATS; ++format) {
+    for (int format = 0; format < formats_here(); ++format) {
         lmb_block_texture alone, shared;
         lmb_pool *pool;
         CHECK(lmb_pool_create(5, &pool) == LMB_OK, "pool");
@@ -268,8 +274,11 @@ static const char *path_of(lmb_block_container container)
 static void files_read_back(void)
 {
     lmb_error error = {""};
-    for (int i = 0; i < 2 * LMB_BLOCK_FORMATS; ++i) {
+    for (int i = 0; i < 2 * formats_here(); ++i) {
         const lmb_block_container container = (lmb_block_container)(i % 2);
+        if (container == LMB_BLOCK_DDS && i / 2 >= LMB_BLOCK_ASTC) {
+            continue; /* DDS has none */
+        }
         lmb_block_texture written, read;
         lmb_block_container found;
         if (!texture_make((lmb_block_format)(i / 2), NULL, &written)) {
@@ -305,9 +314,10 @@ static void ktx2_is_as_specified(void)
 {
     static const struct {
         uint64_t vulkan, model, samples, bytes;
-    } expected[LMB_BLOCK_FORMATS] = {{139, 131, 1, 8}, {141, 132, 2, 16}, {143, 133, 1, 16}};
+    } expected[LMB_BLOCK_FORMATS] = {
+        {139, 131, 1, 8}, {141, 132, 2, 16}, {143, 133, 1, 16}, {157, 162, 1, 16}, {1000066000, 162, 1, 16}};
     lmb_error error = {""};
-    for (int f = 0; f < LMB_BLOCK_FORMATS; ++f) {
+    for (int f = 0; f < formats_here(); ++f) {
         lmb_block_texture texture;
         unsigned char *bytes = NULL;
         size_t size = 0;

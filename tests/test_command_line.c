@@ -8,6 +8,7 @@
 #include <lambent/vdb.h>
 
 #include "command_fixture.h"
+#include "probes_fixture.h"
 #include "scenes/levels.h"
 
 #define OUTPUT LMB_TEST_OUTPUT_DIR "/command_line"
@@ -201,6 +202,28 @@ static void limits_fail_a_check(void)
     CHECK_RUN(3, "bake with --lightmaps", IN_OUTPUT LMB_COMMAND " check " LEVEL " n --fail-above lightmap_leak=1");
 }
 
+/* Lightmaps are the same without probes, and the probes of an earlier bake go. */
+static void lightmaps_alone(void)
+{
+    if (!baked()) {
+        return;
+    }
+    CHECK_RUN(2, "--lightmaps has to go with", IN_OUTPUT LMB_COMMAND " bake " LEVEL " -o alone --no-probes" SMALL);
+    CHECK_RUN(0, NULL, IN_OUTPUT LMB_COMMAND " bake " LEVEL " -o alone --lightmaps" SMALL);
+    CHECK_RUN(0, NULL,
+              IN_OUTPUT "cp -r alone/lightmap with_probes && " LMB_COMMAND " bake " LEVEL
+                        " -o alone --lightmaps --no-probes" SMALL);
+    CHECK_RUN(0, "",
+              IN_OUTPUT "diff -r alone/lightmap with_probes && test ! -e alone/probes.lmb -a ! -e alone/probes.vdb");
+    CHECK_RUN(0, "--camera", IN_OUTPUT LMB_COMMAND " render " LEVEL " alone --size 16x9 -o e.png");
+    CHECK_RUN(0, "--camera", IN_OUTPUT LMB_COMMAND " render " LEVEL " alone --size 16x9 -o e.png --mode lightmap");
+    static const char *const refused[] = {"render --size 16x9 -o e.png --mode probes", "render -o e.png --probes",
+                                          "render -o e.png --object-at 0,1,0", "check"};
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; ++i) {
+        CHECK_RUN(3, "alone: was baked without probes", IN_OUTPUT LMB_COMMAND " %s " LEVEL " alone", refused[i]);
+    }
+}
+
 static void volumes_come_back(void)
 {
     if (!baked()) {
@@ -255,9 +278,8 @@ static void edited_volumes_give_edited_light(void)
     const double green = green_sampled("b/probes.lmb");
     CHECK(green > 0.0, "%g", green);
     CHECK_NEAR(green_sampled("edited.lmb"), 2.0 * green, 2e-3 * green, "twice the green");
-    for (int32_t i = 0; i < probes->count; ++i) {
-        probes->validity[i] = 0.0f;
-    }
+    lmb_probes_destroy(probes);
+    probes = fixture_probes(&(lmb_lattice){.spacing = 1.0f, .size = {2, 2, 2}}, NULL); /* of validity 0 */
     CHECK(lmb_vdb_write(OUTPUT "/edited.vdb", probes, &metadata, &error) == LMB_OK, "%s", error.message);
     CHECK_RUN(3, "edited.vdb: no probe has light", IN_OUTPUT LMB_COMMAND " pack edited.vdb -o edited.lmb");
     lmb_probes_destroy(probes);
@@ -364,6 +386,7 @@ static const test_case cases[] = {
     {"output_that_is_not_taken_fails", output_that_is_not_taken_fails},
     {"records_end_with_one", records_end_with_one},
     {"limits_fail_a_check", limits_fail_a_check},
+    {"lightmaps_alone", lightmaps_alone},
     {"volumes_come_back", volumes_come_back},
     {"edited_volumes_give_edited_light", edited_volumes_give_edited_light},
     {"seeds_are_named", seeds_are_named},

@@ -63,11 +63,15 @@ static void texels_compare(const lmb_lightmap *a, const lmb_lightmap *b, double 
 
 static void textures_read_back(void)
 {
-    static const char *const directories[] = {NULL, OUTPUT("lightmap_ktx2"), OUTPUT("lightmap_dds")};
+    static const char *const directories[] = {NULL, OUTPUT("lightmap_ktx2"), OUTPUT("lightmap_dds"),
+                                              OUTPUT("lightmap_astc")};
     for (int format = LMB_LIGHTMAP_KTX2; format < LMB_LIGHTMAP_FORMATS; ++format) {
         lmb_error error = {""};
         baked bake;
         uint64_t bytes = 0;
+        if (format == LMB_LIGHTMAP_KTX2_ASTC && !lmb_block_format_is_here(LMB_BLOCK_ASTC)) {
+            continue;
+        }
         mkdir(directories[format], 0777);
         if (cornell_bake(&bake, (lmb_lightmap_format)format, 2)) {
             CHECK(bake.lightmap->model == lmb_model_default(LMB_MODEL_FOR_TEXTURE), "%s", bake.lightmap->model->name);
@@ -78,7 +82,8 @@ static void textures_read_back(void)
                 double light, rest;
                 texels_compare(bake.lightmap, read, &light, &rest);
                 CHECK(light > 0.0 && light < 0.035, "light: %g", light);
-                CHECK(rest > 0.0 && rest < 0.02, "weight and direction: %g", rest);
+                const double most = format == LMB_LIGHTMAP_KTX2_ASTC ? 0.04 : 0.02; /* one line for all three */
+                CHECK(rest > 0.0 && rest < most, "weight and direction: %g", rest);
             }
             lmb_lightmap_destroy(read);
         }

@@ -5,6 +5,7 @@
 #include "harness.h"
 
 #include <lambent/pack.h>
+#include <lambent/vector.h>
 
 #include "volume_internal.h"
 
@@ -234,8 +235,72 @@ static void batches_give_the_bits_of_single_calls(void)
     }
 }
 
+static lmb_vec3 random_normal(uint64_t *state)
+{
+    const lmb_vec3 n = {(float)(2.0 * fixture_random(state) - 1.0), (float)(2.0 * fixture_random(state) - 1.0),
+                        (float)(2.0 * fixture_random(state) - 1.0)};
+    return lmb_vec3_unit_or(n, (lmb_vec3){0.0f, 1.0f, 0.0f});
+}
+
+/* The same bits by every kernel and in batches, and what sampling and evaluating give, to some 1e-6 of the light. */
+static void irradiance_is_that_of_samples(void)
+{
+    const lmb_volume_kernel *kernel[3];
+    const size_t kernels = kernels_here(kernel);
+    static lmb_vec3 normal[MOST_POSITIONS];
+    static lmb_rgb batch[MOST_POSITIONS];
+    static bool inside[MOST_POSITIONS];
+    uint64_t state = 3;
+    for (int i = 0; i < MOST_POSITIONS; ++i) {
+        normal[i] = random_normal(&state);
+    }
+    for (int k = 0; k < CASES; ++k) {
+        opened made = case_make(k, 90);
+        lmb_volume_irradiance_batch(made.volume, made.position, normal, MOST_POSITIONS, batch, inside);
+        for (int i = 0; i < MOST_POSITIONS; ++i) {
+            const lmb_vec3d at = made.position[i];
+            lmb_sh3_rgb light;
+            const bool is_inside = lmb_volume_sample_at(made.volume, at, &light);
+            const lmb_rgb expected = lmb_sh3_rgb_irradiance(&light, normal[i]);
+            float size = 0.0f;
+            for (int c = 0; c < 27; ++c) {
+                size += fabsf(light.channel[c / 9].c[c % 9]);
+            }
+            for (int c = 0; c < 3; ++c) {
+                CHECK_NEAR(batch[i].c[c], expected.c[c], 1e-6f * size, "case %d at (%.9g, %.9g, %.9g)", k, at.x, at.y,
+                           at.z);
+            }
+            for (size_t n = 0; n < kernels; ++n) {
+                lmb_rgb single;
+                const bool found =
+                    calls_of(kernel[n], made.volume)->irradiance(made.volume, at.x, at.y, at.z, &normal[i], &single);
+                CHECK(found == is_inside && inside[i] == is_inside && memcmp(&single, &batch[i], sizeof single) == 0,
+                      "%s, case %d at (%.9g, %.9g, %.9g)", kernel[n]->name, k, at.x, at.y, at.z);
+            }
+        }
+        volume_free(&made);
+    }
+}
+
+static void irradiance_of_broken_normals(void)
+{
+    static const float odd[] = {NAN, INFINITY, -INFINITY, 0.0f, FLT_MAX};
+    opened made = case_make(1, 1);
+    for (int i = 0; i < 5; ++i) {
+        lmb_rgb light = {{-1.0f, -1.0f, -1.0f}};
+        const lmb_vec3d low = lmb_volume_get_info(made.volume).bounds_min;
+        lmb_volume_irradiance(made.volume, low, (lmb_vec3){odd[i], 1.0f, odd[(i + 1) % 5]}, &light);
+        for (int c = 0; c < 3; ++c) {
+            CHECK(light.c[c] >= 0.0f && light.c[c] <= FLT_MAX, "normal %d: %g", i, (double)light.c[c]);
+        }
+    }
+    volume_free(&made);
+}
+
 static const test_case table[] = {
     {"kernels_give_the_same_bits", kernels_give_the_same_bits},
     {"batches_give_the_bits_of_single_calls", batches_give_the_bits_of_single_calls},
+    {"irradiance_is_that_of_samples", irradiance_is_that_of_samples},
+    {"irradiance_of_broken_normals", irradiance_of_broken_normals},
 };
 TEST_MAIN(table)

@@ -15,7 +15,7 @@ static void quality_set(lmb_bake_settings *settings, lmb_arguments *arguments, c
 static void lightmap_format_set(lmb_bake_settings *settings, lmb_arguments *arguments, const char *name)
 {
     if (!arguments->failed && !lmb_bake_settings_lightmap_format(settings, name)) {
-        arguments_error(arguments, "--lightmap-format takes exr, ktx2 or dds, not", name);
+        arguments_error(arguments, "--lightmap-format takes exr, ktx2, dds or ktx2-astc, not", name);
     }
 }
 

@@ -22,8 +22,8 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"                              \
     "  --texels-per-m N      lightmap density (default: from the level's size)\n"                                      \
     "  --padding N           texels filled around lightmap charts and nodes, for mip levels (default 1)\n"             \
-    "  --lightmap-format F   exr: half floats (default); ktx2, dds: block-compressed textures, 2.5 bytes a texel,\n"   \
-    "                        with as many mip levels as --padding keeps apart\n"                                       \
+    "  --lightmap-format F   exr: half floats (default); ktx2, dds: block-compressed textures, 2.5 bytes a texel;\n"   \
+    "                        ktx2-astc: for mobile hardware, 2 bytes; as many mip levels as --padding keeps apart\n"   \
     "  --models NAME,...     lightmaps in these models too, a file each (default: irradz-hhd alone, which is always\n" \
     "                        written): hlsh, sh3, or any name of `lambent models`\n"                                   \
     "  --compact             probes.lmb of little more than half the size: bytes above each probe's mean\n"            \

@@ -23,13 +23,15 @@ static void probes_print(const lmb_bake_record *record)
 static void plan_print(const lmb_bake_record *record)
 {
     const lmb_bake_settings *settings = &record->settings;
-    printf("probes  ");
-    probes_print(record);
-    printf(" (%d traced, %d dilated", record->placement.probes_valid, record->placement.probes_dilated);
-    if (record->placement.probes_hanging > 0) {
-        printf(", %d on coarser cells", record->placement.probes_hanging);
+    if (!settings->no_probes) {
+        printf("probes  ");
+        probes_print(record);
+        printf(" (%d traced, %d dilated", record->placement.probes_valid, record->placement.probes_dilated);
+        if (record->placement.probes_hanging > 0) {
+            printf(", %d on coarser cells", record->placement.probes_hanging);
+        }
+        printf(")\n");
     }
-    printf(")\n");
     if (settings->lightmaps) {
         printf("texels  %llu at %g a metre, in %d images, of which they are %.1f %%\n",
                (unsigned long long)record->texels_covered, (double)settings->texels_per_m, record->images,
@@ -66,9 +68,11 @@ static void summary_print(const lmb_bake_record *record, const char *directory)
         printf("surfaces  %u cells of %.3g m, %.1f s\n", record->surface.cells, (double)record->surface_cell_size,
                record->seconds[LMB_PHASE_SURFACE]);
     }
-    printf("probes    ");
-    probes_print(record);
-    printf(", %.1f s\n", record->seconds[LMB_PHASE_LEVELS] + record->seconds[LMB_PHASE_PROBES]);
+    if (!settings->no_probes) {
+        printf("probes    ");
+        probes_print(record);
+        printf(", %.1f s\n", record->seconds[LMB_PHASE_LEVELS] + record->seconds[LMB_PHASE_PROBES]);
+    }
     for (uint32_t i = 0; i < record->key_light_count; ++i) {
         const lmb_key_light *light = &record->key_light[i];
         printf("sun       from (%.3f, %.3f, %.3f), irradiance %.4g %.4g %.4g, apart from the harmonics\n",

@@ -12,6 +12,7 @@ static const char usage[] =
     "\n"
     "  -o DIR                where to write\n"
     "  --lightmaps           bake lightmaps too\n"
+    "  --no-probes           lightmaps alone\n"
     "  --dry-run             print the number of probes and texels and the expected time, bake nothing\n"
     "  --resume              go on from what a bake into DIR that was cut off has left there\n"
     "  --force               bake even where DIR holds this very bake\n"
@@ -40,6 +41,8 @@ static bool option_take(bake_options *options, lmb_arguments *arguments, const c
         options->directory = arguments_text(arguments, argument);
     } else if (strcmp(argument, "--lightmaps") == 0) {
         options->settings.lightmaps = true;
+    } else if (strcmp(argument, "--no-probes") == 0) {
+        options->settings.no_probes = true;
     } else if (strcmp(argument, "--dry-run") == 0) {
         options->dry_run = true;
     } else if (strcmp(argument, "--resume") == 0) {
@@ -70,6 +73,8 @@ static bool options_read(bake_options *options, lmb_arguments *arguments)
     }
     if (!options->settings.level.path) {
         arguments_error(arguments, "missing argument", "LEVEL");
+    } else if (options->settings.no_probes && !options->settings.lightmaps) {
+        arguments_error(arguments, "--lightmaps has to go with", "--no-probes");
     } else if (!options->directory && !options->dry_run) {
         arguments_error(arguments, "missing option", "-o DIR");
     }

@@ -239,7 +239,8 @@ int command_check(int count, char **values)
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    if (options.model) {
+    result = lmb_baked_need_probes(&baked, options.directory, &error);
+    if (result == LMB_OK && options.model) {
         result = lmb_baked_read_model(&baked, options.directory, options.model, &error);
     }
     if (result == LMB_OK) {

@@ -215,7 +215,10 @@ int command_cube(int count, char **values)
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    result = maps_make(&options, &baked, &error);
+    result = lmb_baked_need_probes(&baked, options.directory, &error);
+    if (result == LMB_OK) {
+        result = maps_make(&options, &baked, &error);
+    }
     lmb_baked_close(&baked);
     return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
 }

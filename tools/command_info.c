@@ -19,7 +19,7 @@ static const char usage[] =
     "       lambent info FILE.vdb --slices DIR [--axis x|y|z] [--at M]\n"
     "\n"
     "Says what is in a probes.vdb, a probes.lmb, a lightmap .exr of ours, or a KTX2 or DDS of BC4,\n"
-    "BC5 or BC6H.\n"
+    "BC5, BC6H or ASTC.\n"
     "\n"
     "  --json                one JSON object\n"
     "  --slices DIR          pictures of a plane through the probes too: levels.png, regions.png,\n"
@@ -217,7 +217,59 @@ static lmb_result exr_info(const char *path, cJSON **json, lmb_error *error)
     return LMB_OK;
 }
 
-/* Told apart by content: OpenEXR and OpenVDB have their magic numbers, the rest is for lmb_volume_open to judge. */
+/* The channels of each layer, of the first level. */
+static lmb_result layers_describe(const lmb_block_texture *texture, cJSON *list, lmb_error *error)
+{
+    static const char *const names[] = {"R", "G", "B"};
+    const size_t texels = (size_t)texture->width * (size_t)texture->height;
+    const int channels = lmb_block_format_channels(texture->format);
+    float *const values = malloc(texels * sizeof *values * (size_t)channels);
+    if (!values) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    float *plane[3];
+    for (int c = 0; c < channels; ++c) {
+        plane[c] = values + (size_t)c * texels;
+    }
+    for (int32_t layer = 0; layer < texture->layers; ++layer) {
+        cJSON *object = cJSON_CreateObject();
+        const lmb_result result = lmb_block_texture_decode(texture, 0, layer, plane);
+        for (int c = 0; c < channels && result == LMB_OK; ++c) {
+            cJSON_AddItemToObject(object, names[c], channel_describe(plane[c], texels));
+        }
+        cJSON_AddItemToArray(list, object);
+    }
+    free(values);
+    return LMB_OK;
+}
+
+static lmb_result texture_info(const char *path, cJSON **json, lmb_error *error)
+{
+    lmb_block_texture texture;
+    lmb_block_container container;
+    lmb_result result = lmb_block_texture_read(path, &texture, &container, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    cJSON *object = cJSON_CreateObject();
+    cJSON_AddStringToObject(object, "kind", container == LMB_BLOCK_KTX2 ? "KTX2 texture" : "DDS texture");
+    cJSON_AddStringToObject(object, "format", lmb_block_format_name(texture.format));
+    cJSON_AddNumberToObject(object, "width", texture.width);
+    cJSON_AddNumberToObject(object, "height", texture.height);
+    cJSON_AddNumberToObject(object, "levels", texture.levels);
+    cJSON_AddNumberToObject(object, "bytes", (double)texture.size);
+    result = layers_describe(&texture, cJSON_AddArrayToObject(object, "layers"), error);
+    lmb_block_texture_free(&texture);
+    if (result != LMB_OK) {
+        cJSON_Delete(object);
+        return result;
+    }
+    *json = object;
+    return LMB_OK;
+}
+
+/* Told apart by content: OpenEXR, KTX2, DDS and OpenVDB have their magic numbers, the rest is for lmb_volume_open to
+ * judge. */
 static lmb_result file_info(const info_options *options, cJSON **json, lmb_error *error)
 {
     const char *const path = options->path;
@@ -236,6 +288,9 @@ static lmb_result file_info(const info_options *options, cJSON **json, lmb_error
     }
     if (read == sizeof magic && memcmp(magic, "\x76\x2f\x31\x01", 4) == 0) {
         return exr_info(path, json, error);
+    }
+    if (read == sizeof magic && (memcmp(magic, "\xABKTX", 4) == 0 || memcmp(magic, "DDS ", 4) == 0)) {
+        return texture_info(path, json, error);
     }
     return lmb_info(path, json, error);
 }

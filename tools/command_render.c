@@ -467,6 +467,10 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
     const lmb_tracer *tracer = baked->level.tracer;
     lmb_camera camera;
     lmb_result result = camera_of_options(options, tracer, &camera, error);
+    if (result == LMB_OK && (options->probes || options->object_count > 0 || options->mode == RENDER_PROBES ||
+                             options->mode == RENDER_MISMATCH)) {
+        result = lmb_baked_need_probes(baked, options->directory, error);
+    }
     if (result != LMB_OK) {
         return result;
     }

@@ -112,6 +112,9 @@ static arriving_light light_of_lightmap(const lmb_shader *shader, const seen_sur
 /* Objects take the model of dynamic things; surfaces that of lightmaps. */
 static arriving_light light_of_probes(const lmb_shader *shader, const seen_surface *seen)
 {
+    if (!shader->volume) {
+        return (arriving_light){black, black};
+    }
     const lmb_gather_point point = seen_point(shader, seen);
     const lmb_model *model = lmb_model_default(seen->object ? LMB_MODEL_FOR_OBJECT : LMB_MODEL_FOR_SURFACE);
     const lmb_scene *scene = lmb_tracer_scene(shader->transport->tracer);

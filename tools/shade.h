@@ -19,7 +19,7 @@ typedef enum lmb_light_source {
 /* What is looked at. The pointers must outlive every call; nothing is written. */
 typedef struct lmb_shader {
     const lmb_transport *transport;
-    const lmb_volume *volume;
+    const lmb_volume *volume;     /* NULL: none; what it would light is black */
     const lmb_lightmap *lightmap; /* NULL: none */
     const lmb_render_object *objects;
     int object_count;

@@ -25,6 +25,9 @@ static lmb_rgb highlights_add(const lmb_shader *shader, const specular_place *pl
 
 lmb_rgb shade_specular_of_probes(const lmb_shader *shader, const specular_place *place)
 {
+    if (!shader->volume) {
+        return (lmb_rgb){{0.0f, 0.0f, 0.0f}};
+    }
     const lmb_scene *scene = lmb_tracer_scene(shader->transport->tracer);
     lmb_sh3_rgb radiance;
     key_lights_seen keys;

@@ -58,9 +58,10 @@ typedef struct textures {
 typedef struct storing_way {
     const char *name;
     int model; /* OTHERS on: those that are named on the command line */
-    lmb_result (*store)(const textures *work, int32_t image, const struct storing_way *way, float *plane,
-                        uint64_t *bytes, lmb_error *error);
-    eight_bits colour;
+    lmb_result (*store)(textures *work, int32_t image, const struct storing_way *way, float *plane, uint64_t *bytes,
+                        lmb_error *error);
+    eight_bits colour;          /* of store_bytes */
+    lmb_lightmap_format format; /* of store_textures */
 } storing_way;
 
 static const lmb_model *model_of(const textures *work, int which)
@@ -78,8 +79,8 @@ static size_t texels_of(const lmb_lightmap_image *image)
     return (size_t)image->width * (size_t)image->height;
 }
 
-static lmb_result store_floats(const textures *work, int32_t image, const storing_way *way, float *plane,
-                               uint64_t *bytes, lmb_error *error)
+static lmb_result store_floats(textures *work, int32_t image, const storing_way *way, float *plane, uint64_t *bytes,
+                               lmb_error *error)
 {
     (void)plane;
     (void)error;
@@ -87,8 +88,8 @@ static lmb_result store_floats(const textures *work, int32_t image, const storin
     return LMB_OK;
 }
 
-static lmb_result store_halfs(const textures *work, int32_t image, const storing_way *way, float *plane,
-                              uint64_t *bytes, lmb_error *error)
+static lmb_result store_halfs(textures *work, int32_t image, const storing_way *way, float *plane, uint64_t *bytes,
+                              lmb_error *error)
 {
     (void)error;
     const size_t count = texels_of(&work->lightmap->image[image]) * (size_t)model_of(work, way->model)->channel_count;
@@ -100,33 +101,34 @@ static lmb_result store_halfs(const textures *work, int32_t image, const storing
 }
 
 /* Four bytes of light, and one for each other channel, of the range that the model's parts have. */
-static lmb_result store_bytes(const textures *work, int32_t image, const storing_way *way, float *plane,
-                              uint64_t *bytes, lmb_error *error)
+static lmb_result store_bytes(textures *work, int32_t image, const storing_way *way, float *plane, uint64_t *bytes,
+                              lmb_error *error)
 {
     (void)error;
     const size_t texels = texels_of(&work->lightmap->image[image]);
     lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS];
-    const int count = lmb_lightmap_textures_parts(model_of(work, way->model), parts);
+    const int count = lmb_lightmap_textures_parts(model_of(work, way->model), LMB_LIGHTMAP_KTX2, parts);
     for (int i = 0; i < count; ++i) {
         float *const first = plane + (size_t)parts[i].first * texels;
         if (parts[i].light) {
             eight_bits_light(way->colour, first, texels);
             *bytes += 4 * texels;
         } else {
-            eight_bits_range(first, texels * (size_t)parts[i].count, parts[i].low, parts[i].high);
+            eight_bits_range(first, texels * (size_t)parts[i].count, parts[i].low[0], parts[i].high[0]);
             *bytes += texels * (uint64_t)parts[i].count;
         }
     }
     return LMB_OK;
 }
 
-static lmb_result store_textures(const textures *work, int32_t image, const storing_way *way, float *plane,
-                                 uint64_t *bytes, lmb_error *error)
+static lmb_result store_textures(textures *work, int32_t image, const storing_way *way, float *plane, uint64_t *bytes,
+                                 lmb_error *error)
 {
     const lmb_lightmap_image *of = &work->lightmap->image[image];
     const lmb_model *model = model_of(work, way->model);
     lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS];
-    const int count = lmb_lightmap_textures_parts(model, parts);
+    work->lightmap->settings.format = way->format;
+    const int count = lmb_lightmap_textures_parts(model, way->format, parts);
     lmb_result result = LMB_OK;
     for (int i = 0; i < count && result == LMB_OK; ++i) {
         char name[LMB_LIGHTMAP_FILE_NAME];
@@ -146,14 +148,24 @@ static lmb_result store_textures(const textures *work, int32_t image, const stor
 }
 
 static const storing_way ways[] = {
-    {"floats, direction in space", OWN, store_floats, EIGHT_BITS_SHARED_EXPONENT},
-    {"halfs, direction in space", OWN, store_halfs, EIGHT_BITS_SHARED_EXPONENT},
-    {"floats, direction on the disc", DISC, store_floats, EIGHT_BITS_SHARED_EXPONENT},
-    {"RGBM8 and 8 bits, direction in space", OWN, store_bytes, EIGHT_BITS_MULTIPLIER},
-    {"RGBE9995 and 8 bits, direction in space", OWN, store_bytes, EIGHT_BITS_SHARED_EXPONENT},
-    {"RGBE9995 and 8 bits, direction on the disc", DISC, store_bytes, EIGHT_BITS_SHARED_EXPONENT},
-    {"BC6H, BC4 and three BC4, direction in space", OWN, store_textures, EIGHT_BITS_SHARED_EXPONENT},
-    {"BC6H, BC4 and BC5, direction on the disc", DISC, store_textures, EIGHT_BITS_SHARED_EXPONENT},
+    {.name = "floats, direction in space", .model = OWN, .store = store_floats},
+    {.name = "halfs, direction in space", .model = OWN, .store = store_halfs},
+    {.name = "floats, direction on the disc", .model = DISC, .store = store_floats},
+    {"RGBM8 and 8 bits, direction in space", OWN, store_bytes, EIGHT_BITS_MULTIPLIER, LMB_LIGHTMAP_EXR},
+    {"RGBE9995 and 8 bits, direction in space", OWN, store_bytes, EIGHT_BITS_SHARED_EXPONENT, LMB_LIGHTMAP_EXR},
+    {"RGBE9995 and 8 bits, direction on the disc", DISC, store_bytes, EIGHT_BITS_SHARED_EXPONENT, LMB_LIGHTMAP_EXR},
+    {.name = "BC6H, BC4 and three BC4, direction in space",
+     .model = OWN,
+     .store = store_textures,
+     .format = LMB_LIGHTMAP_KTX2},
+    {.name = "BC6H, BC4 and BC5, direction on the disc",
+     .model = DISC,
+     .store = store_textures,
+     .format = LMB_LIGHTMAP_KTX2},
+    {.name = "two of ASTC, direction on the disc",
+     .model = DISC,
+     .store = store_textures,
+     .format = LMB_LIGHTMAP_KTX2_ASTC},
 };
 
 static double seconds_used(void)
@@ -262,7 +274,6 @@ static lmb_result texels_bake(textures *work, lmb_error *error)
     if (result != LMB_OK) {
         return result;
     }
-    work->lightmap->settings.format = LMB_LIGHTMAP_KTX2; /* of what the ways write */
     const lmb_gather_effort effort = {.samples = 64, .max_samples = work->samples, .tolerance = 0.06};
     lmb_texel_list *list;
     result = lmb_texel_list_create(work->lightmap, &work->level.transport, &effort, &list);
@@ -312,14 +323,17 @@ static lmb_result run(textures *work, const lmb_level_settings *settings, lmb_er
         light_evaluate(work, lightmap->settings.other[TRUTH], truth, work->truth);
     }
     for (size_t i = 0; i < sizeof ways / sizeof ways[0] && result == LMB_OK; ++i) {
-        result = way_measure(work, &ways[i], error);
+        result = lmb_lightmap_textures_are_here(ways[i].format) ? way_measure(work, &ways[i], error) : LMB_OK;
     }
     for (int i = 0; i < work->asked_count && result == LMB_OK; ++i) {
         char name[96];
         const lmb_model *model = work->asked[i];
         const bool fits = lmb_lightmap_textures_hold(model);
         snprintf(name, sizeof name, "%s%s", model->name, fits ? ", textures" : ", halfs");
-        const storing_way way = {name, OTHERS + i, fits ? store_textures : store_halfs, EIGHT_BITS_SHARED_EXPONENT};
+        const storing_way way = {.name = name,
+                                 .model = OTHERS + i,
+                                 .store = fits ? store_textures : store_halfs,
+                                 .format = LMB_LIGHTMAP_KTX2};
         result = way_measure(work, &way, error);
     }
     lmb_lightmap_destroy(work->lightmap);

@@ -9,7 +9,7 @@
 /* Along one azimuth a height field hides all that is below the highest slope to any of its points, so that a cone's
  * open share is a sum over azimuths of integrals that are known. A multiple of three and of two: the slopes then see
  * the same azimuths, and so does a mirrored map. */
-enum { AZIMUTHS = 72, ROWS_PER_TASK = 8, CELL = 16 };
+enum { AZIMUTHS = 72, ROWS_PER_TASK = 8, CELL = 8 };
 
 /* Slopes up to this count as flat: half a step of 8 bits, where all around is so high. */
 #define LEAST_SLOPE (1.0f / 128.0f)

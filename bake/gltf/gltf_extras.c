@@ -78,7 +78,7 @@ static void read_light_set(extras_reader *reader, const cJSON *item, const char 
     }
 }
 
-/* How dense the texels are. */
+/* How dense texels are, or probes. */
 static void read_density(extras_reader *reader, const cJSON *item, const char *name, const char *key, double *density)
 {
     if (cJSON_IsNumber(item) && item->valuedouble >= LMB_GLTF_LEAST_DENSITY &&
@@ -113,6 +113,38 @@ static bool read_switch(extras_reader *reader, const cJSON *item, const char *na
     return true;
 }
 
+/* How probes are to stand in the node's box. */
+static void read_volume(extras_reader *reader, const cJSON *object, const char *name, lmb_gltf_volume *volume)
+{
+    if (!cJSON_IsObject(object)) {
+        doubt(reader, name, "lambent.volume", "is not an object: ignored");
+        return;
+    }
+    volume->is_told = true;
+    const cJSON *item;
+    cJSON_ArrayForEach(item, object)
+    {
+        char key[LMB_GLTF_WHERE_SIZE];
+        lmb_gltf_where(key, "lambent.volume.%s", item->string);
+        if (strcmp(item->string, "spacing") == 0) {
+            read_density(reader, item, name, key, &volume->spacing);
+        } else if (strcmp(item->string, "min_spacing") == 0) {
+            read_density(reader, item, name, key, &volume->min_spacing);
+        } else if (strcmp(item->string, "tolerance") == 0) {
+            read_density(reader, item, name, key, &volume->tolerance);
+        } else if (strcmp(item->string, "exclude") == 0) {
+            if (!read_bool(item, &volume->exclude)) {
+                doubt(reader, name, key, "is neither true nor false: ignored");
+            }
+        } else if (strcmp(item->string, "priority") == 0 && cJSON_IsNumber(item)) {
+            volume->priority = item->valuedouble;
+        } else {
+            doubt(reader, name, key,
+                  strcmp(item->string, "priority") == 0 ? "is not a number: ignored" : "is unknown: ignored");
+        }
+    }
+}
+
 static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char *name, uint32_t index,
                             lmb_gltf_marks *marks)
 {
@@ -137,6 +169,8 @@ static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char
         read_density(reader, item, name, key, &marks->texels_per_m);
     } else if (strcmp(item->string, "texel_scale") == 0) {
         read_density(reader, item, name, key, &marks->texel_scale);
+    } else if (strcmp(item->string, "volume") == 0) {
+        read_volume(reader, item, name, &marks->volume);
     } else if (strcmp(item->string, "light") == 0) {
         if (cJSON_IsString(item)) {
             return read_light(reader, item, index, marks);

@@ -16,6 +16,12 @@ typedef enum lmb_gltf_light_part { LMB_GLTF_BAKED, LMB_GLTF_INDIRECT, LMB_GLTF_O
 
 typedef enum lmb_gltf_lightmap { LMB_GLTF_MAP_AS_ABOVE, LMB_GLTF_MAP_ON, LMB_GLTF_MAP_OFF } lmb_gltf_lightmap;
 
+/* What `volume` says of the node's box; 0: not told. */
+typedef struct lmb_gltf_volume {
+    bool is_told, exclude;
+    double spacing, min_spacing, tolerance, priority;
+} lmb_gltf_volume;
+
 typedef struct lmb_gltf_marks {
     lmb_gltf_movement moves;
     lmb_gltf_light_part light;
@@ -26,6 +32,7 @@ typedef struct lmb_gltf_marks {
     double texels_per_m, texel_scale;   /* 0: as above */
     double angle_deg, radius_m;         /* of the node's light; 0: not told */
     char light_set[LMB_LIGHT_SET_NAME]; /* of the node's light; empty: none */
+    lmb_gltf_volume volume;
 } lmb_gltf_marks;
 
 /* The marks of all nodes, malloc'ed. What is not understood is warned about, but for a wrong `light`.

@@ -1,11 +1,13 @@
 #include "gltf/gltf_scene.hh"
 
 #include <algorithm>
+#include <cmath>
 
 #include "gltf/gltf_append.hh"
 #include "gltf/gltf_extensions.h"
 #include "gltf/gltf_lights.hh"
 #include "gltf/gltf_mesh_nodes.hh"
+#include "gltf/gltf_transform.h"
 
 namespace lmb_gltf {
 
@@ -32,6 +34,28 @@ float view_angle(const document &document, int32_t camera)
         cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(item, "perspective"), "yfov");
     const bool is_told = cJSON_IsNumber(angle) && angle->valuedouble > 0.0 && angle->valuedouble < 3.14;
     return is_told ? float(angle->valuedouble) : 0.0f;
+}
+
+/* Makes the box around a mesh, at rest, of the cube from -1 to 1; without a mesh, or its positions, that cube. */
+lmb_affine box_of(const document &document, int mesh)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    if (mesh >= 0) {
+        for (const tinygltf::Primitive &primitive : document.model.meshes[size_t(mesh)].primitives) {
+            const int position = attribute(primitive.attributes, "POSITION");
+            const std::vector<float> at = position >= 0 ? document.decode(uint32_t(position)) : std::vector<float>();
+            for (size_t i = 0; i < at.size(); ++i) {
+                low[i % 3] = std::fmin(low[i % 3], double(at[i]));
+                high[i % 3] = std::fmax(high[i % 3], double(at[i]));
+            }
+        }
+    }
+    lmb_affine box = identity;
+    for (int axis = 0; axis < 3 && low[0] <= high[0]; ++axis) {
+        box.m[axis][axis] = 0.5 * (high[axis] - low[axis]);
+        box.m[axis][3] = 0.5 * (high[axis] + low[axis]);
+    }
+    return box;
 }
 
 /* A node to come, with what those above it want. */
@@ -73,6 +97,7 @@ class walk {
     std::vector<visit> roots() const;
     void add(const visit &visit);
     void add_camera(uint32_t node);
+    void add_probe_box(uint32_t node);
     void add_path();
 
     const document &document_;
@@ -89,6 +114,26 @@ void walk::add_camera(uint32_t index)
     added.name = copy_string(document_.node_name(index));
     added.to_world = nodes_[index].to_world;
     added.vertical_fov_rad = view_angle(document_, document_.model.nodes[index].camera);
+}
+
+void walk::add_probe_box(uint32_t index)
+{
+    const lmb_gltf_volume &told = document_.marks[index].volume;
+    lmb_probe_box box{};
+    box.to_world = product(nodes_[index].to_world, box_of(document_, document_.model.nodes[index].mesh));
+    if (!lmb_gltf_inverse(&box.to_world, &box.from_world)) {
+        lmb_warn(&warnings_, "%s: node '%s': extras.lambent.volume is of a flat box: ignored", document_.file->path,
+                 document_.node_name(index).c_str());
+        return;
+    }
+    box.spacing = float(told.spacing);
+    box.min_spacing = float(told.min_spacing);
+    box.tolerance = float(told.tolerance);
+    box.exclude = told.exclude;
+    box.priority = told.priority;
+    lmb_probe_box &added = append(scene_.probe_boxes, scene_.probe_box_count);
+    added = box;
+    added.name = copy_string(document_.node_name(index));
 }
 
 void walk::add(const visit &visit)
@@ -117,7 +162,9 @@ void walk::add(const visit &visit)
     if (light >= 0 && marks.light != LMB_GLTF_OFF && !visit.hidden) {
         add_light(document_, uint32_t(light), visit.node, to_world, scene_, warnings_);
     }
-    if (node.mesh >= 0 && !visit.hidden) {
+    if (marks.volume.is_told) {
+        add_probe_box(visit.node);
+    } else if (node.mesh >= 0 && !visit.hidden) {
         meshes_.add(visit.node, visit.wishes);
     }
 }

@@ -57,6 +57,25 @@ static bool floats_take(const float *from, int count, double *values)
     return true;
 }
 
+bool lmb_gltf_inverse(const lmb_affine *t, lmb_affine *inverse)
+{
+    lmb_affine cofactor, found;
+    const double determinant = lmb_gltf_cofactors(t, &cofactor);
+    bool is_finite = determinant != 0.0 && isfinite(determinant);
+    for (int row = 0; row < 3; ++row) {
+        found.m[row][3] = 0.0;
+        for (int column = 0; column < 3; ++column) {
+            found.m[row][column] = cofactor.m[column][row] / determinant;
+            found.m[row][3] -= found.m[row][column] * t->m[column][3];
+        }
+        is_finite = is_finite && isfinite(found.m[row][3]);
+    }
+    if (is_finite) {
+        *inverse = found;
+    }
+    return is_finite;
+}
+
 bool lmb_gltf_instancing_transform(const float *translation, const float *rotation, const float *scale,
                                    lmb_affine *transform, float *reach)
 {

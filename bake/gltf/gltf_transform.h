@@ -25,6 +25,9 @@ lmb_affine lmb_gltf_compose(const double t[3], const double q[4], const double s
  * @return the determinant */
 double lmb_gltf_cofactors(const lmb_affine *t, lmb_affine *cofactor);
 
+/* @return false, and nothing is set, where it flattens, or its inverse is not finite */
+bool lmb_gltf_inverse(const lmb_affine *t, lmb_affine *inverse);
+
 /* One transform of EXT_mesh_gpu_instancing from its floats, each NULL where the node has none, and the largest of its
  * translation. @return false when one is not finite */
 bool lmb_gltf_instancing_transform(const float *translation, const float *rotation, const float *scale,

@@ -13,7 +13,7 @@ void lmb_lightmap_file_name(int32_t image, const char *kind, char name[LMB_LIGHT
 
 const char *lmb_lightmap_format_name(lmb_lightmap_format format)
 {
-    static const char *const names[LMB_LIGHTMAP_FORMATS] = {"exr", "ktx2", "dds"};
+    static const char *const names[LMB_LIGHTMAP_FORMATS] = {"exr", "ktx2", "dds", "ktx2-astc"};
     return names[format];
 }
 

@@ -459,6 +459,10 @@ lmb_result lmb_lightmap_create(const lmb_scene *scene, const lmb_lightmap_settin
                              "padding of up to %d texels and less than a quarter of an image",
                              MIN_IMAGE_SIZE, MAX_IMAGE_SIZE, (int)LMB_LIGHTMAP_MAX_PADDING);
     }
+    if (!lmb_lightmap_textures_are_here(settings->format)) {
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "this build has no %s lightmaps: astcenc was not there",
+                             lmb_lightmap_format_name(settings->format));
+    }
     if (settings->format != LMB_LIGHTMAP_EXR && settings->model && !lmb_lightmap_textures_hold(settings->model)) {
         return lmb_error_set(error, LMB_ERROR_ARGUMENT, "no textures hold lightmaps in the model %s",
                              settings->model->name);

@@ -230,7 +230,7 @@ static lmb_result textures_read(const lmb_lightmap *lightmap, int32_t number, fl
                                 float *plane, lmb_error *error)
 {
     lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS + 1];
-    int count = lmb_lightmap_textures_parts(lightmap->model, parts);
+    int count = lmb_lightmap_textures_parts(lightmap->model, lightmap->settings.format, parts);
     if (lightmap->key_light_count > 0) {
         parts[count++] = lmb_lightmap_textures_keys(lightmap);
     }

@@ -31,13 +31,25 @@ static bool part_fits(const lmb_model *model, const lmb_model_part *part, int fi
                                                      : first >= model->light_count && part->low < part->high;
 }
 
-/* Light is RGB; one or two numbers are a texture, and more are as many layers. */
-static lmb_texture_part texture_part(const char *name, int first, int count, bool light)
+bool lmb_lightmap_textures_are_here(lmb_lightmap_format format)
 {
-    lmb_texture_part part = {.name = name, .first = first, .count = count, .light = light, .low = 0.0f, .high = 1.0f};
-    part.format = light ? LMB_BLOCK_BC6H : count == 2 ? LMB_BLOCK_BC5 : LMB_BLOCK_BC4;
-    part.layers = count / lmb_block_format_channels(part.format);
-    return part;
+    return format != LMB_LIGHTMAP_KTX2_ASTC || lmb_block_format_is_here(LMB_BLOCK_ASTC);
+}
+
+/* Light is RGB; one or two numbers are a texture, and more are as many layers. */
+static lmb_block_format part_format(const lmb_texture_part *part, lmb_lightmap_format format)
+{
+    if (format == LMB_LIGHTMAP_KTX2_ASTC) {
+        return part->light ? LMB_BLOCK_ASTC_LIGHT : LMB_BLOCK_ASTC;
+    }
+    return part->light ? LMB_BLOCK_BC6H : part->count == 2 && part->name ? LMB_BLOCK_BC5 : LMB_BLOCK_BC4;
+}
+
+static void part_complete(lmb_texture_part *part, lmb_lightmap_format format)
+{
+    part->format = part_format(part, format);
+    const int channels = lmb_block_format_channels(part->format);
+    part->layers = (part->count + channels - 1) / channels;
 }
 
 bool lmb_lightmap_textures_hold(const lmb_model *model)
@@ -50,25 +62,45 @@ bool lmb_lightmap_textures_hold(const lmb_model *model)
     return fit;
 }
 
-int lmb_lightmap_textures_parts(const lmb_model *model, lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS])
+/* Adds a model's part to the last of ASTC's, or as one by itself. Returns how many there are then. */
+static int part_add(const lmb_model_part *from, int first, bool light, bool joined, lmb_texture_part *parts, int count)
+{
+    if (!joined) {
+        parts[count++] = (lmb_texture_part){.name = from->name, .first = first, .light = light};
+    }
+    lmb_texture_part *const part = &parts[count - 1];
+    for (int i = 0; i < from->count; ++i, ++part->count) {
+        part->low[part->count] = light ? 0.0f : from->low;
+        part->high[part->count] = light ? 1.0f : from->high;
+    }
+    return count;
+}
+
+int lmb_lightmap_textures_parts(const lmb_model *model, lmb_lightmap_format format,
+                                lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS])
 {
     int first = 0, count = 0;
     for (const lmb_model_part *part = model->part; part->count > 0; first += part->count, ++part) {
-        parts[count] = texture_part(part->name, first, part->count, first < model->light_count);
-        if (!parts[count].light) {
-            parts[count].low = part->low;
-            parts[count].high = part->high;
+        const bool light = first < model->light_count;
+        const bool joined = format == LMB_LIGHTMAP_KTX2_ASTC && count > 0 && !light && !parts[count - 1].light;
+        count = part_add(part, first, light, joined, parts, count);
+        if (joined) {
+            parts[count - 1].name = "rest";
         }
-        ++count;
+    }
+    for (int i = 0; i < count; ++i) {
+        part_complete(&parts[i], format);
     }
     return count;
 }
 
 lmb_texture_part lmb_lightmap_textures_keys(const lmb_lightmap *lightmap)
 {
-    lmb_texture_part part = texture_part(NULL, lightmap->model->channel_count, (int)lightmap->key_light_count, false);
-    part.format = LMB_BLOCK_BC4;
-    part.layers = part.count;
+    lmb_texture_part part = {.first = lightmap->model->channel_count, .count = (int)lightmap->key_light_count};
+    for (int i = 0; i < part.count; ++i) {
+        part.high[i] = 1.0f;
+    }
+    part_complete(&part, lightmap->settings.format);
     return part;
 }
 
@@ -98,7 +130,7 @@ void lmb_lightmap_textures_picture(const lmb_lightmap *lightmap, int32_t image, 
         return;
     }
     lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS];
-    lmb_lightmap_textures_parts(lightmap->model, parts);
+    lmb_lightmap_textures_parts(lightmap->model, lightmap->settings.format, parts);
     lmb_lightmap_textures_name(lightmap, lightmap->model, &parts[0], image, name);
 }
 
@@ -142,18 +174,21 @@ float lmb_lightmap_textures_scale(const lmb_lightmap_image *image, const float *
     return lmb_half_scale(brightest);
 }
 
-/* The first level of a part, as textures store it. */
+/* The first level of a part, as textures store it: channels that fill its last layer are 0. */
 static bool level_load(const lmb_lightmap_image *image, const float *plane, const lmb_texture_part *part, float scale,
                        mip_level *level)
 {
-    if (!lmb_mip_level_create(image->width, image->height, part->count, level)) {
+    const int planes = part->layers * lmb_block_format_channels(part->format);
+    if (!lmb_mip_level_create(image->width, image->height, planes, level)) {
         return false;
     }
     const size_t texels = mip_level_texels(level);
-    const float low = part->light ? 0.0f : part->low;
-    const float stretch = part->light ? 1.0f / scale : 1.0f / (part->high - part->low);
-    for (size_t i = 0; i < texels * (size_t)part->count; ++i) {
-        level->value[i] = (plane[(size_t)part->first * texels + i] - low) * stretch;
+    for (int c = 0; c < part->count; ++c) {
+        const float stretch = 1.0f / (part->light ? scale : part->high[c] - part->low[c]);
+        const float *from = plane + (size_t)(part->first + c) * texels;
+        for (size_t i = 0; i < texels; ++i) {
+            level->value[(size_t)c * texels + i] = (from[i] - part->low[c]) * stretch;
+        }
     }
     for (size_t i = 0; i < texels; ++i) {
         level->coverage[i] = image->state[i] == LMB_TEXEL_GATHERED  ? 1.0f
@@ -199,7 +234,8 @@ static float texel_weight(const mip_level *level, int32_t x, int32_t y)
 static bool level_encode(const mip_level *level, int32_t number, float floor, lmb_pool *pool,
                          lmb_block_texture *texture)
 {
-    const float *plane[LMB_MODEL_MOST_CHANNELS];
+    const float *plane[LMB_MODEL_MOST_CHANNELS + 2];
+    lmb_result result = LMB_ERROR_MEMORY;
     const size_t texels = mip_level_texels(level);
     float *const weight = malloc(texels * sizeof *weight);
     for (int p = 0; p < level->planes; ++p) {
@@ -210,10 +246,10 @@ static bool level_encode(const mip_level *level, int32_t number, float floor, lm
     }
     if (weight) {
         const lmb_block_pixels pixels = {.plane = plane, .weight = weight, .floor = floor};
-        lmb_block_texture_encode(texture, number, &pixels, pool);
+        result = lmb_block_texture_encode(texture, number, &pixels, pool);
     }
     free(weight);
-    return weight != NULL;
+    return result == LMB_OK;
 }
 
 static bool levels_encode(const mip_level *image, lmb_pool *pool, lmb_block_texture *texture)
@@ -256,22 +292,29 @@ lmb_result lmb_lightmap_textures_write(const lmb_lightmap *lightmap, int32_t ima
     return result;
 }
 
-static void layers_decode(const lmb_block_texture *texture, float scale, const lmb_texture_part *part, float *plane)
+static lmb_result layers_decode(const lmb_block_texture *texture, float scale, const lmb_texture_part *part,
+                                float *plane)
 {
     const size_t texels = (size_t)texture->width * (size_t)texture->height;
     const int channels = lmb_block_format_channels(part->format);
-    const float low = part->light ? 0.0f : part->low, stretch = part->light ? scale : part->high - part->low;
-    for (int layer = 0; layer < part->layers; ++layer) {
+    float *const decoded = malloc(texels * (size_t)channels * sizeof *decoded);
+    lmb_result result = decoded ? LMB_OK : LMB_ERROR_MEMORY;
+    for (int c = 0; c < part->count && result == LMB_OK; ++c) {
         float *of_layer[3];
-        for (int c = 0; c < channels; ++c) {
-            of_layer[c] = plane + (size_t)(part->first + layer * channels + c) * texels;
+        for (int k = 0; k < channels; ++k) {
+            of_layer[k] = decoded + (size_t)k * texels;
         }
-        lmb_block_texture_decode(texture, 0, layer, of_layer);
+        if (c % channels == 0) {
+            result = lmb_block_texture_decode(texture, 0, c / channels, of_layer);
+        }
+        const float stretch = part->light ? scale : part->high[c] - part->low[c];
+        float *const to = plane + (size_t)(part->first + c) * texels;
+        for (size_t i = 0; i < texels && result == LMB_OK; ++i) {
+            to[i] = part->low[c] + of_layer[c % channels][i] * stretch;
+        }
     }
-    for (size_t i = 0; i < texels * (size_t)part->count; ++i) {
-        float *const value = &plane[(size_t)part->first * texels + i];
-        *value = low + *value * stretch;
-    }
+    free(decoded);
+    return result;
 }
 
 lmb_result lmb_lightmap_textures_read(const lmb_lightmap_image *image, float scale, const lmb_texture_part *part,
@@ -279,15 +322,17 @@ lmb_result lmb_lightmap_textures_read(const lmb_lightmap_image *image, float sca
 {
     lmb_block_texture texture;
     lmb_block_container container;
-    const lmb_result result = lmb_block_texture_read(path, &texture, &container, error);
+    lmb_result result = lmb_block_texture_read(path, &texture, &container, error);
     if (result != LMB_OK) {
         return result;
     }
     const bool good = texture.format == part->format && texture.width == image->width &&
                       texture.height == image->height && texture.layers == part->layers;
-    if (good) {
-        layers_decode(&texture, scale, part, plane);
+    if (!good) {
+        result = lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not the texture that the layout has", path);
+    } else if (layers_decode(&texture, scale, part, plane) != LMB_OK) {
+        result = out_of_memory(error);
     }
     lmb_block_texture_free(&texture);
-    return good ? LMB_OK : lmb_error_set(error, LMB_ERROR_FORMAT, "%s: not the texture that the layout has", path);
+    return result;
 }

@@ -11,17 +11,22 @@ typedef struct lmb_texture_part {
     const char *name; /* NULL: key lights */
     int first, count; /* of an image's planes */
     bool light;       /* divided by a scale; else low to high are stored as 0 to 1 */
-    float low, high;
+    float low[LMB_MODEL_MOST_CHANNELS], high[LMB_MODEL_MOST_CHANNELS];
     lmb_block_format format;
     int layers;
 } lmb_texture_part;
 
+/* Whether this build can make and read them. */
+bool lmb_lightmap_textures_are_here(lmb_lightmap_format format);
+
 /* Whether every part of a model fits a texture. */
 bool lmb_lightmap_textures_hold(const lmb_model *model);
 
-/* The parts of a model that fits; returns how many. */
+/* The parts of a model that fits; returns how many. Of ASTC, whose textures have three channels, all that is not light
+ * is one part. */
 enum { LMB_TEXTURE_MOST_PARTS = 8 };
-int lmb_lightmap_textures_parts(const lmb_model *model, lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS]);
+int lmb_lightmap_textures_parts(const lmb_model *model, lmb_lightmap_format format,
+                                lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS]);
 
 /* What is seen of key lights, of a lightmap that has some: a layer for each. */
 lmb_texture_part lmb_lightmap_textures_keys(const lmb_lightmap *lightmap);

@@ -196,10 +196,19 @@ static int model_count(const lmb_lightmap *lightmap)
     return count;
 }
 
-static bool json_add_range(cJSON *object, const lmb_texture_part *part, double scale)
+/* The scale of light; else a pair for each channel. */
+static bool json_add_ranges(cJSON *object, const lmb_texture_part *part, double scale)
 {
-    return part->light ? cJSON_AddNumberToObject(object, "scale", scale) != NULL
-                       : json_add_pair(object, "range", (double)part->low, (double)part->high);
+    if (part->light) {
+        return cJSON_AddNumberToObject(object, "scale", scale) != NULL;
+    }
+    cJSON *list = cJSON_AddArrayToObject(object, "ranges");
+    bool good = list != NULL;
+    for (int c = 0; c < part->count && good; ++c) {
+        const double range[2] = {(double)part->low[c], (double)part->high[c]};
+        good = cJSON_AddItemToArray(list, cJSON_CreateDoubleArray(range, 2));
+    }
+    return good;
 }
 
 /* Of one image, the textures of a model's parts. */
@@ -207,7 +216,7 @@ static bool json_add_textures(cJSON *files, const lmb_lightmap *lightmap, int32_
 {
     const image_file file = model_of(lightmap, number, other);
     lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS];
-    const int count = lmb_lightmap_textures_parts(file.model, parts);
+    const int count = lmb_lightmap_textures_parts(file.model, lightmap->settings.format, parts);
     cJSON *object = cJSON_AddObjectToObject(files, file.model->name);
     cJSON *list = cJSON_AddObjectToObject(object, "parts");
     bool good = list != NULL;
@@ -218,7 +227,7 @@ static bool json_add_textures(cJSON *files, const lmb_lightmap *lightmap, int32_
         cJSON *part = cJSON_AddObjectToObject(list, parts[i].name);
         good = part && cJSON_AddStringToObject(part, "file", name) &&
                cJSON_AddStringToObject(part, "format", lmb_block_format_name(parts[i].format)) &&
-               json_add_range(part, &parts[i], (double)scale);
+               json_add_ranges(part, &parts[i], (double)scale);
     }
     return good;
 }
@@ -450,7 +459,7 @@ static lmb_result model_write(file_writer *writer, int32_t number, int other)
         return file.channels.count > 0 ? planes_write(writer, &file, name) : LMB_OK;
     }
     lmb_texture_part parts[LMB_TEXTURE_MOST_PARTS];
-    const int count = lmb_lightmap_textures_parts(file.model, parts);
+    const int count = lmb_lightmap_textures_parts(file.model, writer->lightmap->settings.format, parts);
     lmb_result result = LMB_OK;
     for (int i = 0; i < count && result == LMB_OK; ++i) {
         result = texture_write(writer, number, file.model, file.plane, &parts[i]);

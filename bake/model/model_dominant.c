@@ -11,7 +11,8 @@
 enum { INTENSITY = 0, DIRECTION = 3, CHANNELS = 6 };
 
 static const char *const names[CHANNELS] = {"R", "G", "B", "d.X", "d.Y", "d.Z"};
-static const lmb_model_part parts[] = {{"intensity", 3}, {"direction", 3}, {NULL, 0}};
+static const lmb_model_part parts[] = {
+    {"intensity", 3, 0.0f, 0.0f}, {"direction", 3, 0.0f, 0.0f}, {NULL, 0, 0.0f, 0.0f}};
 
 /* Of nine coefficients, for any direction. */
 #define SQUARED_BASIS (9.0f / (4.0f * LMB_PI_F))

@@ -8,7 +8,8 @@ enum { CHANNELS = 3 * LMB_RNM_SLOPES };
 
 static const char *const names[CHANNELS] = {"1.R", "1.G", "1.B", "2.R", "2.G", "2.B", "3.R", "3.G", "3.B"};
 
-static const lmb_model_part parts[] = {{"slope_1", 3}, {"slope_2", 3}, {"slope_3", 3}, {NULL, 0}};
+static const lmb_model_part parts[] = {
+    {"slope_1", 3, 0.0f, 0.0f}, {"slope_2", 3, 0.0f, 0.0f}, {"slope_3", 3, 0.0f, 0.0f}, {NULL, 0, 0.0f, 0.0f}};
 
 static void store(const lmb_rnm *rnm, float *channel)
 {

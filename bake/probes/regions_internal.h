@@ -48,6 +48,7 @@ typedef struct lmb_region_look {
     uint8_t count;                   /* of regions */
     uint64_t open[6]; /* [2 axis, 2 axis + 1: the low face, the high one] bit of a line: it goes on beyond the face */
     uint8_t real[LMB_CELL_REGIONS_MOST]; /* bit of a corner: the region sees its baked probe */
+    bool lamp;                           /* something in it shines: light changes fast */
     uint32_t end_count;
     lmb_region_end *end;
 } lmb_region_look;

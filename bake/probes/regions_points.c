@@ -13,6 +13,9 @@
 
 enum { AT_NODE, AT_SURFACE, POINTS_EACH };
 
+/* More in each region of a cell that holds a lamp: beside surfaces and away from them. */
+enum { LAMP_ENDS = 12, LAMP_NODES = 4, LAMP_POINTS = LAMP_ENDS + LAMP_NODES };
+
 typedef struct point_choice {
     float weight; /* of the value; 0: none */
     uint32_t cell, region;
@@ -21,7 +24,9 @@ typedef struct point_choice {
 
 typedef struct points_work {
     lmb_region_work *all;
-    point_choice (*best)[POINTS_EACH]; /* [unknown] */
+    point_choice *choice; /* of all points, twice or more some of them */
+    size_t count;
+    point_choice (*best)[POINTS_EACH]; /* [unknown] the first of these */
 } points_work;
 
 static float corner_weight(const float t[3], int corner)
@@ -87,6 +92,64 @@ static void choices_make(const points_work *work)
     }
 }
 
+/* Spreads points over a region of a cell that holds a lamp. */
+static void lamp_choose(points_work *work, uint32_t cell, uint32_t label)
+{
+    const lmb_region_cell *const own = &work->all->cell[cell];
+    const lmb_region_look *const look = &work->all->look[own->look];
+    uint32_t ends = 0, nodes = 0, end = 0, node = 0;
+    for (uint32_t i = 0; i < look->end_count; ++i) {
+        ends += look->label[look->end[i].node] == label;
+    }
+    for (int i = 0; i < LMB_REGION_NODES; ++i) {
+        nodes += look->label[i] == label;
+    }
+    point_choice choice = {.weight = 1.0f, .cell = cell, .region = own->first + label};
+    for (uint32_t i = 0; i < look->end_count; ++i) {
+        const bool is_own = look->label[look->end[i].node] == label;
+        if (is_own && end * LAMP_ENDS / ends != (end + 1) * LAMP_ENDS / ends) {
+            end_place(&look->end[i], choice.t);
+            work->choice[work->count++] = choice;
+        }
+        end += is_own;
+    }
+    for (int i = 0; i < LMB_REGION_NODES; ++i) {
+        const bool is_own = look->label[i] == label;
+        if (is_own && node * LAMP_NODES / nodes != (node + 1) * LAMP_NODES / nodes) {
+            lmb_region_node_at(i, choice.t);
+            work->choice[work->count++] = choice;
+        }
+        node += is_own;
+    }
+}
+
+static bool holds_lamp(const lmb_region_work *all, uint32_t cell)
+{
+    return all->cell[cell].look != UINT32_MAX && all->look[all->cell[cell].look].lamp;
+}
+
+static void lamps_choose(points_work *work, const uint32_t *kept)
+{
+    const lmb_region_work *const all = work->all;
+    for (uint32_t c = 0; c < all->cell_count; ++c) {
+        for (uint32_t label = 0; label < all->cell[c].count && holds_lamp(all, c); ++label) {
+            if (kept[all->cell[c].first + label] != UINT32_MAX) {
+                lamp_choose(work, c, label);
+            }
+        }
+    }
+}
+
+/* Regions that may get more points. */
+static size_t lamp_regions(const lmb_region_work *all)
+{
+    size_t count = 0;
+    for (uint32_t c = 0; c < all->cell_count; ++c) {
+        count += holds_lamp(all, c) ? all->cell[c].count : 0;
+    }
+    return count;
+}
+
 static int choice_compare(const void *left, const void *right)
 {
     const point_choice *const a = left, *const b = right;
@@ -106,10 +169,11 @@ static bool is_unknown(const lmb_probes *probes, int32_t value)
 }
 
 /* Numbers what is to be fitted, in the order of cells, and keeps the regions that have any. `kept` is the number of
- * each that is kept. */
+ * each that is kept, UINT32_MAX of the others. */
 static void unknown_find(const lmb_region_work *all, uint32_t *kept)
 {
     lmb_regions *const made = all->regions;
+    memset(kept, 0xff, all->region_count * sizeof *kept);
     memset(made->unknown_of, 0xff, (size_t)all->probes->count * sizeof *made->unknown_of);
     for (uint32_t region = 0; region < all->region_count; ++region) {
         bool any = false;
@@ -118,6 +182,7 @@ static void unknown_find(const lmb_region_work *all, uint32_t *kept)
             if (is_unknown(all->probes, value) && !made->hangs[value]) {
                 any = true;
                 if (made->unknown_of[value] < 0) {
+                    all->stats->fitted += value < all->probes->count - all->probes->ghost_count;
                     made->unknown[made->unknown_count] = value;
                     made->unknown_of[value] = (int32_t)made->unknown_count++;
                 }
@@ -133,11 +198,16 @@ static void unknown_find(const lmb_region_work *all, uint32_t *kept)
 static void points_add(const points_work *work, const uint32_t *kept)
 {
     lmb_regions *const made = work->all->regions;
-    point_choice *const choice = work->best[0];
-    const size_t count = (size_t)made->unknown_count * POINTS_EACH;
+    point_choice *const choice = work->choice;
+    size_t count = 0;
+    for (size_t i = 0; i < work->count; ++i) {
+        if (choice[i].weight > LEAST_WEIGHT) {
+            choice[count++] = choice[i];
+        }
+    }
     qsort(choice, count, sizeof *choice, choice_compare);
     for (size_t i = 0; i < count; ++i) {
-        if (!(choice[i].weight > LEAST_WEIGHT) || (i > 0 && choice_compare(&choice[i - 1], &choice[i]) == 0)) {
+        if (i > 0 && choice_compare(&choice[i - 1], &choice[i]) == 0) {
             continue;
         }
         const lmb_region_cell *const cell = &work->all->cell[choice[i].cell];
@@ -162,17 +232,20 @@ lmb_result lmb_region_points_choose(lmb_region_work *all)
     lmb_result result = LMB_ERROR_MEMORY;
     if (kept && made->unknown && made->unknown_of && made->corner) {
         unknown_find(all, kept);
-        work.best = calloc((size_t)made->unknown_count + 1, sizeof *work.best);
-        made->point = malloc(((size_t)made->unknown_count * POINTS_EACH + 1) * sizeof *made->point);
-        result = work.best && made->point ? LMB_OK : LMB_ERROR_MEMORY;
+        const size_t most = (size_t)made->unknown_count * POINTS_EACH + lamp_regions(all) * LAMP_POINTS + 1;
+        work.choice = calloc(most, sizeof *work.choice);
+        made->point = malloc(most * sizeof *made->point);
+        result = work.choice && made->point ? LMB_OK : LMB_ERROR_MEMORY;
     }
     if (result == LMB_OK) {
+        work.count = (size_t)made->unknown_count * POINTS_EACH;
+        work.best = (point_choice(*)[POINTS_EACH])work.choice;
         choices_make(&work);
+        lamps_choose(&work, kept);
         points_add(&work, kept);
         all->stats->points = (int64_t)made->point_count;
-        all->stats->fitted = (int64_t)made->unknown_count - all->stats->ghosts;
     }
     free(kept);
-    free(work.best);
+    free(work.choice);
     return result;
 }

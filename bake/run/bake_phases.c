@@ -88,6 +88,9 @@ static float detail_of(const lmb_bake_settings *settings)
 
 lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
 {
+    if (bake->record.settings.no_probes) {
+        return LMB_OK;
+    }
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     const lmb_warnings *warnings = &bake->level->warnings;
@@ -237,6 +240,9 @@ static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list, lmb_
 
 lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
 {
+    if (!bake->probes) {
+        return LMB_OK;
+    }
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     lmb_probe_list list;

@@ -94,7 +94,7 @@ lmb_result lmb_bake_levels(lmb_bake *bake, lmb_error *error)
 {
     lmb_bake_record *record = &bake->record;
     const lmb_level_plan plan = lmb_bake_level_plan(&record->settings, bake->level->scene);
-    if (plan.coarser + plan.finer == 0) {
+    if (!bake->probes || plan.coarser + plan.finer == 0) {
         return LMB_OK;
     }
     const double start = lmb_clock_seconds();

@@ -120,6 +120,9 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
         const lmb_vec3d *seed = &settings->seeds[i];
         cJSON_AddItemToArray(seeds, cJSON_CreateDoubleArray((const double[3]){seed->x, seed->y, seed->z}, 3));
     }
+    if (settings->no_probes) {
+        cJSON_AddFalseToObject(json, "probes");
+    }
     if (settings->compact) {
         cJSON_AddTrueToObject(json, "compact");
     }
@@ -296,6 +299,7 @@ bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
     read.noise = number_or(json, "noise", read.noise);
     read.min_spacing = (float)number_or(json, "min_spacing", 0.0);
     read.tolerance = number_or(json, "tolerance", read.tolerance);
+    read.no_probes = cJSON_IsFalse(cJSON_GetObjectItemCaseSensitive(json, "probes"));
     read.compact = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "compact"));
     read.lightmaps = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "lightmaps"));
     read.texels_per_m = (float)number_or(json, "texels_per_m", 0.0);

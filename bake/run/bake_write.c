@@ -127,10 +127,10 @@ static lmb_result write_all(lmb_bake *bake, const lmb_bake_folder *folder, const
     const double start = lmb_clock_seconds();
     const char *name = lmb_bake_phase_name(LMB_PHASE_WRITE);
     lmb_result result = step_report(bake->progress, name, 0.0, error);
-    if (result == LMB_OK) {
+    if (result == LMB_OK && bake->probes) {
         result = write_vdb(bake, stage, error);
     }
-    if (result == LMB_OK) {
+    if (result == LMB_OK && bake->probes) {
         result = write_lmb(bake, stage, error);
     }
     if (result == LMB_OK) {

@@ -113,7 +113,7 @@ lmb_result lmb_baked_open(const char *level_path, const char *directory, int thr
     if (result == LMB_OK) {
         result = content_check(opened, directory, error);
     }
-    if (result == LMB_OK) {
+    if (result == LMB_OK && !opened->settings.no_probes) {
         result = volume_open(directory, &opened->volume, error);
     }
     if (result == LMB_OK) {
@@ -123,6 +123,13 @@ lmb_result lmb_baked_open(const char *level_path, const char *directory, int thr
         lmb_baked_close(opened);
     }
     return result;
+}
+
+lmb_result lmb_baked_need_probes(const lmb_baked *baked, const char *directory, lmb_error *error)
+{
+    return baked->volume
+               ? LMB_OK
+               : lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: was baked without probes (--no-probes)", directory);
 }
 
 lmb_result lmb_baked_read_model(lmb_baked *baked, const char *directory, const lmb_model *model, lmb_error *error)

@@ -136,14 +136,14 @@ lmb_result lmb_forecast_make(const lmb_bake *bake, lmb_forecast *forecast)
     }
     trial_result probes = {0.0, 0.0}, texels = {0.0, 0.0};
     *forecast = (lmb_forecast){.known = true};
-    lmb_result result = probes_try(bake, &transport, &probes);
+    lmb_result result = bake->probes ? probes_try(bake, &transport, &probes) : LMB_OK;
     if (result == LMB_OK && bake->lightmap) {
         result = texels_try(bake, &transport, &texels);
     }
     forecast->seconds[LMB_PHASE_PROBES] = probes.seconds;
     forecast->seconds[LMB_PHASE_LIGHTMAPS] = texels.seconds;
     if (unsolved) {
-        surface_guess(bake, probes.seconds_per_sample, forecast);
+        surface_guess(bake, bake->probes ? probes.seconds_per_sample : texels.seconds_per_sample, forecast);
     }
     if (bake->lightmap && bake->record.settings.denoise) {
         forecast->seconds[LMB_PHASE_DENOISE] = DENOISE_SECONDS_PER_TEXEL * (double)bake->lightmap->covered_texel_count /

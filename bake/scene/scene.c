@@ -48,6 +48,10 @@ void lmb_scene_clear_nodes(lmb_scene *scene)
     for (uint32_t i = 0; i < scene->camera_count; ++i) {
         free(scene->cameras[i].name);
     }
+    for (uint32_t i = 0; i < scene->probe_box_count; ++i) {
+        free(scene->probe_boxes[i].name);
+    }
+    free(scene->probe_boxes);
     free(scene->meshes);
     free(scene->instances);
     free(scene->lights);
@@ -64,11 +68,12 @@ void lmb_scene_clear_nodes(lmb_scene *scene)
     scene->seed_names = NULL;
     scene->path_points = NULL;
     scene->cameras = NULL;
+    scene->probe_boxes = NULL;
     scene->cube_points = NULL;
     scene->cube_names = NULL;
     scene->cube_point_count = 0;
     scene->mesh_count = scene->instance_count = scene->light_count = scene->key_light_count = 0;
-    scene->seed_point_count = scene->path_point_count = scene->camera_count = 0;
+    scene->seed_point_count = scene->path_point_count = scene->camera_count = scene->probe_box_count = 0;
     scene->dropped_triangle_count = 0;
 }
 

@@ -6,6 +6,7 @@
 
 #include <lambent/file.h>
 
+#include "texture/astc.h"
 #include "texture/bc4.h"
 #include "texture/bc6h.h"
 
@@ -14,15 +15,28 @@ enum { SIDE = 4, TEXELS = SIDE * SIDE, MOST_CHANNELS = 3 };
 /* The largest finite half. */
 #define MOST_LIGHT 65504.0f
 
+/* The share of a block's largest weight from which a texel counts for astcenc, which knows no weights. */
+#define ASTC_COUNTS 0.01f
+
 static const struct {
     const char *name;
     int channels;
     size_t bytes;
 } formats[LMB_BLOCK_FORMATS] = {
-    [LMB_BLOCK_BC4] = {"BC4_UNORM", 1, BC4_BYTES},
-    [LMB_BLOCK_BC5] = {"BC5_UNORM", 2, 2 * BC4_BYTES},
-    [LMB_BLOCK_BC6H] = {"BC6H_UFLOAT", 3, BC6H_BYTES},
+    [LMB_BLOCK_BC4] = {"BC4_UNORM", 1, BC4_BYTES},       [LMB_BLOCK_BC5] = {"BC5_UNORM", 2, 2 * BC4_BYTES},
+    [LMB_BLOCK_BC6H] = {"BC6H_UFLOAT", 3, BC6H_BYTES},   [LMB_BLOCK_ASTC] = {"ASTC_4x4_UNORM", 3, 16},
+    [LMB_BLOCK_ASTC_LIGHT] = {"ASTC_4x4_SFLOAT", 3, 16},
 };
+
+static bool is_astc(lmb_block_format format)
+{
+    return format == LMB_BLOCK_ASTC || format == LMB_BLOCK_ASTC_LIGHT;
+}
+
+bool lmb_block_format_is_here(lmb_block_format format)
+{
+    return !is_astc(format) || lmb_astc_is_here();
+}
 
 const char *lmb_block_format_name(lmb_block_format format)
 {
@@ -110,7 +124,8 @@ static float value_clamped(float value, float most)
 static void texels_load(const level_work *work, int32_t layer, int32_t column, int32_t row, block_texels *texels)
 {
     const int channels = formats[work->texture->format].channels;
-    const float most = work->texture->format == LMB_BLOCK_BC6H ? MOST_LIGHT : 1.0f;
+    const bool light = work->texture->format == LMB_BLOCK_BC6H || work->texture->format == LMB_BLOCK_ASTC_LIGHT;
+    const float most = light ? MOST_LIGHT : 1.0f;
     const int32_t width = lmb_block_texture_side(work->texture->width, work->level);
     const int32_t height = lmb_block_texture_side(work->texture->height, work->level);
     for (int i = 0; i < TEXELS; ++i) {
@@ -160,17 +175,91 @@ static void row_task(void *context, size_t task, int worker)
     }
 }
 
-void lmb_block_texture_encode(lmb_block_texture *texture, int32_t level, const lmb_block_pixels *pixels, lmb_pool *pool)
+/* astcenc counts all texels alike: those that hardly count are the mean of the others of their block. */
+static void texels_even(block_texels *texels)
+{
+    float total = 0.0f, sum[MOST_CHANNELS] = {0.0f}, most = 0.0f;
+    for (int i = 0; i < TEXELS; ++i) {
+        most = texels->weight[i] > most ? texels->weight[i] : most;
+        total += texels->weight[i];
+        for (int c = 0; c < MOST_CHANNELS; ++c) {
+            sum[c] += texels->weight[i] * texels->value[c][i];
+        }
+    }
+    for (int i = 0; i < TEXELS; ++i) {
+        for (int c = 0; c < MOST_CHANNELS && texels->weight[i] < ASTC_COUNTS * most; ++c) {
+            texels->value[c][i] = sum[c] / total;
+        }
+    }
+}
+
+static lmb_result astc_layer_encode(const level_work *work, int32_t layer, lmb_pool *pool)
+{
+    const lmb_block_texture *texture = work->texture;
+    const int32_t columns = blocks_along(texture->width, work->level),
+                  rows = blocks_along(texture->height, work->level);
+    astc_image image = {SIDE * columns, SIDE * rows, texture->format == LMB_BLOCK_ASTC_LIGHT, NULL};
+    image.rgba = calloc((size_t)(columns * rows) * TEXELS, 4 * sizeof *image.rgba);
+    for (int32_t block = 0; block < columns * rows && image.rgba; ++block) {
+        block_texels texels;
+        texels_load(work, layer, block % columns, block / columns, &texels);
+        texels_even(&texels);
+        for (int i = 0; i < TEXELS; ++i) {
+            const int32_t x = SIDE * (block % columns) + i % SIDE, y = SIDE * (block / columns) + i / SIDE;
+            float *const texel = &image.rgba[4 * ((size_t)y * (size_t)image.width + (size_t)x)];
+            for (int c = 0; c < MOST_CHANNELS; ++c) {
+                texel[c] = texels.value[c][i];
+            }
+            texel[MOST_CHANNELS] = 1.0f;
+        }
+    }
+    unsigned char *to = texture->data + lmb_block_texture_level_start(texture, work->level) +
+                        (size_t)layer * layer_size(texture, work->level);
+    const bool good = image.rgba && lmb_astc_encode(&image, pool, to);
+    free(image.rgba);
+    return good ? LMB_OK : LMB_ERROR_MEMORY;
+}
+
+static lmb_result astc_layer_decode(const lmb_block_texture *texture, int32_t level, const unsigned char *from,
+                                    float *const *plane)
+{
+    const int32_t width = lmb_block_texture_side(texture->width, level);
+    const int32_t height = lmb_block_texture_side(texture->height, level);
+    astc_image image = {width, height, texture->format == LMB_BLOCK_ASTC_LIGHT, NULL};
+    const size_t texels = (size_t)width * (size_t)height;
+    image.rgba = malloc(texels * 4 * sizeof *image.rgba);
+    const bool good = image.rgba && lmb_astc_decode(from, &image);
+    for (size_t i = 0; i < texels && good; ++i) {
+        for (int c = 0; c < MOST_CHANNELS; ++c) {
+            plane[c][i] = value_clamped(image.rgba[4 * i + (size_t)c], MOST_LIGHT);
+        }
+    }
+    free(image.rgba);
+    return good ? LMB_OK : LMB_ERROR_MEMORY;
+}
+
+lmb_result lmb_block_texture_encode(lmb_block_texture *texture, int32_t level, const lmb_block_pixels *pixels,
+                                    lmb_pool *pool)
 {
     level_work work = {texture, level, pixels};
+    if (!lmb_block_format_is_here(texture->format)) {
+        return LMB_ERROR_UNSUPPORTED;
+    }
+    if (is_astc(texture->format)) {
+        lmb_result result = LMB_OK;
+        for (int32_t layer = 0; layer < texture->layers && result == LMB_OK; ++layer) {
+            result = astc_layer_encode(&work, layer, pool);
+        }
+        return result;
+    }
     const size_t tasks = (size_t)texture->layers * (size_t)blocks_along(texture->height, level);
     if (pool) {
-        lmb_pool_run(pool, tasks, row_task, &work, "textures", NULL); /* stops for nobody: no progress is asked */
-        return;
+        return lmb_pool_run(pool, tasks, row_task, &work, "textures", NULL);
     }
     for (size_t task = 0; task < tasks; ++task) {
         row_task(&work, task, 0);
     }
+    return LMB_OK;
 }
 
 static void block_decode(lmb_block_format format, const unsigned char *bytes, float value[MOST_CHANNELS][TEXELS])
@@ -190,13 +279,19 @@ static void block_decode(lmb_block_format format, const unsigned char *bytes, fl
     }
 }
 
-void lmb_block_texture_decode(const lmb_block_texture *texture, int32_t level, int32_t layer, float *const *plane)
+lmb_result lmb_block_texture_decode(const lmb_block_texture *texture, int32_t level, int32_t layer, float *const *plane)
 {
     const int32_t width = lmb_block_texture_side(texture->width, level);
     const int32_t height = lmb_block_texture_side(texture->height, level);
     const int32_t columns = blocks_along(texture->width, level);
     const unsigned char *at =
         texture->data + lmb_block_texture_level_start(texture, level) + (size_t)layer * layer_size(texture, level);
+    if (!lmb_block_format_is_here(texture->format)) {
+        return LMB_ERROR_UNSUPPORTED;
+    }
+    if (is_astc(texture->format)) {
+        return astc_layer_decode(texture, level, at, plane);
+    }
     for (int32_t block = 0; block < columns * blocks_along(texture->height, level); ++block) {
         float value[MOST_CHANNELS][TEXELS];
         block_decode(texture->format, at, value);
@@ -208,6 +303,7 @@ void lmb_block_texture_decode(const lmb_block_texture *texture, int32_t level, i
             }
         }
     }
+    return LMB_OK;
 }
 
 lmb_result lmb_block_texture_write(const lmb_block_texture *texture, lmb_block_container container, const char *path,

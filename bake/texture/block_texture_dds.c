@@ -39,7 +39,7 @@ enum {
     CUBE = 0x4
 };
 
-/* DXGI_FORMAT */
+/* DXGI_FORMAT; 0: it has none. */
 static const uint32_t codes[LMB_BLOCK_FORMATS] = {[LMB_BLOCK_BC4] = 80, [LMB_BLOCK_BC5] = 83, [LMB_BLOCK_BC6H] = 95};
 
 static void header_write(const lmb_block_texture *texture, unsigned char *bytes)
@@ -93,7 +93,7 @@ unsigned char *lmb_block_texture_to_dds(const lmb_block_texture *texture, size_t
 static bool format_find(uint32_t code, lmb_block_format *format)
 {
     for (int i = 0; i < LMB_BLOCK_FORMATS; ++i) {
-        if (codes[i] == code) {
+        if (code > 0 && codes[i] == code) {
             *format = (lmb_block_format)i;
             return true;
         }

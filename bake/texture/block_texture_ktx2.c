@@ -38,12 +38,14 @@ static const struct {
     uint32_t vulkan; /* VkFormat */
     uint32_t model;  /* of the data format descriptor */
     uint32_t samples;
-    uint32_t sample_type; /* of the first: float or not */
-    uint32_t upper;       /* what the largest value means */
+    uint32_t sample_type;  /* of the first: float, signed, or neither */
+    uint32_t lower, upper; /* what the ends of the range mean */
 } formats[LMB_BLOCK_FORMATS] = {
-    [LMB_BLOCK_BC4] = {139, 131, 1, 0x00, 0xFFFFFFFFu},
-    [LMB_BLOCK_BC5] = {141, 132, 2, 0x00, 0xFFFFFFFFu},
-    [LMB_BLOCK_BC6H] = {143, 133, 1, 0x80, 0x3F800000u},
+    [LMB_BLOCK_BC4] = {139, 131, 1, 0x00, 0, 0xFFFFFFFFu},
+    [LMB_BLOCK_BC5] = {141, 132, 2, 0x00, 0, 0xFFFFFFFFu},
+    [LMB_BLOCK_BC6H] = {143, 133, 1, 0x80, 0, 0x3F800000u},
+    [LMB_BLOCK_ASTC] = {157, 162, 1, 0x00, 0, 0xFFFFFFFFu},
+    [LMB_BLOCK_ASTC_LIGHT] = {1000066000, 162, 1, 0xC0, 0xBF800000u, 0x3F800000u},
 };
 
 /* The basic descriptor block (Khronos Data Format Specification 1.3): linear light, Rec. 709 primaries. */
@@ -63,7 +65,7 @@ static uint32_t descriptor_write(lmb_block_format format, unsigned char *at)
         unsigned char *sample = at + DESCRIPTOR + SAMPLE * i;
         block_put32(sample, i * bits | (bits - 1) << 16 | (i | formats[format].sample_type) << 24);
         block_put32(sample + 4, 0);
-        block_put32(sample + 8, 0);
+        block_put32(sample + 8, formats[format].lower);
         block_put32(sample + 12, formats[format].upper);
     }
     return total;
@@ -152,7 +154,8 @@ static lmb_result header_read(const unsigned char *bytes, const char *path, lmb_
     lmb_block_format format;
     if (!format_find(block_get32(bytes + AT_FORMAT), &format) || block_get32(bytes + AT_SUPERCOMPRESSION) != 0 ||
         block_get32(bytes + AT_DEPTH) != 0 || block_get32(bytes + AT_FACES) != 1) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: not a plain image of BC4, BC5 or BC6H", path);
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: not a plain image of BC4, BC5, BC6H or ASTC of 4x4",
+                             path);
     }
     const uint32_t width = block_get32(bytes + AT_WIDTH), height = block_get32(bytes + AT_HEIGHT);
     const uint32_t layers = block_get32(bytes + AT_LAYERS), levels = block_get32(bytes + AT_LEVELS);

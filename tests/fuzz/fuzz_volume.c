@@ -90,8 +90,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (size >= sizeof(lmb_volume_header)) {
         const uint64_t bytes = size;
         memcpy(copy + offsetof(lmb_volume_header, file_bytes), &bytes, sizeof bytes);
-        const uint64_t checksum =
-            lmb_volume_hash(LMB_VOLUME_HASH_SEED, copy + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
+        const uint64_t checksum = lmb_volume_hash(copy + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
         memcpy(copy + offsetof(lmb_volume_header, checksum), &checksum, sizeof checksum);
         bytes_open(copy, size);
     }

@@ -14,7 +14,7 @@ typedef struct lmb_bake {
     lmb_level *level;
     const lmb_progress *progress;  /* NULL: silent */
     const struct lmb_parts *parts; /* where what is gathered is kept; NULL: in memory alone */
-    lmb_probes *probes;            /* once placed */
+    lmb_probes *probes;            /* once placed, if wanted */
     lmb_regions *regions;          /* likewise */
     lmb_lightmap *lightmap;        /* once laid out, if wanted */
     lmb_texel_list *texels;        /* its texels, likewise */
@@ -28,7 +28,7 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
 /* The phases, in the order in which they run: each needs those before it. Warnings go to the level's listener. A bake
  * that failed is to be ended too. @return what lmb_placement_make, lmb_lightmap_create, lmb_level_solve,
  * lmb_placement_levels, lmb_probes_bake and lmb_lightmap_bake return */
-lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error);
+lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error); /* where the settings want probes, as others do */
 lmb_result lmb_bake_layout(lmb_bake *bake, lmb_error *error);
 lmb_result lmb_bake_surface(lmb_bake *bake, lmb_error *error);
 lmb_result lmb_bake_levels(lmb_bake *bake, lmb_error *error); /* of probes, where the settings ask for some */

@@ -23,7 +23,8 @@ typedef struct lmb_bake_settings {
     int32_t max_probes;
     lmb_vec3d seeds[LMB_BAKE_MAX_SEEDS]; /* in the world */
     uint32_t seed_count;
-    bool compact; /* probes.lmb is of compact probes: lmb_pack_as */
+    bool no_probes; /* lightmaps alone */
+    bool compact;   /* probes.lmb is of compact probes: lmb_pack_as */
     /* Effort: see lmb_gather_effort. */
     uint32_t samples; /* at each probe and texel; at least, if max_samples is more */
     uint32_t max_samples;
@@ -47,7 +48,7 @@ lmb_bake_settings lmb_bake_settings_default(void);
 /* Samples, noise and detail of "draft", "medium" or "high"; false, and nothing is written, for any other name. */
 bool lmb_bake_settings_quality(lmb_bake_settings *settings, const char *name);
 
-/* "exr", "ktx2" or "dds"; false, and nothing is written, for any other name. */
+/* "exr", "ktx2", "dds" or "ktx2-astc"; false, and nothing is written, for any other name. */
 bool lmb_bake_settings_lightmap_format(lmb_bake_settings *settings, const char *name);
 
 /* The model that lightmaps are in, whatever others they are in too: the format's default one. */

@@ -15,7 +15,7 @@ struct cJSON;
 typedef struct lmb_baked {
     lmb_bake_settings settings; /* that it was baked with, from DIR/bake.json */
     lmb_level level;            /* opened with them */
-    lmb_volume *volume;         /* DIR/probes.lmb */
+    lmb_volume *volume;         /* DIR/probes.lmb; NULL when the bake has no probes */
     lmb_lightmap *lightmap;     /* NULL when the bake has none */
     struct cJSON *json;         /* DIR/bake.json, where the strings of the settings lie */
 } lmb_baked;
@@ -28,6 +28,9 @@ typedef struct lmb_baked {
 lmb_result lmb_baked_open(const char *level_path, const char *directory, int threads, const char *view_node,
                           lmb_baked *opened, lmb_error *error);
 void lmb_baked_close(lmb_baked *closed);
+
+/* @return LMB_ERROR_UNSUPPORTED when the bake has no probes */
+lmb_result lmb_baked_need_probes(const lmb_baked *baked, const char *directory, lmb_error *error);
 
 /* Has the lightmap in another model, which DIR must hold: one that it was baked with (bake --models).
  * @return LMB_ERROR_FORMAT (it does not), and what reading returns */

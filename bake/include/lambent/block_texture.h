@@ -3,6 +3,7 @@
 #ifndef LAMBENT_BLOCK_TEXTURE_H
 #define LAMBENT_BLOCK_TEXTURE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -14,13 +15,18 @@ extern "C" {
 #endif
 
 typedef enum lmb_block_format {
-    LMB_BLOCK_BC4,  /* one channel in [0, 1], half a byte a texel */
-    LMB_BLOCK_BC5,  /* two of them, one byte */
-    LMB_BLOCK_BC6H, /* three channels of light, 0 to 65504, one byte */
+    LMB_BLOCK_BC4,        /* one channel in [0, 1], half a byte a texel */
+    LMB_BLOCK_BC5,        /* two of them, one byte */
+    LMB_BLOCK_BC6H,       /* three channels of light, 0 to 65504, one byte */
+    LMB_BLOCK_ASTC,       /* three channels in [0, 1], one byte; in KTX2 alone */
+    LMB_BLOCK_ASTC_LIGHT, /* three of light, likewise */
     LMB_BLOCK_FORMATS
 } lmb_block_format;
 
 typedef enum lmb_block_container { LMB_BLOCK_KTX2, LMB_BLOCK_DDS } lmb_block_container;
+
+/* Whether this build has its encoder and decoder: ASTC's are astcenc's. */
+bool lmb_block_format_is_here(lmb_block_format format);
 
 /* As graphics interfaces call it: "BC6H_UFLOAT", ... */
 const char *lmb_block_format_name(lmb_block_format format);
@@ -66,12 +72,14 @@ typedef struct lmb_block_pixels {
 } lmb_block_pixels;
 
 /* Encodes one level. Blocks are independent, so the same texels give the same bytes with any pool (NULL: the caller's
- * thread) and on every machine. Values outside the format's range, and NaN, are clamped into it. */
-void lmb_block_texture_encode(lmb_block_texture *texture, int32_t level, const lmb_block_pixels *pixels,
-                              lmb_pool *pool);
+ * thread), and, but for ASTC, on every machine. Values outside the format's range, and NaN, are clamped into it.
+ * @return LMB_ERROR_MEMORY of ASTC, _UNSUPPORTED where it is not here */
+lmb_result lmb_block_texture_encode(lmb_block_texture *texture, int32_t level, const lmb_block_pixels *pixels,
+                                    lmb_pool *pool);
 
-/* Decodes one layer of a level into a plane for each channel, [x + width of the level * y]. */
-void lmb_block_texture_decode(const lmb_block_texture *texture, int32_t level, int32_t layer, float *const *plane);
+/* Decodes one layer of a level into a plane for each channel, [x + width of the level * y]. @return likewise */
+lmb_result lmb_block_texture_decode(const lmb_block_texture *texture, int32_t level, int32_t layer,
+                                    float *const *plane);
 
 /* Writes beside, then renames; equal textures are equal files. @return LMB_ERROR_WRITE, _MEMORY */
 lmb_result lmb_block_texture_write(const lmb_block_texture *texture, lmb_block_container container, const char *path,

@@ -23,12 +23,13 @@ enum { LMB_LIGHTMAP_MAX_PADDING = 64, LMB_LIGHTMAP_MOST_MODELS = 16 };
 /* What a lightmap's images are written as. */
 typedef enum lmb_lightmap_format {
     LMB_LIGHTMAP_EXR,
-    LMB_LIGHTMAP_KTX2, /* block-compressed textures, with mip levels as the padding allows */
-    LMB_LIGHTMAP_DDS,  /* the same in other files */
+    LMB_LIGHTMAP_KTX2,      /* block-compressed textures, with mip levels as the padding allows */
+    LMB_LIGHTMAP_DDS,       /* the same in other files */
+    LMB_LIGHTMAP_KTX2_ASTC, /* ASTC in KTX2, for mobile hardware; where the build has it */
     LMB_LIGHTMAP_FORMATS
 } lmb_lightmap_format;
 
-/* "exr", "ktx2", "dds". */
+/* "exr", "ktx2", "dds", "ktx2-astc". */
 const char *lmb_lightmap_format_name(lmb_lightmap_format format);
 
 typedef struct lmb_lightmap_settings {

@@ -155,6 +155,19 @@ typedef struct lmb_scene_camera {
     float vertical_fov_rad; /* 0: not told */
 } lmb_scene_camera;
 
+/* A box that says how probes are to stand in it (probe_boxes.h): extras {"lambent": {"volume": {...}}}. A node with a
+ * mesh is the box around that, which then is no surface; one without is the cube from -1 to 1. */
+typedef struct lmb_probe_box {
+    char *name;            /* the node's name, or "node N" */
+    lmb_affine to_world;   /* of the cube from -1 to 1: turned and skewed as the node is */
+    lmb_affine from_world; /* its inverse */
+    float spacing;         /* metres between probes; 0: the level's */
+    float min_spacing;     /* of its finest level of probes; 0: the level's */
+    float tolerance;       /* error of interpolation beyond which a finer level follows; 0: the level's */
+    bool exclude;          /* no probes */
+    double priority;       /* where boxes overlap */
+} lmb_probe_box;
+
 /* Sets of lights beside those that name none (light_sets.h), and a name's bytes with its NUL. */
 enum { LMB_LIGHT_SETS_MOST = 16, LMB_LIGHT_SET_NAME = 64 };
 
@@ -193,6 +206,8 @@ typedef struct lmb_scene {
     uint32_t cube_point_count;
     lmb_scene_camera *cameras;
     uint32_t camera_count;
+    lmb_probe_box *probe_boxes;
+    uint32_t probe_box_count;
     lmb_vec3 *path_points; /* nodes marked by extras {"lambent": {"path": n}}, in the order of n */
     uint32_t path_point_count;
     uint32_t dropped_triangle_count; /* degenerate, non-finite or out-of-range triangles that were left out */

@@ -101,6 +101,16 @@ LMB_API bool lmb_volume_blend(const lmb_volume *const *volume, const float *weig
 LMB_API void lmb_volume_sample_batch(const lmb_volume *volume, const lmb_vec3d *position, size_t count,
                                      lmb_sh3_rgb *radiance, float (*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside);
 
+/* Irradiance on a unit normal straight away, from the whole sphere, without key lights: what lmb_sh3_rgb_irradiance
+ * makes of lmb_volume_sample_at, but for the last bits, and sooner. For what has no occlusion: particles, vertices far
+ * away, many objects on a server. Never NaN or negative, whatever position and normal.
+ * @return as lmb_volume_sample */
+LMB_API bool lmb_volume_irradiance(const lmb_volume *volume, lmb_vec3d position, lmb_vec3 normal, lmb_rgb *irradiance);
+
+/* Many at once, each with a normal of its own: the bits of single calls. `inside` may be NULL. */
+LMB_API void lmb_volume_irradiance_batch(const lmb_volume *volume, const lmb_vec3d *position, const lmb_vec3 *normal,
+                                         size_t count, lmb_rgb *irradiance, bool *inside);
+
 #ifdef __cplusplus
 }
 #endif
