@@ -71,8 +71,8 @@ static bool volume_check(const char *path, const lmb_volume *volume, double spac
         position_put(volume, world_origin, &state, input + 32 + 3 * i);
     }
     memcpy(input + WORDS_BEFORE, gpu.words, words * sizeof *input);
-    const shader_run_result result =
-        shader_run(path, POSITIONS / 64, input, WORDS_BEFORE + words, output, (size_t)POSITIONS * OUTPUTS);
+    const shader_floats in = {input, WORDS_BEFORE + words}, out = {output, (size_t)POSITIONS * OUTPUTS};
+    const shader_run_result result = shader_run(path, POSITIONS / 64, NULL, &in, &out);
     CHECK(result != SHADER_FAILED, "%s runs", path);
     int inside = 0;
     for (int i = 0; i < POSITIONS && result == SHADER_RAN && test_failures < 20; ++i) {
