@@ -10,7 +10,7 @@ set(shader_sources ${PROJECT_SOURCE_DIR}/sampler/shader/lambent.glsl ${PROJECT_S
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_networks.glsl ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_probe.glsl
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_specular.glsl
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_rnm.glsl
-    ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_volume.glsl ${CMAKE_CURRENT_SOURCE_DIR}/shaders/cases.glsl
+    ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_sampling.glsl ${CMAKE_CURRENT_SOURCE_DIR}/shaders/cases.glsl
     ${CMAKE_CURRENT_SOURCE_DIR}/shaders/volume_cases.glsl)
 # lmb_shader(output source options...): SPIR-V of a source in tests/shaders/.
 function(lmb_shader output source)

@@ -234,8 +234,17 @@ static void bench_times_samplers_that_agree(void)
 {
     static const char *const keys[] = {"name",          "pattern",  "probes", "bytes_per_probe",
                                        "ns_per_sample", "rel_rmse", NULL};
-    static const char *const names[] = {"lambent",    "lambent.batch",       "dense.fp32", "dense.fp32.prefetch",
-                                        "dense.fp16", "dense.fp16.prefetch", "openvdb"};
+    static const char *const names[] = {"lambent",
+                                        "lambent.batch",
+                                        "dense.fp32",
+                                        "dense.fp32.prefetch",
+                                        "dense.fp16",
+                                        "dense.fp16.prefetch",
+                                        "openvdb",
+                                        "lambent.compact",
+                                        "lambent.compact.batch",
+                                        "lambent.cut",
+                                        "lambent.cut.batch"};
     enum { NAMES = sizeof names / sizeof names[0] };
     int found[NAMES][2] = {{0}};
     char printed[16384];

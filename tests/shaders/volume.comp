@@ -26,7 +26,7 @@ uint lmbVolumeWord(uint index)
 }
 
 #include "lambent.glsl"
-#include "lambent_volume.glsl"
+#include "lambent_sampling.glsl"
 #include "volume_cases.glsl"
 
 void main()

@@ -23,7 +23,7 @@ uint lmbVolumeWord(uint index)
     return inputs[32u + 3u * inputs[28u] + index];
 }
 
-#include "lambent_volume.glsl"
+#include "lambent_sampling.glsl"
 #define vec3 float3
 #define uvec3 uint3
 #include "volume_cases.glsl"

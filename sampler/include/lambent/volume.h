@@ -111,7 +111,7 @@ LMB_API bool lmb_volume_irradiance(const lmb_volume *volume, lmb_vec3d position,
 LMB_API void lmb_volume_irradiance_batch(const lmb_volume *volume, const lmb_vec3d *position, const lmb_vec3 *normal,
                                          size_t count, lmb_rgb *irradiance, bool *inside);
 
-/* What a shader needs to sample the volume by itself, with shader/lambent_volume.glsl: words for a storage buffer,
+/* What a shader needs to sample the volume by itself, with shader/lambent_sampling.glsl: words for a storage buffer,
  * which are the file as it is, and constants, LmbVolume there, for a uniform buffer. */
 typedef struct lmb_volume_gpu_constants {
     float origin[3]; /* in spacings of the finest level, from the shader's origin */

@@ -4,8 +4,8 @@
 //
 //     uint lmbVolumeWord(uint index);   // of the buffer
 //
-#ifndef LAMBENT_VOLUME_GLSL
-#define LAMBENT_VOLUME_GLSL
+#ifndef LAMBENT_SAMPLING_GLSL
+#define LAMBENT_SAMPLING_GLSL
 
 #ifdef LAMBENT_HLSL
 #define vec3 float3
