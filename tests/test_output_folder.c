@@ -94,7 +94,7 @@ static void full_disk_leaves_the_old(void)
     if (!level_make()) {
         return;
     }
-    if (run(printed, sizeof printed, "mkdir -p " OUTPUT "/disk && mount -t tmpfs -o size=1m none " OUTPUT "/disk") !=
+    if (run(printed, sizeof printed, "mkdir -p " OUTPUT "/disk && mount -t tmpfs -o size=3m none " OUTPUT "/disk") !=
         0) {
         test_skip("no file system can be mounted here");
         return;
