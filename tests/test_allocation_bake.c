@@ -22,7 +22,7 @@
 #define TRIED OUTPUT "/tried"
 
 /* Failures of one kind of work that are tried, spread over all of its allocations. */
-enum { MOST_TRIES = 200 };
+enum { MOST_TRIES = 100 };
 
 static lmb_result bake_into(const char *folder_name, lmb_error *error)
 {
