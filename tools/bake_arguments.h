@@ -16,8 +16,9 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     "  --spacing M           metres between probes (default: from the level's size)\n"                                 \
     "  --min-spacing M       levels of half the spacing, a quarter and so on where light changes fast,\n"              \
     "                        down to this (default: one level)\n"                                                      \
-    "  --tolerance E         error of interpolation, relative, beyond which a finer level follows\n"                   \
-    "                        (default 0.1)\n"                                                                          \
+    "  --tolerance E         error of interpolation, relative, beyond which a level finer than the\n"                  \
+    "                        coarsest follows; 2.8 times that for each next one\n"                                     \
+    "                        (default 0.05)\n"                                                                         \
     "  --max-probes N        the spacing grows until there are no more (default 262144)\n"                             \
     "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"                              \
     "  --texels-per-m N      lightmap density (default: from the level's size)\n"                                      \

@@ -6,7 +6,8 @@
  * options, an even lattice of each spacing and levels of each tolerance. One line for each, tabs between:
  *
  *     "even" and its spacing, or "levels" and their tolerance; probes; of these baked; places outside;
- *     relative RMSE; RMS, median and 95th percentile of the places' own relative errors; the share beyond a tenth;
+ *     relative RMSE; RMS (none counted as more than 1), median and 95th percentile of the places' own relative errors;
+ *     the share beyond a tenth;
  *     seconds of placing, of choosing levels and of gathering
  *
  * and for levels, by RMS, median and 95th percentile, how many times as many probes an even lattice of the same error
@@ -235,7 +236,7 @@ static void errors_measure(const levels_work *work, const lmb_probes *probes, ru
         squared += error;
         light_sum += at->squared_light;
         const double share = error / fmax(at->squared_light, work->dark_squared);
-        relative += share;
+        relative += fmin(share, 1.0);
         over += share > 0.01;
         own[count++] = sqrt(fmax(share, 0.0));
     }

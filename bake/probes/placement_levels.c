@@ -69,7 +69,10 @@ static int ranks_compare(const void *a, const void *b)
 /* Marks the cubes that give way. */
 static lmb_result cubes_choose(level_tree *tree, lmb_level_cubes *cubes)
 {
-    const float most = (float)(tree->settings->tolerance * tree->settings->tolerance);
+    /* A finer level has eight times as many probes in the same space, and takes away almost all of the error: so many
+     * times as much it has to be. */
+    const double coarser = (double)(UINT64_C(1) << 3 * (tree->count - 1 - cubes->level));
+    const float most = (float)(coarser * tree->settings->tolerance * tree->settings->tolerance);
     cube_rank *const rank = malloc(((size_t)cubes->cubes.count + 1) * sizeof *rank);
     if (!rank) {
         return LMB_ERROR_MEMORY;

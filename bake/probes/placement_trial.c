@@ -415,15 +415,15 @@ lmb_result lmb_cubes_try(lmb_sites *sites, double dark, lmb_level_cubes *cubes)
         trial.key_weight[key] = key_weight(&trial.corners->key_light[key]);
     }
     for (int32_t cube = 0; cube < cubes->cubes.count; ++cube) {
-        double worst = 0.0;
+        double sum = 0.0;
         for (int i = 0; i < 8; ++i) {
             int32_t cell[3];
             lmb_cube_cell(cubes->cubes.point[cube], i, cell);
             if ((cubes->open[cube] >> i & 1) != 0) {
-                worst = fmax(worst, cell_error(sites, &trial, cubes->level, cell));
+                sum += fmin(cell_error(sites, &trial, cubes->level, cell), 1.0);
             }
         }
-        cubes->error[cube] = (float)worst;
+        cubes->error[cube] = (float)(sum / 8.0);
     }
     lmb_probes_destroy(trial.corners);
     return LMB_OK;

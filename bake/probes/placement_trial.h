@@ -10,7 +10,7 @@ typedef struct lmb_level_cubes {
     uint32_t level;
     lmb_point_set cubes;
     uint8_t *open; /* [cube] bit i (bit 0 is x, 1 is y, 2 is z): an object can be in its cell i, so that it is there */
-    float *error;  /* [cube] of its worst cell: of what an object sees, relative to it, squared */
+    float *error;  /* [cube] mean over its cells: of what an object sees, relative to it, squared, 1 at most */
     bool *split;   /* [cube] a finer level has its place */
     int32_t corner_count; /* points of the open cells */
 } lmb_level_cubes;

@@ -7,7 +7,7 @@
 #include <lambent/placement.h>
 
 enum { MIN_SAMPLES = 64 };
-#define INTERPOLATION_TOLERANCE 0.1
+#define INTERPOLATION_TOLERANCE 0.05
 
 typedef struct bake_quality {
     const char *name;

@@ -51,20 +51,23 @@ lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_sett
                               lmb_probes **probes, lmb_placement_stats *stats, lmb_error *error);
 
 typedef struct lmb_levels_settings {
-    uint32_t coarser, finer;  /* levels beside the even one, each of twice, or of half the spacing of the one before */
-    double tolerance;         /* of interpolation, relative to the light at a place, or to `dark` where that is more */
-    double dark;              /* radiance */
-    lmb_gather_effort effort; /* of trials */
-    int32_t max_probes;       /* no more than this, but for those of the coarsest level */
-    bool has_seeds;           /* as the even level was placed with: the scene's own count too */
+    uint32_t coarser, finer; /* levels beside the even one, each of twice, or of half the spacing of the one before */
+    double tolerance; /* of interpolation on the coarsest level, relative to the light at a place, or to `dark` where
+                         that is more; 2.8 times that on each finer one */
+    double dark;      /* radiance */
+    lmb_gather_effort effort;     /* of trials */
+    int32_t max_probes;           /* no more than this, but for those of the coarsest level */
+    bool has_seeds;               /* as the even level was placed with: the scene's own count too */
     const lmb_progress *progress; /* NULL: none. Its phase is "levels" */
 } lmb_levels_settings;
 
 /* Puts levels in place of the one that lmb_placement_make made, whose spacing is one of theirs. Everything begins with
- * the coarsest. Where the mean squared error of interpolation over a cell's centre and the centres of its faces is more
- * than the tolerance's square, its cube of 2 x 2 x 2 cells gives way to the next finer level, worst ones first while
- * there may be more probes. The error is of what an object sees: of normalised irradiance, by SH3 and key lights, over
- * all normals. It is found by gathering a little light there and at the corners, and its noise is taken off.
+ * the coarsest. Where the mean squared error of interpolation over the centres of a cube's 2 x 2 x 2 cells and of their
+ * faces is more than the tolerance's square, the cube gives way to the next finer level, worst ones first while there
+ * may be more probes. A finer level takes eight times as many probes, so the square may be eight times as large there:
+ * all probes are spent where they take away most error. No place counts for more than its light. The error is of what
+ * an object sees: of normalised irradiance, by SH3 and key lights, over all normals. It is found by gathering a little
+ * light there and at the corners, and its noise is taken off.
  * `*probes` are replaced on success; `*stats`, of the even level, become those of all. The same for any number of
  * threads.
  * @return LMB_ERROR_UNSUPPORTED (the finest spacing is too fine for the level's size), _MEMORY, _INTERRUPTED */
