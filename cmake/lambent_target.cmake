@@ -28,6 +28,9 @@ function(lmb_target_defaults target)
         target_compile_options(${target} PRIVATE -fsanitize=${LMB_SANITIZE} -fno-omit-frame-pointer)
         if(LMB_SANITIZE MATCHES "undefined") # else it is said, and the test passes
             target_compile_options(${target} PRIVATE -fno-sanitize-recover=undefined)
+            if(CMAKE_C_COMPILER_ID MATCHES "Clang") # it finds a misaligned base in TBB's concurrent_hash_map.h
+                target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fno-sanitize=alignment>)
+            endif()
         endif()
         target_link_options(${target} PUBLIC -fsanitize=${LMB_SANITIZE})
     endif()

@@ -151,3 +151,36 @@ float lmb_volume_spacing_at(const lmb_volume *volume, lmb_vec3d position)
     lmb_volume_brick_at(volume, cell, &level);
     return ldexpf(volume->header->spacing, (int)level);
 }
+
+lmb_volume_gpu lmb_volume_get_gpu(const lmb_volume *volume, lmb_vec3d world_origin)
+{
+    assert(volume);
+    const double from[3] = {world_origin.x, world_origin.y, world_origin.z};
+    const uint32_t *const words = (const uint32_t *)volume->header;
+    lmb_volume_gpu gpu = {.words = words, .bytes = (size_t)volume->header->file_bytes};
+    lmb_volume_gpu_constants *const to = &gpu.constants;
+    double farthest = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double origin = fabs(volume->origin[axis] - from[axis] * volume->inverse_spacing);
+        farthest = fmax(farthest, origin + volume->last[axis]);
+        to->origin[axis] = (float)(volume->origin[axis] - from[axis] * volume->inverse_spacing);
+        to->first[axis] = (float)volume->first[axis];
+        to->last[axis] = (float)volume->last[axis];
+        to->last_cell[axis] = (uint32_t)volume->last_cell[axis];
+    }
+    to->slack = (float)fmin(farthest * 0x1p-22, 0x1p-6); /* four roundings, as derive_constants has it */
+    to->inverse_spacing = (float)volume->inverse_spacing;
+    to->scale = volume->scale;
+    to->key_lights = volume->key_count;
+    to->probe_units = volume->probe_units;
+    to->entries[0] = (uint32_t)volume->entry_step[0];
+    to->entries[1] = (uint32_t)volume->entry_step[1];
+    to->entries[2] = (uint32_t)volume->first_entry;
+    to->is_compact = volume->header->probe_form == LMB_VOLUME_COMPACT;
+    to->directory = (uint32_t)(volume->directory - words);
+    to->bricks = (uint32_t)((const uint32_t *)volume->bricks - words);
+    to->probes = (uint32_t)((const uint32_t *)(const void *)volume->probes - words);
+    to->cut_offsets = (uint32_t)(volume->cut_offsets - words);
+    to->cuts = (uint32_t)(volume->cuts - words);
+    return gpu;
+}

@@ -10,7 +10,8 @@ set(shader_sources ${PROJECT_SOURCE_DIR}/sampler/shader/lambent.glsl ${PROJECT_S
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_networks.glsl ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_probe.glsl
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_specular.glsl
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_rnm.glsl
-    ${CMAKE_CURRENT_SOURCE_DIR}/shaders/cases.glsl)
+    ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_sampling.glsl ${CMAKE_CURRENT_SOURCE_DIR}/shaders/cases.glsl
+    ${CMAKE_CURRENT_SOURCE_DIR}/shaders/volume_cases.glsl)
 # lmb_shader(output source options...): SPIR-V of a source in tests/shaders/.
 function(lmb_shader output source)
     add_custom_command(OUTPUT ${output}
@@ -24,7 +25,11 @@ lmb_shader(${glsl} run.comp)
 lmb_shader(${hlsl} run.hlsl -D -S comp -e main)
 set(texture ${CMAKE_CURRENT_BINARY_DIR}/shader_texture.spv)
 lmb_shader(${texture} texture.comp)
-add_custom_target(lambent_test_shaders DEPENDS ${glsl} ${hlsl} ${texture})
+set(volume_glsl ${CMAKE_CURRENT_BINARY_DIR}/shader_volume_glsl.spv)
+set(volume_hlsl ${CMAKE_CURRENT_BINARY_DIR}/shader_volume_hlsl.spv)
+lmb_shader(${volume_glsl} volume.comp)
+lmb_shader(${volume_hlsl} volume.hlsl -D -S comp -e main)
+add_custom_target(lambent_test_shaders DEPENDS ${glsl} ${hlsl} ${texture} ${volume_glsl} ${volume_hlsl})
 
 lmb_test(shader LINKS lambent::sampler Vulkan::Vulkan m)
 target_sources(test_shader PRIVATE shader_runner.c)
@@ -40,4 +45,10 @@ if(NOT LMB_SAMPLER_ONLY)
     target_include_directories(test_texture_sampler PRIVATE ${PROJECT_SOURCE_DIR}/bake)
     add_dependencies(test_texture_sampler lambent_test_shaders)
     set_tests_properties(texture_sampler PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
+    lmb_test(shader_volume LINKS lambent::volume Vulkan::Vulkan m)
+    target_sources(test_shader_volume PRIVATE shader_runner.c)
+    target_compile_definitions(test_shader_volume PRIVATE LMB_SHADER_GLSL="${volume_glsl}"
+        LMB_SHADER_HLSL="${volume_hlsl}")
+    add_dependencies(test_shader_volume lambent_test_shaders)
+    set_tests_properties(shader_volume PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
 endif()

@@ -168,7 +168,7 @@ static bool baked(char *printed, size_t size)
     if (!level_make()) {
         return false;
     }
-    const int status = run(printed, size, LMB_COMMAND " bake " QUOTED " -o " OUTPUT "/b" BAKE_OPTIONS);
+    const int status = run(printed, size, LMB_COMMAND " bake " QUOTED " -o " OUTPUT "/b --force" BAKE_OPTIONS);
     CHECK(status == 0, "%s", printed);
     return status == 0;
 }
@@ -234,8 +234,17 @@ static void bench_times_samplers_that_agree(void)
 {
     static const char *const keys[] = {"name",          "pattern",  "probes", "bytes_per_probe",
                                        "ns_per_sample", "rel_rmse", NULL};
-    static const char *const names[] = {"lambent",    "lambent.batch",       "dense.fp32", "dense.fp32.prefetch",
-                                        "dense.fp16", "dense.fp16.prefetch", "openvdb"};
+    static const char *const names[] = {"lambent",
+                                        "lambent.batch",
+                                        "dense.fp32",
+                                        "dense.fp32.prefetch",
+                                        "dense.fp16",
+                                        "dense.fp16.prefetch",
+                                        "openvdb",
+                                        "lambent.compact",
+                                        "lambent.compact.batch",
+                                        "lambent.cut",
+                                        "lambent.cut.batch"};
     enum { NAMES = sizeof names / sizeof names[0] };
     int found[NAMES][2] = {{0}};
     char printed[16384];
@@ -253,7 +262,9 @@ static void bench_times_samplers_that_agree(void)
         const char *name = cJSON_GetStringValue(cJSON_GetObjectItem(sampler, "name"));
         const char *pattern = cJSON_GetStringValue(cJSON_GetObjectItem(sampler, "pattern"));
         const double error = cJSON_GetNumberValue(cJSON_GetObjectItem(sampler, "rel_rmse"));
-        CHECK(error >= 0.0 && error < 1e-5, "%s, %s: %g", name, pattern, error);
+        /* Halfs and floats of one volume; bytes over a mean are allowed half a percent. */
+        const double most = strstr(name, "compact") ? 5e-3 : 1e-5;
+        CHECK(error >= 0.0 && error < most, "%s, %s: %g", name, pattern, error);
         CHECK(cJSON_GetNumberValue(cJSON_GetObjectItem(sampler, "ns_per_sample")) > 0.0, "%s, %s", name, pattern);
         for (int i = 0; i < NAMES; ++i) {
             found[i][strcmp(pattern, "random") == 0] += strcmp(name, names[i]) == 0;
@@ -320,8 +331,8 @@ static void progress_runs_forward(void)
     if (!level_make()) {
         return;
     }
-    CHECK(run(printed, sizeof printed, LMB_COMMAND " bake " QUOTED " -o " OUTPUT "/p --json-progress" BAKE_OPTIONS) ==
-              0,
+    CHECK(run(printed, sizeof printed,
+              LMB_COMMAND " bake " QUOTED " -o " OUTPUT "/p --force --json-progress" BAKE_OPTIONS) == 0,
           "%s", printed);
     char phase[64] = "";
     double done = 0.0, total_seconds = 0.0, total_done = 0.0, left = -1.0;

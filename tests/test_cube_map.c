@@ -18,7 +18,7 @@
 #define OUTPUT LMB_TEST_OUTPUT_DIR "/cube_map"
 #define LEVEL OUTPUT "/level.glb"
 
-/* A small floor far below, and a node that is marked, at (1, 2, -3) beneath another. */
+/* A small floor. */
 static bool level_write(void)
 {
     lmb_error error = {""};
@@ -57,14 +57,15 @@ static void faces_lie_as_interfaces_take_them(void)
     }
 }
 
-/* Under a sky that is white above the horizon, with harmonics of it or of any other light. */
-static bool half_sky_make(const char *environment, const lmb_sh3_rgb *place, cube_map *map)
+/* High above the floor. */
+static bool sky_map_make(const char *environment, const lmb_sh3_rgb *radiance, cube_map *map)
 {
     level_fixture level;
     if (!level_write() || !level_fixture_load(&level, LEVEL, environment, 2)) {
         return false;
     }
-    const lmb_result result = cube_map_make(&level.transport, (lmb_vec3){0, 5000, 0}, place, 4, level.pool, NULL, map);
+    const cube_place place = {{0, 5000, 0}, *radiance};
+    const lmb_result result = cube_map_make(&level.transport, &place, 4, level.pool, NULL, map);
     CHECK(result == LMB_OK, "cube_map_make");
     level_fixture_close(&level);
     return result == LMB_OK;
@@ -74,7 +75,7 @@ static void even_light_divides_to_one(void)
 {
     const lmb_sh3_rgb white = {{{{3.5449077f}}, {{3.5449077f}}, {{3.5449077f}}}};
     cube_map map;
-    if (!half_sky_make("#ffffff", &white, &map)) {
+    if (!sky_map_make("#ffffff", &white, &map)) {
         return;
     }
     for (int level = 0; level < CUBE_LEVELS; ++level) {
@@ -106,7 +107,7 @@ static void maps_show_what_is_around(void)
     const lmb_sh3 half = {{1.7724539f, -1.5349901f}};
     const lmb_sh3_rgb place = {{half, half, half}};
     cube_map map;
-    if (!half_sky_make(OUTPUT "/half.exr", &place, &map)) {
+    if (!sky_map_make(OUTPUT "/half.exr", &place, &map)) {
         return;
     }
     static const struct {

@@ -107,6 +107,7 @@ static void filtering_does_not_lower(void)
  * them stays finite. */
 static void any_point_is_a_direction(void)
 {
+    CHECK(LMB_DISC_MIN_COS == LMB_IRRADZ_MIN_COS, "%g", (double)LMB_DISC_MIN_COS);
     for (int i = 0; i < 256 * 256; ++i) {
         const float x = 2.0f * (float)(i % 256) / 255.0f - 1.0f, y = 2.0f * (float)(i / 256) / 255.0f - 1.0f;
         const lmb_vec3 n = {0.0f, -1.0f, 0.0f};

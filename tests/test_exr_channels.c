@@ -37,7 +37,7 @@ static bool file_make(size_t first, size_t count)
 /* Reads those channels of the first `count` whose bit is set. */
 static void subset_check(size_t count, unsigned subset)
 {
-    const char *wanted[MOST];
+    const char *wanted[MOST] = {NULL};
     size_t channel[MOST], wanted_count = 0;
     float *values[MOST];
     lmb_exr_header header;

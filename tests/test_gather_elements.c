@@ -96,7 +96,8 @@ static void probes_in_parts(void)
               "%zu probes", list.count);
         memset(probes->radiance[0], 0, bytes);
         list.set = 1;
-        CHECK(lmb_probe_list_finish(&list, gathered, level.pool, probes) == LMB_ERROR_ARGUMENT, "a set that is not there");
+        CHECK(lmb_probe_list_finish(&list, gathered, level.pool, probes) == LMB_ERROR_ARGUMENT,
+              "a set that is not there");
         uint32_t set = 0;
         CHECK(lmb_probes_add_set(probes, &set) == LMB_OK && set == 1, "a set");
         CHECK(lmb_probe_list_finish(&list, gathered, level.pool, probes) == LMB_OK &&

@@ -278,13 +278,13 @@ static void test_extras_forms(void)
     static const warning_case places[] = {
         {HEAD QUAD_DATA "'meshes':[{'primitives':[],'extras':{'lambent':{'static':false}}}]}",
          "meshes[0]: extras.lambent"},
-        {HEAD "'scenes':[{'extras':{'lambent':{}}}]}", "scenes[0]: extras.lambent is ignored: only a node's and a material's are read"},
+        {HEAD "'scenes':[{'extras':{'lambent':{}}}]}",
+         "scenes[0]: extras.lambent is ignored: only a node's and a material's are read"},
         {HEAD "'materials':[{'extras':{'lambent':{'light_set':'a','seed':true}}}]}",
          "materials[0]: extras.lambent.seed is ignored: only light_set is read of a material"},
         {HEAD "'materials':[{'extras':{'lambent':{'light_set':7}}}]}",
          "materials[0]: extras.lambent.light_set is not a name"},
-        {HEAD "'materials':[{'extras':{'lambent':{'light_set':'a b'}}}]}",
-         "extras.lambent.light_set 'a b' is no name"},
+        {HEAD "'materials':[{'extras':{'lambent':{'light_set':'a b'}}}]}", "extras.lambent.light_set 'a b' is no name"},
         {HEAD LIGHTS("{'type':'point','extras':{'lambent':{'light':'off'}}}") "'nodes':[]}",
          "lights[0]: extras.lambent"},
     };

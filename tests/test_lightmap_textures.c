@@ -10,7 +10,7 @@
 #include <lambent/file.h>
 
 /* A box with a lamp, baked in the model of textures, to be written as `format`. */
-static bool cornell_bake(baked *bake, lmb_lightmap_format format, int threads)
+static bool cornell_bake(baked *bake, lmb_lightmap_format format, const lmb_model *model, int threads)
 {
     lmb_error error = {""};
     const char *path = OUTPUT("lightmap_textures.glb");
@@ -18,8 +18,12 @@ static bool cornell_bake(baked *bake, lmb_lightmap_format format, int threads)
     if (!level_fixture_open(&bake->level, path, lmb_level_cornell(path, &error), &error, threads)) {
         return false;
     }
-    const lmb_lightmap_settings settings = {
-        .texels_per_m = 16.0f, .max_image_size = 1024, .padding = 4, .format = format, .pool = bake->level.pool};
+    const lmb_lightmap_settings settings = {.texels_per_m = 16.0f,
+                                            .max_image_size = 1024,
+                                            .padding = 4,
+                                            .format = format,
+                                            .model = model,
+                                            .pool = bake->level.pool};
     const bool made = lmb_lightmap_create(bake->level.scene, &settings, &bake->lightmap, &error) == LMB_OK &&
                       lightmap_bake(bake, 256);
     CHECK(made, "%s", error.message);
@@ -73,7 +77,7 @@ static void textures_read_back(void)
             continue;
         }
         mkdir(directories[format], 0777);
-        if (cornell_bake(&bake, (lmb_lightmap_format)format, 2)) {
+        if (cornell_bake(&bake, (lmb_lightmap_format)format, NULL, 2)) {
             CHECK(bake.lightmap->model == lmb_model_default(LMB_MODEL_FOR_TEXTURE), "%s", bake.lightmap->model->name);
             CHECK(lmb_lightmap_write(bake.lightmap, directories[format], NULL, &bytes, &error) == LMB_OK, "%s",
                   error.message);
@@ -86,6 +90,42 @@ static void textures_read_back(void)
                 CHECK(rest > 0.0 && rest < most, "weight and direction: %g", rest);
             }
             lmb_lightmap_destroy(read);
+        }
+        baked_close(&bake);
+    }
+}
+
+/* SH3 over l0, in layers: of each colour 24, and those of luminance. The ratios lie in +-sqrt(3) and +-sqrt(5). */
+static void sh3_reads_back(void)
+{
+    static const struct {
+        const char *model, *directory;
+        int layers; /* of band 1 */
+    } kinds[] = {{"sh3.ratios", OUTPUT("lightmap_ratios"), 9}, {"sh3.shared-ratios", OUTPUT("lightmap_shared"), 3}};
+    for (int k = 0; k < 2; ++k) {
+        lmb_error error = {""};
+        baked bake;
+        uint64_t bytes = 0;
+        mkdir(kinds[k].directory, 0777);
+        if (cornell_bake(&bake, LMB_LIGHTMAP_KTX2, lmb_model_for_lightmap(kinds[k].model), 2)) {
+            CHECK(lmb_lightmap_write(bake.lightmap, kinds[k].directory, NULL, &bytes, &error) == LMB_OK, "%s",
+                  error.message);
+            lmb_lightmap *read = read_again(bake.lightmap, kinds[k].directory, LMB_OK);
+            double light = 0.0, rest = 0.0;
+            if (read) {
+                texels_compare(bake.lightmap, read, &light, &rest);
+            }
+            CHECK(light > 0.0 && light < 0.035, "%s: l0: %g", kinds[k].model, light);
+            CHECK(rest > 0.0 && rest < 0.2, "%s: ratios: %g", kinds[k].model, rest);
+            lmb_lightmap_destroy(read);
+            char path[512];
+            lmb_block_texture texture;
+            lmb_block_container container;
+            snprintf(path, sizeof path, "%s/lightmap_0_%s_linear.ktx2", kinds[k].directory, kinds[k].model);
+            CHECK(lmb_block_texture_read(path, &texture, &container, &error) == LMB_OK, "%s", error.message);
+            CHECK(texture.layers == kinds[k].layers && texture.format == LMB_BLOCK_BC4, "%s: %d layers", path,
+                  texture.layers);
+            lmb_block_texture_free(&texture);
         }
         baked_close(&bake);
     }
@@ -113,7 +153,7 @@ static void threads_make_no_difference(void)
         uint64_t bytes = 0;
         baked bake;
         mkdir(directories[i], 0777);
-        if (cornell_bake(&bake, LMB_LIGHTMAP_KTX2, i == 0 ? 1 : 5)) {
+        if (cornell_bake(&bake, LMB_LIGHTMAP_KTX2, NULL, i == 0 ? 1 : 5)) {
             CHECK(lmb_lightmap_write(bake.lightmap, directories[i], NULL, &bytes, &error) == LMB_OK, "%s",
                   error.message);
         }
@@ -227,7 +267,7 @@ static void broken_textures_are_refused(void)
     uint64_t bytes = 0;
     mkdir(directory, 0777);
     baked bake;
-    if (!cornell_bake(&bake, LMB_LIGHTMAP_KTX2, 2)) {
+    if (!cornell_bake(&bake, LMB_LIGHTMAP_KTX2, NULL, 2)) {
         baked_close(&bake);
         return;
     }
@@ -295,6 +335,7 @@ static void other_models_stay_pictures(void)
 
 static const test_case cases[] = {
     {"textures_read_back", textures_read_back},
+    {"sh3_reads_back", sh3_reads_back},
     {"threads_make_no_difference", threads_make_no_difference},
     {"charts_do_not_bleed", charts_do_not_bleed},
     {"broken_textures_are_refused", broken_textures_are_refused},

@@ -94,13 +94,53 @@ static void full_disk_leaves_the_old(void)
     if (!level_make()) {
         return;
     }
-    if (run(printed, sizeof printed, "mkdir -p " OUTPUT "/disk && mount -t tmpfs -o size=1m none " OUTPUT "/disk") !=
+    if (run(printed, sizeof printed, "mkdir -p " OUTPUT "/disk && mount -t tmpfs -o size=3m none " OUTPUT "/disk") !=
         0) {
         test_skip("no file system can be mounted here");
         return;
     }
     failed_write_leaves_the_old(OUTPUT "/disk/bake", "");
     CHECK_RUN(0, NULL, "umount " OUTPUT "/disk");
+}
+
+/* The folder is removed while the bake is at work: nothing is made in its place. */
+static void vanished_folder_is_an_error(void)
+{
+#define FOLDER OUTPUT "/vanished"
+    if (!level_make() || !CHECK_RUN(0, NULL, "rm -rf " FOLDER)) {
+        return;
+    }
+    CHECK_RUN(1, FOLDER,
+              BAKE LIGHTMAPS "--spacing 0.05 --samples 64 -o " FOLDER " & "
+                             "while [ ! -e " FOLDER "/.lambent-lock ]; do sleep 0.01; done; sleep 0.1; "
+                             "rm -rf " FOLDER "; wait $!");
+    CHECK(access(FOLDER, F_OK) != 0, "a folder that was removed is there again");
+#undef FOLDER
+}
+
+/* A file system that is mounted to be read: it is said before any work, and the bake on it stays. */
+static void read_only_folder_is_an_error(void)
+{
+#define FOLDER OUTPUT "/read_only"
+    static char old[16384], now[16384], printed[4096];
+    if (!level_make()) {
+        return;
+    }
+    if (run(printed, sizeof printed,
+            "mkdir -p " FOLDER " && mount -t tmpfs -o size=4m none " FOLDER " && " BAKE "-o " FOLDER
+            "/bake && mount -o remount,ro " FOLDER) != 0) {
+        run(printed, sizeof printed, "umount " FOLDER);
+        test_skip("no file system can be mounted here");
+        return;
+    }
+    folder_state(FOLDER, old, sizeof old);
+    CHECK_RUN(1, "Read-only file system", LMB_COMMAND " bake missing.glb -o " FOLDER "/bake");
+    CHECK_RUN(1, "Read-only file system", LMB_COMMAND " bake missing.glb -o " FOLDER "/new");
+    CHECK_RUN(1, "Read-only file system", LMB_COMMAND " pack " FOLDER "/bake/probes.vdb -o " FOLDER "/x.lmb");
+    folder_state(FOLDER, now, sizeof now);
+    CHECK(strcmp(old, now) == 0, "before\n%s\nand after\n%s", old, now);
+    CHECK_RUN(0, NULL, "umount " FOLDER);
+#undef FOLDER
 }
 
 /* A target that turns bad while the bake is at work: what has moved in by then is taken out again. */
@@ -199,6 +239,8 @@ static const test_case cases[] = {
     {"immutable_files_cost_nothing", immutable_files_cost_nothing},
     {"file_size_limit_leaves_the_old", file_size_limit_leaves_the_old},
     {"full_disk_leaves_the_old", full_disk_leaves_the_old},
+    {"vanished_folder_is_an_error", vanished_folder_is_an_error},
+    {"read_only_folder_is_an_error", read_only_folder_is_an_error},
     {"failed_moves_are_undone", failed_moves_are_undone},
     {"only_what_a_record_names_goes", only_what_a_record_names_goes},
     {"two_bakes_do_not_mix", two_bakes_do_not_mix},

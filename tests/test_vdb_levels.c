@@ -224,7 +224,7 @@ static void test_edited_values(void)
     }
     lmb_probes_destroy(read);
     write_probes(probes);
-    read = read_edited(vdb_editor_multiply(PATH, "sh_0_ghost_1", 0.0f));
+    read = read_edited(vdb_editor_multiply(PATH, "sh_0_ghosts", 0.0f));
     if (read) {
         const lmb_vec3d left = {-2.0, 0.1, 0.1};
         check_light(read, in_cell, 0.9 * cut_fixture_light(0, left));
@@ -245,20 +245,24 @@ static void test_removed_voxels(void)
 {
     static const struct {
         const char *suffix;
-        int32_t point[3];
+        int32_t voxel[3];
         uint32_t cells; /* that are left */
         lmb_vec3d at;   /* in what was the cell */
         bool is_there;  /* as a plain one */
     } cases[] = {
-        {"_ghost_1", {-3, 0, 0}, 4, {-1.9, 0.1, 0.2}, true},  {"_ghost_2", {-3, 0, 0}, 4, {-1.45, 0.1, 0.2}, true},
-        {"_ghost_1", {-4, 4, 4}, 4, {-1.9, 1.8, 1.8}, false}, {"", {-4, 0, 0}, 4, {-1.9, 0.2, 0.2}, false},
-        {"", {0, 4, 0}, 5, {-0.1, 1.9, 0.2}, false},          {"_level_1_ghost_1", {1, 1, 0}, 4, {0.2, 0.3, 0.4}, true},
+        /* The first and the second ghost of point (-3, 0, 0), and the only one of (-4, 4, 4) */
+        {"_ghosts", {-12, 0, 0}, 4, {-1.9, 0.1, 0.2}, true},
+        {"_ghosts", {-11, 0, 0}, 4, {-1.45, 0.1, 0.2}, true},
+        {"_ghosts", {-16, 16, 16}, 4, {-1.9, 1.8, 1.8}, false},
+        {"", {-4, 0, 0}, 4, {-1.9, 0.2, 0.2}, false},
+        {"", {0, 4, 0}, 5, {-0.1, 1.9, 0.2}, false},
+        {"_level_1_ghosts", {4, 4, 0}, 4, {0.2, 0.3, 0.4}, true},
     };
     folder_start(FOLDER);
     lmb_probes *const probes = cut_fixture_probes();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         write_probes(probes);
-        lmb_probes *const read = read_edited(vdb_editor_remove(PATH, cases[i].suffix, cases[i].point));
+        lmb_probes *const read = read_edited(vdb_editor_remove(PATH, cases[i].suffix, cases[i].voxel));
         if (read) {
             CHECK(read->cut.count == cases[i].cells, "case %zu: %u cells are cut", i, read->cut.count);
             CHECK(read->count == probes->count - 1, "case %zu: %d probes", i, read->count);
@@ -277,19 +281,22 @@ static void test_broken_structure(void)
     write_probes(probes);
     CHECK(vdb_editor_drop_metadata(PATH, "validity", "lambent_cut_cells"), "drop");
     check_refused(LMB_ERROR_FORMAT, "grid validity has no usable lambent_cut_cells");
-    CHECK(vdb_editor_drop_metadata(PATH, "validity", "lambent_ghosts"), "drop");
+    CHECK(vdb_editor_drop_set(PATH, "_ghosts"), "drop");
     lmb_probes *const plain = read_probes(); /* who drops both wants a plain level */
     CHECK(plain && plain->cut.count == 1 && plain->ghost_count == 4, "%u cells", plain ? plain->cut.count : 0);
     lmb_probes_destroy(plain);
     write_probes(probes);
-    CHECK(vdb_editor_drop_metadata(PATH, "validity_level_1", "lambent_ghosts"), "drop");
-    check_refused(LMB_ERROR_FORMAT, "grid validity_level_1 has no usable lambent_ghosts");
+    CHECK(vdb_editor_drop_set(PATH, "_level_1_ghosts"), "drop");
+    lmb_probes *const without = read_probes();
+    CHECK(without && without->cut.count == 4 && without->ghost_count == 26, "%u cells",
+          without ? without->cut.count : 0);
+    lmb_probes_destroy(without);
     write_probes(probes);
     CHECK(vdb_editor_drop_metadata(PATH, "validity", "lambent_levels"), "drop");
     check_refused(LMB_ERROR_FORMAT, "lambent_levels");
     write_probes(probes);
-    CHECK(vdb_editor_drop_grid(PATH, "sh_3_ghost_2"), "drop");
-    check_refused(LMB_ERROR_FORMAT, "no grid sh_3_ghost_2");
+    CHECK(vdb_editor_drop_grid(PATH, "sh_3_ghosts"), "drop");
+    check_refused(LMB_ERROR_FORMAT, "no grid sh_3_ghosts");
     write_probes(probes);
     CHECK(vdb_editor_drop_grid(PATH, "validity_level_1"), "drop");
     check_refused(LMB_ERROR_FORMAT, "no grid validity_level_1");
@@ -297,8 +304,11 @@ static void test_broken_structure(void)
     CHECK(vdb_editor_set_spacing(PATH, "validity_level_1", 1.5), "set");
     check_refused(LMB_ERROR_FORMAT, "spacing");
     write_probes(probes);
-    CHECK(vdb_editor_set_spacing(PATH, "sh_4_ghost_1", 0.25), "set");
-    check_refused(LMB_ERROR_FORMAT, "grids sh_4_ghost_1 and validity_ghost_1 differ in spacing");
+    CHECK(vdb_editor_set_spacing(PATH, "sh_4_ghosts", 0.25), "set");
+    check_refused(LMB_ERROR_FORMAT, "grids sh_4_ghosts and validity_ghosts differ in spacing");
+    write_probes(probes);
+    CHECK(vdb_editor_set_spacing(PATH, "validity_ghosts", 0.25), "set");
+    check_refused(LMB_ERROR_FORMAT, "validity_ghosts has not a quarter of the spacing");
     for (int32_t version = 1; version < 5; ++version) {
         write_probes(probes);
         CHECK(vdb_editor_set_version(PATH, "sh_0", version), "set");
@@ -373,14 +383,52 @@ static void test_refused_levels(void)
     lmb_probes_destroy(probes);
 
     const lmb_lattice lattice = {.spacing = 1.0f, .size = {2, 2, 2}};
-    static const int32_t at_one_point[256][3] = {{0}};
-    for (int32_t count = 255; count <= 256; ++count) {
+    static const int32_t at_one_point[65][3] = {{0}};
+    for (int32_t count = 64; count <= 65; ++count) {
         int32_t first;
         probes = fixture_probes(&lattice, NULL);
         CHECK(lmb_probes_add_ghosts(probes, 0, at_one_point, count, &first) == LMB_OK, "%d ghosts", count);
         const lmb_result result = lmb_vdb_write(PATH, probes, &metadata, &error);
-        CHECK(result == (count > 255 ? LMB_ERROR_ARGUMENT : LMB_OK), "%d ghosts of a point: %s", count, error.message);
+        CHECK(result == (count > 64 ? LMB_ERROR_ARGUMENT : LMB_OK), "%d ghosts of a point: %s", count, error.message);
         lmb_probes_destroy(probes);
+    }
+}
+
+/* Many ghosts of a point, and those as far out as their voxels go. */
+static void test_many_ghosts(void)
+{
+    static const lmb_vdb_metadata metadata = {"{}", ""};
+    const int32_t far_out = INT32_MAX / 4 - 1;
+    folder_start(FOLDER);
+    for (int side = -1; side <= 1; side += 2) {
+        for (int32_t beyond = 0; beyond <= 1; ++beyond) {
+            lmb_lattice lattice = {.spacing = 0.3f, .size = {3, 3, 3}};
+            int32_t point[64][3], first;
+            for (int axis = 0; axis < 3; ++axis) {
+                lattice.min[axis] = side * (far_out + beyond) - 1;
+                for (int i = 0; i < 64; ++i) {
+                    point[i][axis] = lattice.min[axis] + 1;
+                }
+            }
+            lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 1.0, 5);
+            CHECK(lmb_probes_add_ghosts(probes, 0, (const int32_t(*)[3])point, 64, &first) == LMB_OK, "ghosts");
+            for (int32_t i = 0; i < 64; ++i) {
+                probes->validity[first + i] = (float)i / 64.0f;
+            }
+            lmb_error error = {""};
+            const lmb_result result = lmb_vdb_write(PATH, probes, &metadata, &error);
+            CHECK(result == (beyond ? LMB_ERROR_ARGUMENT : LMB_OK), "%d at %d: %s", result, point[0][0], error.message);
+            lmb_probes *const read = beyond ? NULL : read_probes();
+            CHECK(!read || (read->ghost_count == 64 && memcmp(read->point[first], point, sizeof point) == 0),
+                  "ghosts at %d", point[0][0]);
+            double sum = 0.0;
+            for (int32_t i = 0; read && i < 64; ++i) {
+                sum += (double)read->validity[first + i] * 64.0; /* in another order: no cell names them */
+            }
+            CHECK(!read || sum == 63.0 * 32.0, "validity of ghosts at %d: %g", point[0][0], sum);
+            lmb_probes_destroy(read);
+            lmb_probes_destroy(probes);
+        }
     }
 }
 
@@ -434,16 +482,11 @@ static void test_vdb_print(void)
     size_t bytes = 0;
     CHECK(lmb_file_read(FOLDER "/printed", &text, &bytes, NULL) == LMB_OK, "read");
     static const char *const expected[] = {
-        "Name: sh_8\n",
-        "Name: validity\n",
-        "Name: sh_0_level_1\n",
-        "Name: validity_level_1\n",
-        "Name: sh_0_ghost_1\n",
-        "Name: sh_8_ghost_2\n",
-        "Name: validity_level_1_ghost_1\n",
-        "lambent_levels: 2",
-        "lambent_cut_cells: ",
-        "lambent_ghosts: ",
+        "Name: sh_8\n",         "Name: validity\n",
+        "Name: sh_0_level_1\n", "Name: validity_level_1\n",
+        "Name: sh_8_ghosts\n",  "Name: validity_level_1_ghosts\n",
+        "lambent_levels: 2",    "lambent_cut_cells: ",
+        "voxel size: 0.125",
     };
     for (size_t i = 0; text && i < sizeof expected / sizeof expected[0]; ++i) {
         CHECK(strstr((const char *)text, expected[i]), "vdb_print does not show '%s'", expected[i]);
@@ -459,6 +502,7 @@ static const test_case cases[] = {
     {"metadata and grids that are gone", test_broken_structure},
     {"broken cut cells", test_broken_cells},
     {"levels that the format does not hold", test_refused_levels},
+    {"many ghosts, far out", test_many_ghosts},
     {"bytes as text", test_base64},
     {"vdb_print shows levels and ghosts", test_vdb_print},
 };

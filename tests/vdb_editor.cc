@@ -55,7 +55,7 @@ template <typename GridType> void remove_voxel(GridBase &grid, const openvdb::Co
     }
 }
 
-bool is_of_layer(const std::string &name, const std::string &suffix)
+bool is_of_set(const std::string &name, const std::string &suffix)
 {
     const auto matches = [&](const std::string &stem) { return name == stem + suffix; };
     bool found = matches("validity");
@@ -72,17 +72,29 @@ bool vdb_editor_save(const char *path)
     return edit_grids(path, [](GridBase &) { return true; });
 }
 
-bool vdb_editor_remove(const char *path, const char *suffix, const int32_t point[3])
+bool vdb_editor_remove(const char *path, const char *suffix, const int32_t voxel[3])
 {
     int count = 0;
     return edit_grids(path,
                       [&](GridBase &grid) {
-                          if (is_of_layer(grid.getName(), suffix)) {
-                              remove_voxel<openvdb::FloatGrid>(grid, openvdb::Coord(point));
-                              remove_voxel<openvdb::Vec3SGrid>(grid, openvdb::Coord(point));
+                          if (is_of_set(grid.getName(), suffix)) {
+                              remove_voxel<openvdb::FloatGrid>(grid, openvdb::Coord(voxel));
+                              remove_voxel<openvdb::Vec3SGrid>(grid, openvdb::Coord(voxel));
                               ++count;
                           }
                           return true;
+                      }) &&
+           count >= 10;
+}
+
+bool vdb_editor_drop_set(const char *path, const char *suffix)
+{
+    int count = 0;
+    return edit_grids(path,
+                      [&](GridBase &grid) {
+                          const bool is_it = is_of_set(grid.getName(), suffix);
+                          count += is_it;
+                          return !is_it;
                       }) &&
            count >= 10;
 }

@@ -11,8 +11,11 @@ extern "C" {
 
 /* All return false where the file, the grid or the metadata is not there. */
 
-/* Makes a voxel inactive in the grids of one layer: those called sh_N, validity and key_visibility_N with `suffix`. */
-bool vdb_editor_remove(const char *path, const char *suffix, const int32_t point[3]);
+/* Makes a voxel inactive in the grids of one set: those called sh_N, validity and key_visibility_N with `suffix`. */
+bool vdb_editor_remove(const char *path, const char *suffix, const int32_t voxel[3]);
+
+/* Drops such a set. */
+bool vdb_editor_drop_set(const char *path, const char *suffix);
 
 /* Multiplies the values of all active voxels of a grid of vectors. */
 bool vdb_editor_multiply(const char *path, const char *grid, float factor);

@@ -25,8 +25,9 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     "  --padding N           texels filled around lightmap charts and nodes, for mip levels (default 1)\n"             \
     "  --lightmap-format F   exr: half floats (default); ktx2, dds: block-compressed textures, 2.5 bytes a texel;\n"   \
     "                        ktx2-astc: for mobile hardware, 2 bytes; as many mip levels as --padding keeps apart\n"   \
-    "  --models NAME,...     lightmaps in these models too, a file each (default: irradz-hhd alone, which is always\n" \
-    "                        written): hlsh, sh3, or any name of `lambent models`\n"                                   \
+    "  --models NAME,...     lightmaps in these models too (default: the format's own alone, which is always\n"        \
+    "                        written: irradz-hhd, of textures irradz-hhd.disc): hlsh, sh3, or any name of\n"           \
+    "                        `lambent models`\n"                                                                       \
     "  --compact             probes.lmb of little more than half the size: bytes above each probe's mean\n"            \
     "  --texel-error         the standard error of each texel, as a picture\n"                                         \
     "  --no-denoise          probes and lightmaps as they were gathered, noise and all\n"                              \

@@ -57,7 +57,7 @@ static bool dense_shape(const lmb_lattice *lattice, lmb_bench_dense *dense, size
 static float half_scale_find(const lmb_probes *probes)
 {
     float largest = 0.0f;
-    for (int32_t probe = 0; probe < probes->count; ++probe) {
+    for (int32_t probe = 0; probe < probes->count - probes->ghost_count; ++probe) {
         for (int i = 0; i < BENCH_DENSE_FLOATS; ++i) {
             const float value = probes->radiance[0][probe].channel[i / LMB_SH3_COUNT].c[i % LMB_SH3_COUNT];
             largest = fmaxf(largest, fabsf(value));
@@ -70,7 +70,7 @@ static void dense_fill(const lmb_probes *probes, lmb_bench_dense *dense)
 {
     dense->scale = dense->fp32 ? 1.0f : half_scale_find(probes);
     const int32_t *const min = probes->level[0].lattice.min;
-    for (int32_t probe = 0; probe < probes->count; ++probe) {
+    for (int32_t probe = 0; probe < probes->count - probes->ghost_count; ++probe) {
         const int32_t *const point = probes->point[probe];
         const size_t at = (size_t)(point[0] - min[0]) +
                           (size_t)dense->size[0] *

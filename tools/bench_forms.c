@@ -68,7 +68,7 @@ static lmb_result form_create(const lmb_probes *probes, lmb_volume_form form, co
     return LMB_OK;
 }
 
-/* A cell by its first probe, in three regions between two planes. */
+/* Cuts a cell by its first probe, in three regions between two planes, unless it is cut. */
 static lmb_result cell_cut(lmb_probes *probes, int32_t first)
 {
     static const lmb_cell_plane planes[2] = {
@@ -76,6 +76,9 @@ static lmb_result cell_cut(lmb_probes *probes, int32_t first)
         {.normal = {0, 13106, -9830}, .offset = 2000, .child = {LMB_CELL_REGION + 1, LMB_CELL_REGION + 2}}};
     const int32_t *const point = probes->point[first];
     int32_t corner[3][8];
+    if (lmb_probe_index_find(&probes->level[0].cut, point) >= 0) {
+        return LMB_OK; /* by geometry */
+    }
     for (int32_t i = 0; i < 8; ++i) {
         const int32_t probe =
             lmb_probes_find(probes, 0, point[0] + (i & 1), point[1] + (i >> 1 & 1), point[2] + (i >> 2));
@@ -94,7 +97,7 @@ lmb_result bench_forms_create(lmb_probes *probes, lmb_bench_sampler sampler[BENC
     if (result != LMB_OK) {
         return result;
     }
-    for (int32_t probe = 0; probe < probes->count && result == LMB_OK; ++probe) {
+    for (int32_t probe = 0; probe < probes->count - probes->ghost_count && result == LMB_OK; ++probe) {
         result = cell_cut(probes, probe);
     }
     if (result == LMB_OK) {

@@ -60,7 +60,7 @@ std::unique_ptr<OpenGrids> make_openvdb(const lmb_probes &probes)
         grids->grid[i] = Vec3SGrid::create(openvdb::Vec3s(0.0f));
         grids->grid[i]->setTransform(openvdb::math::Transform::createLinearTransform(spacing));
         Vec3SGrid::Accessor accessor = grids->grid[i]->getAccessor();
-        for (int32_t probe = 0; probe < probes.count; ++probe) {
+        for (int32_t probe = 0; probe < probes.count - probes.ghost_count; ++probe) {
             const lmb_sh3_rgb &light = probes.radiance[0][probe];
             accessor.setValue(openvdb::Coord(probes.point[probe]),
                               openvdb::Vec3s(light.channel[0].c[i], light.channel[1].c[i], light.channel[2].c[i]));

@@ -18,8 +18,12 @@ static double draw(uint64_t *state)
     return (double)(*state >> 11) * 0x1p-53;
 }
 
+/* Whether all corners were baked, and it is not cut: others that are timed know nothing of that. */
 static bool cell_is_whole(const lmb_probes *probes, const int32_t cell[3])
 {
+    if (lmb_probe_index_find(&probes->level[0].cut, cell) >= 0) {
+        return false;
+    }
     for (int corner = 0; corner < 8; ++corner) {
         const int32_t probe =
             lmb_probes_find(probes, 0, cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2));
@@ -35,7 +39,7 @@ static int32_t *cells_find(const lmb_probes *probes, int32_t *count)
 {
     int32_t *const cell = malloc(((size_t)probes->count + 1) * sizeof *cell);
     *count = 0;
-    for (int32_t probe = 0; cell && probe < probes->count; ++probe) {
+    for (int32_t probe = 0; cell && probe < probes->count - probes->ghost_count; ++probe) {
         if (cell_is_whole(probes, probes->point[probe])) {
             cell[(*count)++] = probe;
         }

@@ -115,23 +115,30 @@ static lmb_result picture_write(const char *path, const cube_map *map, lmb_error
     return result;
 }
 
+/* What all places share. */
+typedef struct cube_run {
+    const cube_options *options;
+    const lmb_baked *baked;
+    const lmb_progress *progress;
+    cJSON *maps; /* the list, so far */
+} cube_run;
+
 /* Traces one map and writes it. */
-static lmb_result place_make(const cube_options *options, lmb_baked *baked, int index, const char *name,
-                             lmb_vec3d position, const lmb_progress *progress, cJSON *maps, lmb_error *error)
+static lmb_result place_make(const cube_run *run, int index, const char *name, lmb_vec3d position, lmb_error *error)
 {
+    const cube_options *options = run->options;
+    const lmb_level *level = &run->baked->level;
     char image[32], path[4096];
     cube_map map;
-    lmb_sh3_rgb place;
+    cube_place place = {.position = lmb_scene_from_world(level->scene, position)};
     snprintf(image, sizeof image, "cube_map_%d.exr", index);
     snprintf(path, sizeof path, "%s/%s", options->folder, image);
-    const bool inside = lmb_volume_sample_at(baked->volume, position, &place);
-    if (!inside) {
+    if (!lmb_volume_sample_at(run->baked->volume, position, &place.radiance)) {
         char line[LMB_ERROR_MESSAGE_SIZE];
         snprintf(line, sizeof line, "%s is outside of the baked volume: divided by the nearest probes", name);
         console_warning(line, options->quiet);
     }
-    lmb_result result = cube_map_make(&baked->level.transport, lmb_scene_from_world(baked->level.scene, position),
-                                      &place, options->samples, baked->level.pool, progress, &map);
+    lmb_result result = cube_map_make(&level->transport, &place, options->samples, level->pool, run->progress, &map);
     if (result != LMB_OK) {
         return lmb_error_set(error, result, "cube: %s", lmb_result_text(result));
     }
@@ -141,7 +148,7 @@ static lmb_result place_make(const cube_options *options, lmb_baked *baked, int 
     cJSON_AddStringToObject(entry, "name", name);
     cJSON_AddItemToObject(entry, "position", json_position(position));
     cJSON_AddStringToObject(entry, "image", image);
-    cJSON_AddItemToArray(maps, entry);
+    cJSON_AddItemToArray(run->maps, entry);
     return result;
 }
 
@@ -179,20 +186,19 @@ static lmb_result maps_make(const cube_options *options, lmb_baked *baked, lmb_e
     }
     lmb_console console;
     const lmb_progress progress = console_progress(&console, options->quiet, false);
-    cJSON *maps = cJSON_CreateArray();
+    const cube_run run = {options, baked, &progress, cJSON_CreateArray()};
     lmb_result result = lmb_level_solve(&baked->level, baked->settings.estimator, &progress, error);
     for (int i = 0; i < count && result == LMB_OK; ++i) {
         const lmb_vec3d position =
             i < marked ? lmb_scene_to_world(scene, scene->cube_points[i]) : options->at[i - marked];
-        result =
-            place_make(options, baked, i, i < marked ? scene->cube_names[i] : "--at", position, &progress, maps, error);
+        result = place_make(&run, i, i < marked ? scene->cube_names[i] : "--at", position, error);
     }
     console_finish(&console);
     if (result != LMB_OK) {
-        cJSON_Delete(maps);
+        cJSON_Delete(run.maps);
         return result;
     }
-    return list_write(options->folder, maps, error);
+    return list_write(options->folder, run.maps, error);
 }
 
 int command_cube(int count, char **values)

@@ -14,8 +14,7 @@ enum { LOBE_SAMPLES = 512 };
 
 typedef struct cube_work {
     const lmb_transport *transport;
-    lmb_vec3 position;
-    const lmb_sh3_rgb *place;
+    const cube_place *place;
     uint32_t samples;
     const float *seen[CUBE_LEVELS]; /* what is seen, not blurred, as wide as the level */
     cube_map *map;
@@ -65,16 +64,16 @@ static void trace_task(void *context, size_t task, int worker)
     (void)worker;
     const cube_work *work = context;
     float *rgb = work->map->rgb[0] + task * CUBE_SIDE * 3;
-    const uint64_t place = lmb_stream_of_position(work->transport->seed, work->position);
+    const uint64_t around = lmb_stream_of_position(work->transport->seed, work->place->position);
     for (int x = 0; x < CUBE_SIDE; ++x) {
-        const uint64_t stream = lmb_mix(place, task * CUBE_SIDE + (size_t)x);
+        const uint64_t stream = lmb_mix(around, task * CUBE_SIDE + (size_t)x);
         lmb_rgb sum = {{0.0f, 0.0f, 0.0f}};
         for (uint32_t i = 0; i < work->samples; ++i) {
             float at[2];
             lmb_sequence_2d(~stream, i, 0, at);
             const lmb_vec3 direction = cube_direction((int)(task / CUBE_SIDE), ((float)x + at[0]) / CUBE_SIDE,
                                                       ((float)(task % CUBE_SIDE) + at[1]) / CUBE_SIDE);
-            sum = lmb_rgb_add(sum, radiance_without_keys(work->transport, work->position, direction, stream, i));
+            sum = lmb_rgb_add(sum, radiance_without_keys(work->transport, work->place->position, direction, stream, i));
         }
         for (int c = 0; c < 3; ++c) {
             rgb[3 * x + c] = sum.c[c] / (float)work->samples;
@@ -82,19 +81,31 @@ static void trace_task(void *context, size_t task, int worker)
     }
 }
 
-/* What a mirror of that roughness shows of what is seen, looked at along its normal. */
-static lmb_rgb blurred(const float *seen, int side, float roughness, lmb_vec3 direction)
+/* A lobe about +Z, looked at along it; what cannot arrive has no weight. */
+static void lobe_make(float roughness, half_vector_sample lobe[LOBE_SAMPLES])
 {
-    double sum[3] = {0.0, 0.0, 0.0};
+    const lmb_vec3 axis = {0.0f, 0.0f, 1.0f};
     for (uint32_t i = 0; i < LOBE_SAMPLES; ++i) {
         float u[2];
-        half_vector_sample picked;
         lmb_sequence_2d(0, i, 0, u);
-        if (half_vector_pick(roughness, direction, direction, u, &picked)) {
-            const float *rgb = seen + cube_texel(side, picked.towards);
-            for (int c = 0; c < 3; ++c) {
-                sum[c] += picked.arrives / LOBE_SAMPLES * (double)rgb[c];
-            }
+        if (!half_vector_pick(roughness, axis, axis, u, &lobe[i])) {
+            lobe[i].arrives = 0.0;
+        }
+    }
+}
+
+/* What a mirror with that lobe shows of what is seen, looked at along its normal. */
+static lmb_rgb blurred(const float *seen, int side, const half_vector_sample lobe[LOBE_SAMPLES], lmb_vec3 direction)
+{
+    lmb_vec3 tangent, bitangent;
+    lmb_vec3_frame(direction, &tangent, &bitangent);
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (int i = 0; i < LOBE_SAMPLES; ++i) {
+        const lmb_vec3 local = lobe[i].towards;
+        const lmb_vec3 across = lmb_vec3_mad(lmb_vec3_scale(tangent, local.x), bitangent, local.y);
+        const float *rgb = seen + cube_texel(side, lmb_vec3_mad(across, direction, local.z));
+        for (int c = 0; c < 3; ++c) {
+            sum[c] += lobe[i].arrives / LOBE_SAMPLES * (double)rgb[c];
         }
     }
     return lmb_rgb_of((float)sum[0], (float)sum[1], (float)sum[2]);
@@ -111,11 +122,13 @@ static void blur_task(void *context, size_t task, int worker)
     }
     const int side = cube_side(level), face = (int)task / side, row = (int)task % side;
     const float roughness = cube_roughness(level);
+    half_vector_sample lobe[LOBE_SAMPLES];
+    lobe_make(roughness, lobe);
     for (int x = 0; x < side; ++x) {
         const lmb_vec3 direction =
             cube_direction(face, ((float)x + 0.5f) / (float)side, ((float)row + 0.5f) / (float)side);
-        const lmb_rgb light = blurred(work->seen[level], side, roughness, direction);
-        const lmb_rgb divisor = lmb_specular_environment_divisor(work->place, roughness, direction);
+        const lmb_rgb light = blurred(work->seen[level], side, lobe, direction);
+        const lmb_rgb divisor = lmb_specular_environment_divisor(&work->place->radiance, roughness, direction);
         float *rgb = work->map->rgb[level] + 3 * (task * (size_t)side + (size_t)x);
         for (int c = 0; c < 3; ++c) {
             rgb[c] = divisor.c[c] > 0.0f ? lmb_light_clamped(light.c[c] / divisor.c[c]) : 0.0f;
@@ -156,11 +169,11 @@ void cube_map_free(cube_map *freed)
     }
 }
 
-lmb_result cube_map_make(const lmb_transport *transport, lmb_vec3 position, const lmb_sh3_rgb *place, uint32_t samples,
-                         lmb_pool *pool, const lmb_progress *progress, cube_map *made)
+lmb_result cube_map_make(const lmb_transport *transport, const cube_place *place, uint32_t samples, lmb_pool *pool,
+                         const lmb_progress *progress, cube_map *made)
 {
     cube_map seen;
-    cube_work work = {transport, position, place, samples, {NULL}, &seen};
+    cube_work work = {transport, place, samples, {NULL}, &seen};
     const bool first = levels_allocate(seen.rgb), second = levels_allocate(made->rgb);
     lmb_result result = first && second ? LMB_OK : LMB_ERROR_MEMORY;
     if (result == LMB_OK) {

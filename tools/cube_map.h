@@ -31,10 +31,15 @@ lmb_vec3 cube_direction(int face, float s, float t);
 /* Index of the texel of a level that a direction goes through, times 3. */
 size_t cube_texel(int side, lmb_vec3 direction);
 
+typedef struct cube_place {
+    lmb_vec3 position;    /* in the level's scene */
+    lmb_sh3_rgb radiance; /* of the probes there, without key lights */
+} cube_place;
+
 /* Traces the first level's texels, `samples` rays each, without the direct light of key lights; then blurs and divides
  * all levels. On failure nothing is to be freed. @return LMB_ERROR_MEMORY, _INTERRUPTED */
-lmb_result cube_map_make(const lmb_transport *transport, lmb_vec3 position, const lmb_sh3_rgb *place, uint32_t samples,
-                         lmb_pool *pool, const lmb_progress *progress, cube_map *made);
+lmb_result cube_map_make(const lmb_transport *transport, const cube_place *place, uint32_t samples, lmb_pool *pool,
+                         const lmb_progress *progress, cube_map *made);
 void cube_map_free(cube_map *freed);
 
 #endif

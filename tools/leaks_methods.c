@@ -1,6 +1,9 @@
 #include "leaks_methods.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+#include <lambent/pack.h>
 
 static lmb_result trilinear_prepare(const leaks_field *field, void **state, size_t *bytes)
 {
@@ -22,23 +25,42 @@ const leaks_method leaks_trilinear = {
     .sample = trilinear_sample,
 };
 
-/* A probe as a file holds it: 27 halfs. */
-enum { PROBE_BYTES = 54, CELL_REGION_BYTES = 8 * sizeof(uint16_t), CELL_OFFSET_BYTES = sizeof(uint16_t) };
+/* The bake as a game has it. */
+typedef struct game_volume {
+    lmb_volume *volume;
+    unsigned char *packed;
+} game_volume;
+
+static void regions_release(void *state)
+{
+    game_volume *const game = state;
+    lmb_volume_close(game->volume);
+    free(game->packed);
+    free(game);
+}
 
 static lmb_result regions_prepare(const leaks_field *field, void **state, size_t *bytes)
 {
-    const lmb_probes *const probes = field->bake.probes;
-    *state = field->bake.probes;
-    *bytes = field->packed_bytes + (size_t)probes->ghost_count * PROBE_BYTES + probes->cut.count * CELL_OFFSET_BYTES +
-             probes->cut.region_count * CELL_REGION_BYTES + probes->cut.plane_count * sizeof(lmb_cell_plane);
-    return LMB_OK;
+    game_volume *const game = calloc(1, sizeof *game);
+    lmb_result result = LMB_ERROR_MEMORY;
+    if (game) {
+        result = lmb_pack(field->bake.probes, &game->packed, bytes, NULL);
+    }
+    if (result == LMB_OK) {
+        result = lmb_volume_open_memory(game->packed, *bytes, &game->volume);
+    }
+    if (result != LMB_OK && game) {
+        regions_release(game);
+        return result;
+    }
+    *state = game;
+    return result;
 }
 
 static void regions_sample(const void *state, lmb_vec3 position, const lmb_vec3 *normal, lmb_sh3_rgb *radiance)
 {
     (void)normal;
-    const lmb_vec3d at = {(double)position.x, (double)position.y, (double)position.z};
-    *radiance = lmb_probes_light(state, 0, at);
+    lmb_volume_sample(((const game_volume *)state)->volume, position, radiance);
 }
 
 const leaks_method leaks_regions = {
@@ -46,6 +68,7 @@ const leaks_method leaks_regions = {
     .about = "cells cut into regions, eight values each: probes, or ghosts fitted to light inside",
     .prepare = regions_prepare,
     .sample = regions_sample,
+    .release = regions_release,
 };
 
 static const leaks_method *const methods[] = {

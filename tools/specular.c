@@ -59,18 +59,19 @@ static double seconds_used(void)
 }
 
 /* Normals are spread evenly (Fibonacci), and the view turns about each. */
-static void surface_of(int index, lmb_vec3 *normal, lmb_vec3 *view)
+static specular_surface surface_of(int index, lmb_specular specular)
 {
     const double golden = 2.399963229728653;
     const int i = index / VIEWS;
     const double y = 1.0 - 2.0 * (i + 0.5) / NORMALS, radius = sqrt(1.0 - y * y);
+    const lmb_vec3 normal = lmb_vec3_of((float)(radius * cos(golden * i)), (float)y, (float)(radius * sin(golden * i)));
     lmb_vec3 tangent, bitangent;
-    *normal = lmb_vec3_of((float)(radius * cos(golden * i)), (float)y, (float)(radius * sin(golden * i)));
-    lmb_vec3_frame(*normal, &tangent, &bitangent);
+    lmb_vec3_frame(normal, &tangent, &bitangent);
     const float cosine = VIEW_COSINE[index % VIEWS], sine = sqrtf(1.0f - cosine * cosine);
     const lmb_vec3 across =
         lmb_vec3_mad(lmb_vec3_scale(tangent, (float)cos(1.7 * index)), bitangent, (float)sin(1.7 * index));
-    *view = lmb_vec3_unit_or(lmb_vec3_mad(lmb_vec3_scale(*normal, cosine), across, sine), *normal);
+    const lmb_vec3 view = lmb_vec3_unit_or(lmb_vec3_mad(lmb_vec3_scale(normal, cosine), across, sine), normal);
+    return (specular_surface){specular, normal, view};
 }
 
 /* Truths and layers of one light. */
@@ -109,18 +110,18 @@ static void light_compare(const specular_light *light, const specular_options *o
     const lmb_specular specular = {roughness, {{options->f0, options->f0, options->f0}}};
     all.count = 0;
     for (int i = 0; i < SURFACES; ++i) {
-        lmb_vec3 normal, view;
         if (only_view >= 0 && i % VIEWS != only_view) {
             continue;
         }
-        surface_of(i, &normal, &view);
-        const lmb_rgb sun = lmb_specular_light(&light->sun, 1.0f, &specular, normal, normal, view);
-        const lmb_rgb picture = specular_traced(light, &specular, normal, view, options->samples, (uint64_t)i);
+        const specular_surface surface = surface_of(i, specular);
+        const lmb_rgb sun =
+            lmb_specular_light(&light->sun, 1.0f, &specular, surface.normal, surface.normal, surface.view);
+        const lmb_rgb picture = specular_traced(light, &surface, options->samples, (uint64_t)i);
         all.truth[0][all.count] = lmb_luminance(picture);
         all.truth[1][all.count] = lmb_luminance(lmb_rgb_add(picture, sun));
         for (int layer = 0; layer < SPECULAR_LAYERS; ++layer) {
-            const lmb_rgb found = specular_layer_of(light, (specular_layer)layer, &specular, normal, view,
-                                                    options->samples, (uint64_t)(i + SURFACES));
+            const lmb_rgb found =
+                specular_layer_of(light, (specular_layer)layer, &surface, options->samples, (uint64_t)(i + SURFACES));
             all.found[layer][all.count] = lmb_luminance(found);
         }
         ++all.count;

@@ -106,9 +106,10 @@ lmb_rgb specular_light_look(const specular_light *light, lmb_vec3 direction)
 }
 
 /* The reflectance times N.L, by its definition. */
-static lmb_rgb cells_reflected(const specular_light *light, const lmb_specular *specular, lmb_vec3 normal,
-                               lmb_vec3 view)
+static lmb_rgb cells_reflected(const specular_light *light, const specular_surface *surface)
 {
+    const lmb_specular *specular = &surface->specular;
+    const lmb_vec3 normal = surface->normal, view = surface->view;
     const double m2 = (double)specular->roughness * (double)specular->roughness;
     const double nv = fmax((double)lmb_vec3_dot(normal, view), 1e-6);
     double sum[3] = {0.0, 0.0, 0.0};
@@ -129,18 +130,18 @@ static lmb_rgb cells_reflected(const specular_light *light, const lmb_specular *
     return lmb_rgb_of((float)sum[0], (float)sum[1], (float)sum[2]);
 }
 
-lmb_rgb specular_traced(const specular_light *light, const lmb_specular *specular, lmb_vec3 normal, lmb_vec3 view,
-                        uint32_t samples, uint64_t stream)
+lmb_rgb specular_traced(const specular_light *light, const specular_surface *surface, uint32_t samples, uint64_t stream)
 {
+    const lmb_specular *specular = &surface->specular;
     if (specular->roughness >= SPECULAR_WIDE) {
-        return cells_reflected(light, specular, normal, view);
+        return cells_reflected(light, surface);
     }
     double sum[3] = {0.0, 0.0, 0.0};
     for (uint32_t i = 0; i < samples; ++i) {
         float u[2];
         half_vector_sample picked;
         lmb_sequence_2d(stream, i, 0, u);
-        if (half_vector_pick(specular->roughness, normal, view, u, &picked)) {
+        if (half_vector_pick(specular->roughness, surface->normal, surface->view, u, &picked)) {
             const lmb_rgb seen = specular_light_look(light, picked.towards);
             for (int c = 0; c < 3; ++c) {
                 const double f0 = (double)specular->f0.c[c];
@@ -155,53 +156,56 @@ lmb_rgb specular_traced(const specular_light *light, const lmb_specular *specula
 static lmb_rgb mirrored_picture(const specular_light *light, float roughness, lmb_vec3 mirrored, uint32_t samples,
                                 uint64_t stream)
 {
-    const lmb_specular mirror = {roughness, {{1.0f, 1.0f, 1.0f}}};
-    return specular_traced(light, &mirror, mirrored, mirrored, samples, stream);
+    const specular_surface mirror = {{roughness, {{1.0f, 1.0f, 1.0f}}}, mirrored, mirrored};
+    return specular_traced(light, &mirror, samples, stream);
 }
 
 /* As it is stored in a map, and taken from there. */
-static lmb_rgb environment_layer(const specular_light *light, const lmb_specular *specular, lmb_vec3 normal,
-                                 lmb_vec3 view, lmb_vec3 mirrored, lmb_rgb picture)
+static lmb_rgb environment_layer(const specular_light *light, const specular_surface *surface, lmb_vec3 mirrored,
+                                 lmb_rgb picture)
 {
-    const lmb_rgb divisor = lmb_specular_environment_divisor(&light->radiance, specular->roughness, mirrored);
+    const lmb_rgb divisor = lmb_specular_environment_divisor(&light->radiance, surface->specular.roughness, mirrored);
     for (int c = 0; c < 3; ++c) {
         picture.c[c] /= lmb_larger(divisor.c[c], 1e-20f);
     }
-    return lmb_specular_environment(picture, &light->radiance, specular, normal, view);
+    return lmb_specular_environment(picture, &light->radiance, &surface->specular, surface->normal, surface->view);
 }
 
 /* That as a mean of the light that it sees, times what a white sky sends on. */
-static lmb_rgb split_layer(const lmb_specular *specular, lmb_vec3 normal, lmb_vec3 view, lmb_rgb picture)
+static lmb_rgb split_layer(const specular_surface *surface, lmb_rgb picture)
 {
     const lmb_sh3_rgb white = {{{{3.5449077f}}, {{3.5449077f}}, {{3.5449077f}}}};
-    const lmb_specular mirror = {specular->roughness, {{1.0f, 1.0f, 1.0f}}};
-    const float kept = lmb_specular_area(&white, &mirror, normal, normal).c[0];
-    return lmb_rgb_scale(lmb_rgb_mul(picture, lmb_specular_area(&white, specular, normal, view)), 1.0f / kept);
+    const lmb_specular mirror = {surface->specular.roughness, {{1.0f, 1.0f, 1.0f}}};
+    const float kept = lmb_specular_area(&white, &mirror, surface->normal, surface->normal).c[0];
+    const lmb_rgb sent = lmb_specular_area(&white, &surface->specular, surface->normal, surface->view);
+    return lmb_rgb_scale(lmb_rgb_mul(picture, sent), 1.0f / kept);
 }
 
-static lmb_rgb picture_layer(const specular_light *light, specular_layer layer, const lmb_specular *specular,
-                             lmb_vec3 normal, lmb_vec3 view, uint32_t samples, uint64_t stream)
+static lmb_rgb picture_layer(const specular_light *light, specular_layer layer, const specular_surface *surface,
+                             uint32_t samples, uint64_t stream)
 {
+    const lmb_vec3 normal = surface->normal, back = lmb_vec3_scale(surface->view, -1.0f);
     const lmb_vec3 mirrored =
-        lmb_vec3_unit_or(lmb_vec3_mad(lmb_vec3_scale(view, -1.0f), normal, 2.0f * lmb_vec3_dot(normal, view)), normal);
-    const lmb_rgb picture = mirrored_picture(light, specular->roughness, mirrored, samples, stream);
-    return layer == SPECULAR_ENVIRONMENT ? environment_layer(light, specular, normal, view, mirrored, picture)
-                                         : split_layer(specular, normal, view, picture);
+        lmb_vec3_unit_or(lmb_vec3_mad(back, normal, 2.0f * lmb_vec3_dot(normal, surface->view)), normal);
+    const lmb_rgb picture = mirrored_picture(light, surface->specular.roughness, mirrored, samples, stream);
+    return layer == SPECULAR_ENVIRONMENT ? environment_layer(light, surface, mirrored, picture)
+                                         : split_layer(surface, picture);
 }
 
-lmb_rgb specular_layer_of(const specular_light *light, specular_layer layer, const lmb_specular *specular,
-                          lmb_vec3 normal, lmb_vec3 view, uint32_t samples, uint64_t stream)
+lmb_rgb specular_layer_of(const specular_light *light, specular_layer layer, const specular_surface *surface,
+                          uint32_t samples, uint64_t stream)
 {
     const lmb_sh3_rgb *harmonics = layer == SPECULAR_DOMINANT                              ? &light->rest
                                    : layer == SPECULAR_PAPER || layer == SPECULAR_ALL_AREA ? &light->all
                                                                                            : &light->radiance;
     if (layer == SPECULAR_ENVIRONMENT || layer == SPECULAR_SPLIT) {
-        return picture_layer(light, layer, specular, normal, view, samples, stream);
+        return picture_layer(light, layer, surface, samples, stream);
     }
-    const lmb_rgb area = lmb_specular_area(harmonics, specular, normal, view);
+    const lmb_vec3 normal = surface->normal, view = surface->view;
+    const lmb_rgb area = lmb_specular_area(harmonics, &surface->specular, normal, view);
     if (layer == SPECULAR_AREA || layer == SPECULAR_ALL_AREA) {
         return area;
     }
-    const lmb_key_light *light_apart = layer == SPECULAR_KEY ? &light->sun : &light->dominant;
-    return lmb_rgb_add(area, lmb_specular_light(light_apart, 1.0f, specular, normal, normal, view));
+    const lmb_key_light *apart = layer == SPECULAR_KEY ? &light->sun : &light->dominant;
+    return lmb_rgb_add(area, lmb_specular_light(apart, 1.0f, &surface->specular, normal, normal, view));
 }

@@ -24,14 +24,20 @@ typedef struct specular_light {
 lmb_result specular_light_open(const char *description, specular_light *light, lmb_error *error);
 void specular_light_close(specular_light *light);
 
+/* A surface and who looks at it. */
+typedef struct specular_surface {
+    lmb_specular specular;
+    lmb_vec3 normal, view;
+} specular_surface;
+
 /* Radiance of the picture. */
 lmb_rgb specular_light_look(const specular_light *light, lmb_vec3 direction);
 
 /* Radiance that a surface reflects of the picture: from the roughness of SPECULAR_WIDE on by the sum over all cells,
  * below it by `samples` half vectors. The Fresnel factor is a dielectric's, and its own code. */
 #define SPECULAR_WIDE 0.3f
-lmb_rgb specular_traced(const specular_light *light, const lmb_specular *specular, lmb_vec3 normal, lmb_vec3 view,
-                        uint32_t samples, uint64_t stream);
+lmb_rgb specular_traced(const specular_light *light, const specular_surface *surface, uint32_t samples,
+                        uint64_t stream);
 
 /* What layers give. */
 typedef enum specular_layer {
@@ -52,7 +58,7 @@ static inline bool specular_layer_is_of_picture(specular_layer layer)
     return layer <= SPECULAR_SPLIT;
 }
 
-lmb_rgb specular_layer_of(const specular_light *light, specular_layer layer, const lmb_specular *specular,
-                          lmb_vec3 normal, lmb_vec3 view, uint32_t samples, uint64_t stream);
+lmb_rgb specular_layer_of(const specular_light *light, specular_layer layer, const specular_surface *surface,
+                          uint32_t samples, uint64_t stream);
 
 #endif

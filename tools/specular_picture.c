@@ -21,23 +21,23 @@ enum {
 
 #define MARGIN 1.08f /* over a sphere's radius */
 
-static lmb_rgb column_colour(const specular_light *light, int column, const lmb_specular *specular, lmb_vec3 normal,
-                             lmb_vec3 view)
+static lmb_rgb column_colour(const specular_light *light, int column, const specular_surface *surface)
 {
-    const lmb_rgb sun = lmb_specular_light(&light->sun, 1.0f, specular, normal, normal, view);
+    const lmb_vec3 normal = surface->normal;
+    const lmb_rgb sun = lmb_specular_light(&light->sun, 1.0f, &surface->specular, normal, normal, surface->view);
     switch (column) {
     case 0:
         return sun;
     case 1:
-        return lmb_specular_light(&light->dominant, 1.0f, specular, normal, normal, view);
+        return lmb_specular_light(&light->dominant, 1.0f, &surface->specular, normal, normal, surface->view);
     case 2:
-        return specular_layer_of(light, SPECULAR_AREA, specular, normal, view, SAMPLES, 1);
+        return specular_layer_of(light, SPECULAR_AREA, surface, SAMPLES, 1);
     case 3:
-        return specular_layer_of(light, SPECULAR_ENVIRONMENT, specular, normal, view, SAMPLES, 1);
+        return specular_layer_of(light, SPECULAR_ENVIRONMENT, surface, SAMPLES, 1);
     case 4:
-        return lmb_rgb_add(sun, specular_layer_of(light, SPECULAR_ENVIRONMENT, specular, normal, view, SAMPLES, 1));
+        return lmb_rgb_add(sun, specular_layer_of(light, SPECULAR_ENVIRONMENT, surface, SAMPLES, 1));
     default:
-        return lmb_rgb_add(sun, specular_traced(light, specular, normal, view, SAMPLES, 1));
+        return lmb_rgb_add(sun, specular_traced(light, surface, SAMPLES, 1));
     }
 }
 
@@ -57,8 +57,8 @@ static void pixels_make(const specular_light *light, lmb_rgb f0, float *rgb)
         if (square > 0.0f) {
             const lmb_vec3 across = lmb_vec3_mad(lmb_vec3_scale(right, x), up, y);
             const lmb_vec3 normal = lmb_vec3_unit_or(lmb_vec3_mad(across, view, sqrtf(square)), view);
-            const lmb_specular specular = {ROUGHNESS[row], f0};
-            colour = column_colour(light, column, &specular, normal, view);
+            const specular_surface surface = {{ROUGHNESS[row], f0}, normal, view};
+            colour = column_colour(light, column, &surface);
         }
         for (int c = 0; c < 3; ++c) {
             rgb[3 * i + c] = colour.c[c];

@@ -4,8 +4,9 @@
  *
  * Gathers the level's texels once, denoises them, and stores them in each way: as halfs, in 8 bits a channel, and
  * compressed, by files in DIR that are read back. What comes back is filtered and evaluated at random points of the
- * level's surfaces on 8 normals each, beside the same texels in floats, the figures of `lambent check`; and beside SH3
- * of each texel, filtered, which knows its colours and all of its directions. One line for each way, tabs between. */
+ * level's surfaces on 8 normals each, beside the same texels in floats, the figures of `lambent check`, of all points
+ * and of those at the borders of charts; and beside SH3 of each texel, filtered, which knows its colours and all of its
+ * directions. One line for each way, tabs between. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdio.h>
@@ -51,7 +52,7 @@ typedef struct textures {
     int asked_count;
     lmb_rgb (*own)[NORMALS];   /* [point] by floats of the lightmap's own model */
     lmb_rgb (*truth)[NORMALS]; /* and by SH3 */
-    bool *mapped;
+    bool *mapped, *border;     /* at the border of a chart: filtering reads a dilated texel */
 } textures;
 
 /* A way of storing: makes of an image's planes what comes back, in new ones, and counts bytes. */
@@ -175,6 +176,18 @@ static double seconds_used(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+static bool reads_dilated(const lmb_lightmap *lightmap, const lmb_hit *hit)
+{
+    lmb_lightmap_footprint footprint;
+    lmb_lightmap_footprint_find(lightmap, hit, &footprint);
+    bool dilated = false;
+    for (int k = 0; k < LMB_FOOTPRINT; ++k) {
+        dilated = dilated || (footprint.weight[k] > 0.0f &&
+                              lightmap->image[footprint.image].state[footprint.pixel[k]] == LMB_TEXEL_DILATED);
+    }
+    return dilated;
+}
+
 /* The irradiance of a model's planes at every point. The lightmap takes them for its own meanwhile. */
 static void light_evaluate(textures *work, const lmb_model *model, float *const *planes, lmb_rgb (*light)[NORMALS])
 {
@@ -194,6 +207,7 @@ static void light_evaluate(textures *work, const lmb_model *model, float *const 
             float channel[LMB_MODEL_MOST_CHANNELS];
             lmb_vec3 normals[NORMALS];
             work->mapped[p] = lmb_lightmap_sample(lightmap, &hit, channel);
+            work->border[p] = work->mapped[p] && reads_dilated(lightmap, &hit);
             shading_normals(n_v, lmb_mix(STREAM_NORMALS, p), NORMALS, normals);
             model->evaluate(channel, n_v, normals, NORMALS, light[p]);
         }
@@ -205,14 +219,15 @@ static void light_evaluate(textures *work, const lmb_model *model, float *const 
     }
 }
 
-static void summary_print(const textures *work, lmb_rgb (*light)[NORMALS], lmb_rgb (*reference)[NORMALS])
+static void summary_print(const textures *work, const bool *has, lmb_rgb (*light)[NORMALS],
+                          lmb_rgb (*reference)[NORMALS])
 {
     point_error *const errors = calloc(work->points, sizeof *errors);
     error_summary summary = {0};
     for (uint32_t p = 0; errors && p < work->points; ++p) {
         errors[p] = point_error_of(light[p], reference[p], reference[p], NORMALS);
     }
-    if (errors && error_summarize(errors, work->mapped, work->points, &summary) == LMB_OK) {
+    if (errors && error_summarize(errors, has, work->points, &summary) == LMB_OK) {
         printf("\t%.3f\t%.3f\t%.3f\t%.3f", 100.0 * summary.rel_rmse, 100.0 * summary.median, 100.0 * summary.p95,
                100.0 * summary.share_over_10pct);
     }
@@ -248,8 +263,9 @@ static lmb_result way_measure(textures *work, const storing_way *way, lmb_error 
         light_evaluate(work, model, planes, light);
         printf("%s\t%.3g\t%.3f\t%.3f", way->name, (double)bytes / (double)texels, seconds,
                1e-6 * (double)texels / seconds);
-        summary_print(work, light, work->own);
-        summary_print(work, light, work->truth);
+        summary_print(work, work->mapped, light, work->own);
+        summary_print(work, work->border, light, work->own);
+        summary_print(work, work->mapped, light, work->truth);
         putchar('\n');
         fflush(stdout);
     }
@@ -317,10 +333,15 @@ static lmb_result run(textures *work, const lmb_level_settings *settings, lmb_er
         printf("%s: %llu texels covered, %.1f %% of %d images, gathered in %.1f CPU s\n", settings->path,
                (unsigned long long)lightmap->covered_texel_count, 100.0 * lmb_lightmap_texels_used(lightmap),
                (int)lightmap->image_count, seconds_used() - start);
-        printf("way\tbytes a texel\tCPU s\tMtexel/s\trel_rmse %%\tmedian\tp95\tover 10 %%\tbeside SH3: rel_rmse "
-               "%%\tmedian\tp95\tover 10 %%\n");
+        size_t at_borders = 0;
         light_evaluate(work, lightmap->model, own, work->own);
         light_evaluate(work, lightmap->settings.other[TRUTH], truth, work->truth);
+        for (uint32_t p = 0; p < work->points; ++p) {
+            at_borders += work->border[p];
+        }
+        printf("%zu of %u points at borders of charts\n", at_borders, work->points);
+        printf("way\tbytes a texel\tCPU s\tMtexel/s\trel_rmse %%\tmedian\tp95\tover 10 %%\tat borders: rel_rmse "
+               "%%\tmedian\tp95\tover 10 %%\tbeside SH3: rel_rmse %%\tmedian\tp95\tover 10 %%\n");
     }
     for (size_t i = 0; i < sizeof ways / sizeof ways[0] && result == LMB_OK; ++i) {
         result = lmb_lightmap_textures_are_here(ways[i].format) ? way_measure(work, &ways[i], error) : LMB_OK;
@@ -382,10 +403,13 @@ int main(int count, char **values)
     work.own = calloc(work.points, sizeof *work.own);
     work.truth = calloc(work.points, sizeof *work.truth);
     work.mapped = calloc(work.points, sizeof *work.mapped);
+    work.border = calloc(work.points, sizeof *work.border);
     lmb_error error = {""};
-    const lmb_result result = work.own && work.truth && work.mapped ? run(&work, &settings, &error) : LMB_ERROR_MEMORY;
+    const lmb_result result =
+        work.own && work.truth && work.mapped && work.border ? run(&work, &settings, &error) : LMB_ERROR_MEMORY;
     free(work.own);
     free(work.truth);
     free(work.mapped);
+    free(work.border);
     return result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
 }

@@ -24,12 +24,12 @@ LayerIndex::~LayerIndex()
     }
 }
 
-void LayerIndex::add(uint32_t layer, const int32_t point[3], int32_t probe)
+void LayerIndex::add(uint32_t layer, const int32_t point[3], int32_t number)
 {
     if (layer >= index_.size()) {
         index_.resize(layer + 1, lmb_probe_index{});
     }
-    if (lmb_probe_index_add(&index_[layer], point, probe) == LMB_ERROR_MEMORY) {
+    if (lmb_probe_index_add(&index_[layer], point, number) == LMB_ERROR_MEMORY) {
         throw std::bad_alloc();
     }
 }

@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-/* A cell whose corners name layers of its level: 0 its probes, 1 and more those of its ghosts. */
+/* A cell whose corners name layers: 0 is the level's probe at that point, 1 and more are ghosts of it. */
 typedef struct lmb_vdb_cell {
     int32_t point[3];
     uint32_t plane_count, region_count; /* up to LMB_CELL_PLANES_MOST and _REGIONS_MOST */

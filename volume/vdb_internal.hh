@@ -12,9 +12,6 @@ namespace lmb_vdb {
 
 constexpr int kFormatVersion = 3;
 
-// More layers of ghosts than a corner can name.
-constexpr uint32_t kMostLayers = 255;
-
 // A failure with its result code, on its way to the C entry.
 struct Failure {
     lmb_result result;
@@ -26,33 +23,31 @@ struct Failure {
     throw Failure{result, message};
 }
 
-// Probes at points of a level, each point once: those of the level itself are its layer 0, and its ghosts fill as many
-// more as the point with most of them has.
-struct Layer {
+// Grids that share one topology: those of a level's probes, or of its ghosts.
+struct GridSet {
     uint32_t level;
-    uint32_t number;
+    bool ghosts;
 };
 
 // What ends the names of its grids: nothing for the finest level's probes.
-inline std::string suffix(const Layer &layer)
+inline std::string suffix(const GridSet &set)
 {
-    return (layer.level > 0 ? "_level_" + std::to_string(layer.level) : std::string()) +
-           (layer.number > 0 ? "_ghost_" + std::to_string(layer.number) : std::string());
+    return (set.level > 0 ? "_level_" + std::to_string(set.level) : std::string()) + (set.ghosts ? "_ghosts" : "");
 }
 
-inline std::string coefficient_name(int i, const Layer &layer)
+inline std::string coefficient_name(int i, const GridSet &set)
 {
-    return "sh_" + std::to_string(i) + suffix(layer);
+    return "sh_" + std::to_string(i) + suffix(set);
 }
 
-inline std::string validity_name(const Layer &layer)
+inline std::string validity_name(const GridSet &set)
 {
-    return "validity" + suffix(layer);
+    return "validity" + suffix(set);
 }
 
-inline std::string visibility_name(uint32_t key, const Layer &layer)
+inline std::string visibility_name(uint32_t key, const GridSet &set)
 {
-    return "key_visibility_" + std::to_string(key) + suffix(layer);
+    return "key_visibility_" + std::to_string(key) + suffix(set);
 }
 
 inline std::string key_direction_name(uint32_t key)
@@ -65,7 +60,40 @@ inline std::string key_irradiance_name(uint32_t key)
     return "lambent_key_irradiance_" + std::to_string(key);
 }
 
-// The probes of each layer of a level, by their points.
+// A level's probes by their points are its layer 0; of each point the first, second, ... ghost is in layer 1, 2, ...
+//
+// Ghosts are voxels of a quarter of the spacing, 4 x 4 x 4 about each point: layer 1 + a + 4 b + 16 c of point p is
+// voxel 4 p + (a, b, c), each of these two bits a signed number.
+constexpr uint32_t kMostLayers = 64;
+constexpr int32_t kGhostsAlong = 4;
+
+// Points farther out have no ghosts: their voxels would not be int32_t.
+constexpr int32_t kFarthestGhost = INT32_MAX / kGhostsAlong - 1;
+
+struct GhostPlace {
+    int32_t point[3];
+    uint32_t layer;
+};
+
+inline int32_t ghost_voxel(const GhostPlace &place, int axis)
+{
+    const int32_t bits = static_cast<int32_t>((place.layer - 1) >> 2 * axis & 3u);
+    return kGhostsAlong * place.point[axis] + (bits >= 2 ? bits - kGhostsAlong : bits);
+}
+
+inline GhostPlace ghost_place(const int32_t voxel[3])
+{
+    GhostPlace place{{}, 1};
+    for (int axis = 0; axis < 3; ++axis) {
+        const int32_t bits = static_cast<int32_t>(static_cast<uint32_t>(voxel[axis]) & 3u);
+        const int64_t below = bits >= 2 ? bits - kGhostsAlong : bits;
+        place.point[axis] = static_cast<int32_t>((voxel[axis] - below) / kGhostsAlong);
+        place.layer += static_cast<uint32_t>(bits) << 2 * axis;
+    }
+    return place;
+}
+
+// What is in each layer of a level, by points.
 class LayerIndex {
   public:
     LayerIndex() = default;
@@ -73,7 +101,7 @@ class LayerIndex {
     LayerIndex &operator=(const LayerIndex &) = delete;
     ~LayerIndex();
 
-    void add(uint32_t layer, const int32_t point[3], int32_t probe);
+    void add(uint32_t layer, const int32_t point[3], int32_t number);
     int32_t find(uint32_t layer, const int32_t point[3]) const; // or -1
 
   private:

@@ -54,18 +54,18 @@ void check(lmb_result result, const char *what)
     }
 }
 
-// A layer's grids, its points, and the probes that they become.
-struct LayerGrids {
-    Layer layer;
+// A set's grids, its voxels, and the probes that they become.
+struct SetGrids {
+    GridSet set;
     Vec3SGrid::Ptr coefficient[LMB_SH3_COUNT];
     FloatGrid::Ptr validity;
     std::vector<FloatGrid::Ptr> visibility; // of key lights
-    std::vector<Coord> point;
+    std::vector<Coord> voxel;
     std::vector<int32_t> probe;
 };
 
 struct LevelGrids {
-    std::vector<LayerGrids> layer; // its probes, then its ghosts
+    std::vector<SetGrids> set; // its probes, and its ghosts where it has some
     std::vector<unsigned char> cut_cells;
 };
 
@@ -130,13 +130,13 @@ uint32_t key_light_count(const openvdb::MetaMap &grid)
     return count;
 }
 
-int32_t read_count(const openvdb::GridBase &grid, const char *name, int32_t least, int32_t most)
+uint32_t read_level_count(const openvdb::GridBase &grid)
 {
-    const auto count = grid.getMetadata<openvdb::Int32Metadata>(name);
-    if (!count || count->value() < least || count->value() > most) {
-        fail(LMB_ERROR_FORMAT, "grid " + grid.getName() + " has no usable " + name);
+    const auto count = grid.getMetadata<openvdb::Int32Metadata>("lambent_levels");
+    if (!count || count->value() < 1 || count->value() > kMostLevels) {
+        fail(LMB_ERROR_FORMAT, "grid " + grid.getName() + " has no usable lambent_levels");
     }
-    return count->value();
+    return static_cast<uint32_t>(count->value());
 }
 
 std::vector<unsigned char> read_cut_cells(const openvdb::GridBase &validity)
@@ -162,39 +162,39 @@ template <typename Visit> void for_each_cut_cell(const LevelGrids &level, const 
     while (size > 0) {
         lmb_vdb_cell cell;
         if (!lmb_vdb_cell_read(&at, &size, &cell)) {
-            fail(LMB_ERROR_FORMAT, "grid " + level.layer[0].validity->getName() + ": lambent_cut_cells is broken");
+            fail(LMB_ERROR_FORMAT, "grid " + level.set[0].validity->getName() + ": lambent_cut_cells is broken");
         }
         visit(cell);
     }
 }
 
-LayerGrids find_layer(const GridMap &grids, const Layer &layer, uint32_t key_lights)
+SetGrids find_set(const GridMap &grids, const GridSet &set, uint32_t key_lights)
 {
-    LayerGrids found{layer, {}, find_grid<FloatGrid>(grids, validity_name(layer)), {}, {}, {}};
+    SetGrids found{set, {}, find_grid<FloatGrid>(grids, validity_name(set)), {}, {}, {}};
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-        found.coefficient[i] = find_grid<Vec3SGrid>(grids, coefficient_name(i, layer));
+        found.coefficient[i] = find_grid<Vec3SGrid>(grids, coefficient_name(i, set));
     }
     for (uint32_t key = 0; key < key_lights; ++key) {
-        found.visibility.push_back(find_grid<FloatGrid>(grids, visibility_name(key, layer)));
+        found.visibility.push_back(find_grid<FloatGrid>(grids, visibility_name(key, set)));
     }
     return found;
 }
 
 std::vector<LevelGrids> find_levels(const GridMap &grids)
 {
-    const FloatGrid &finest = *find_grid<FloatGrid>(grids, validity_name({0, 0}));
+    const FloatGrid &finest = *find_grid<FloatGrid>(grids, validity_name({0, false}));
     const uint32_t key_lights = key_light_count(finest);
-    std::vector<LevelGrids> levels(static_cast<size_t>(read_count(finest, "lambent_levels", 1, kMostLevels)));
+    std::vector<LevelGrids> levels(read_level_count(finest));
     for (uint32_t number = 0; number < levels.size(); ++number) {
         LevelGrids &level = levels[number];
-        level.layer.push_back(find_layer(grids, {number, 0}, key_lights));
-        const FloatGrid &validity = *level.layer[0].validity;
-        if (validity["lambent_ghosts"] || validity["lambent_cut_cells"]) {
-            const int32_t ghosts = read_count(validity, "lambent_ghosts", 0, kMostLayers);
+        level.set.push_back(find_set(grids, {number, false}, key_lights));
+        const FloatGrid &validity = *level.set[0].validity;
+        const bool has_ghosts = grids.count(validity_name({number, true})) > 0;
+        if (has_ghosts) {
+            level.set.push_back(find_set(grids, {number, true}, key_lights));
+        }
+        if (has_ghosts || validity["lambent_cut_cells"]) {
             level.cut_cells = read_cut_cells(validity);
-            for (uint32_t layer = 1; layer <= static_cast<uint32_t>(ghosts); ++layer) {
-                level.layer.push_back(find_layer(grids, {number, layer}, key_lights));
-            }
         }
     }
     return levels;
@@ -255,16 +255,21 @@ float read_scale(const openvdb::GridBase &grid)
     return scale->value();
 }
 
+Coord ghost_point(const Coord &voxel)
+{
+    return Coord(ghost_place(voxel.asPointer()).point);
+}
+
 // The box that was written, where it still holds all of a level's voxels; else the box around them.
 CoordBBox read_box(const LevelGrids &level)
 {
-    const FloatGrid &validity = *level.layer[0].validity;
+    const FloatGrid &validity = *level.set[0].validity;
     CoordBBox box;
     bool has_probes = false;
-    for (const LayerGrids &layer : level.layer) {
+    for (const SetGrids &set : level.set) {
         CoordBBox around;
-        if (layer.validity->tree().evalActiveVoxelBoundingBox(around)) {
-            box.expand(around);
+        if (set.validity->tree().evalActiveVoxelBoundingBox(around)) {
+            box.expand(set.set.ghosts ? CoordBBox(ghost_point(around.min()), ghost_point(around.max())) : around);
             has_probes = true;
         }
     }
@@ -293,7 +298,7 @@ lmb_lattice read_lattice(const LevelGrids &level)
 {
     const CoordBBox box = read_box(level);
     lmb_lattice lattice{};
-    lattice.spacing = read_spacing(*level.layer[0].validity);
+    lattice.spacing = read_spacing(*level.set[0].validity);
     for (int axis = 0; axis < 3; ++axis) {
         const int64_t length = static_cast<int64_t>(box.max()[axis]) - box.min()[axis] + 1;
         lattice.min[axis] = box.min()[axis];
@@ -331,54 +336,56 @@ void corner_point(const lmb_vdb_cell &cell, int corner, int32_t point[3])
     }
 }
 
-// A level's ghosts, as (layer, voxel of it): in the order in which cut cells name them, then those that none names.
-std::vector<std::pair<uint32_t, int32_t>> order_ghosts(const LevelGrids &level)
+// A level's ghosts as numbers of their voxels: in the order in which cut cells name them, then those that none names.
+std::vector<size_t> order_ghosts(const LevelGrids &level)
 {
-    LayerIndex voxels;
-    std::vector<std::vector<bool>> is_listed(level.layer.size());
-    for (uint32_t layer = 1; layer < level.layer.size(); ++layer) {
-        const std::vector<Coord> &point = level.layer[layer].point;
-        is_listed[layer].resize(point.size());
-        for (size_t i = 0; i < point.size(); ++i) {
-            voxels.add(layer, point[i].asPointer(), static_cast<int32_t>(i));
-        }
+    const std::vector<Coord> &voxel = level.set[1].voxel;
+    LayerIndex index;
+    for (size_t i = 0; i < voxel.size(); ++i) {
+        const GhostPlace place = ghost_place(voxel[i].asPointer());
+        index.add(place.layer, place.point, static_cast<int32_t>(i));
     }
-    std::vector<std::pair<uint32_t, int32_t>> ghosts;
-    const auto list = [&](uint32_t layer, int32_t voxel) {
-        if (voxel >= 0 && !is_listed[layer][static_cast<size_t>(voxel)]) {
-            is_listed[layer][static_cast<size_t>(voxel)] = true;
-            ghosts.emplace_back(layer, voxel);
+    std::vector<bool> is_listed(voxel.size());
+    std::vector<size_t> ghosts;
+    const auto list = [&](size_t number) {
+        if (!is_listed[number]) {
+            is_listed[number] = true;
+            ghosts.push_back(number);
         }
     };
     for_each_cut_cell(level, [&](const lmb_vdb_cell &cell) {
         for (uint32_t k = 0; k < 8 * cell.region_count; ++k) {
             int32_t point[3];
             corner_point(cell, static_cast<int>(k % 8), point);
-            const uint32_t layer = cell.layer[k / 8][k % 8];
-            list(layer, layer > 0 ? voxels.find(layer, point) : -1);
+            const int32_t found = index.find(cell.layer[k / 8][k % 8], point);
+            if (found >= 0) {
+                list(static_cast<size_t>(found));
+            }
         }
     });
-    for (uint32_t layer = 1; layer < level.layer.size(); ++layer) {
-        for (size_t i = 0; i < level.layer[layer].point.size(); ++i) {
-            list(layer, static_cast<int32_t>(i));
-        }
+    for (size_t i = 0; i < voxel.size(); ++i) {
+        list(i);
     }
     return ghosts;
 }
 
-void add_ghosts(lmb_probes &probes, uint32_t number, LevelGrids &level)
+void add_ghosts(lmb_probes &probes, LevelGrids &level)
 {
-    const std::vector<std::pair<uint32_t, int32_t>> ghosts = order_ghosts(level);
+    SetGrids &set = level.set[1];
+    if (read_spacing(*set.validity) * kGhostsAlong != read_spacing(*level.set[0].validity)) {
+        fail(LMB_ERROR_FORMAT, "grid " + set.validity->getName() + " has not a quarter of the spacing of its level");
+    }
+    const std::vector<size_t> ghosts = order_ghosts(level);
     std::vector<Coord> points;
-    for (const auto &ghost : ghosts) {
-        points.push_back(level.layer[ghost.first].point[static_cast<size_t>(ghost.second)]);
+    for (const size_t ghost : ghosts) {
+        points.push_back(ghost_point(set.voxel[ghost]));
     }
     int32_t next = 0;
-    check(lmb_probes_add_ghosts(&probes, number, reinterpret_cast<Points>(points.data()),
+    check(lmb_probes_add_ghosts(&probes, set.set.level, reinterpret_cast<Points>(points.data()),
                                 static_cast<int32_t>(points.size()), &next),
           "the ghosts are out of range");
-    for (const auto &ghost : ghosts) {
-        level.layer[ghost.first].probe[static_cast<size_t>(ghost.second)] = next++;
+    for (const size_t ghost : ghosts) {
+        set.probe[ghost] = next++;
     }
 }
 
@@ -386,9 +393,11 @@ void add_ghosts(lmb_probes &probes, uint32_t number, LevelGrids &level)
 void cut_cells(lmb_probes &probes, uint32_t number, const LevelGrids &level)
 {
     LayerIndex index;
-    for (const LayerGrids &layer : level.layer) {
-        for (size_t i = 0; i < layer.point.size(); ++i) {
-            index.add(layer.layer.number, layer.point[i].asPointer(), layer.probe[i]);
+    for (const SetGrids &set : level.set) {
+        for (size_t i = 0; i < set.voxel.size(); ++i) {
+            GhostPlace place{{set.voxel[i].x(), set.voxel[i].y(), set.voxel[i].z()}, 0};
+            place = set.set.ghosts ? ghost_place(place.point) : place;
+            index.add(place.layer, place.point, set.probe[i]);
         }
     }
     for_each_cut_cell(level, [&](const lmb_vdb_cell &cell) {
@@ -407,104 +416,119 @@ void cut_cells(lmb_probes &probes, uint32_t number, const LevelGrids &level)
     });
 }
 
-// Dark probes and ghosts, one at every active voxel, and the cut cells between them.
-ProbesHandle make_probes(Contents &contents)
+void add_level(lmb_probes &probes, float spacing, LevelGrids &level)
+{
+    const lmb_lattice lattice = read_lattice(level);
+    if (lattice.spacing != spacing) {
+        fail(LMB_ERROR_FORMAT,
+             "grid " + level.set[0].validity->getName() + " has not twice the spacing of the level before it");
+    }
+    SetGrids &own = level.set[0];
+    for (size_t i = 0; i < own.probe.size(); ++i) {
+        own.probe[i] = probes.count + static_cast<int32_t>(i);
+    }
+    check(lmb_probes_add_level(&probes, &lattice, reinterpret_cast<Points>(own.voxel.data()),
+                               static_cast<int32_t>(own.voxel.size())),
+          "the box of probes, or the spacing, is out of range");
+}
+
+void find_voxels(Contents &contents)
 {
     openvdb::Index64 voxels = 0;
     for (const LevelGrids &level : contents.level) {
-        for (const LayerGrids &layer : level.layer) {
-            voxels += layer.validity->tree().activeVoxelCount();
+        for (const SetGrids &set : level.set) {
+            voxels += set.validity->tree().activeVoxelCount();
         }
     }
     if (voxels > kMostProbes) {
         fail(LMB_ERROR_FORMAT, "holds too many probes");
     }
+    for (LevelGrids &level : contents.level) {
+        for (SetGrids &set : level.set) {
+            set.voxel = active_voxels(*set.validity);
+            set.probe.resize(set.voxel.size());
+        }
+    }
+}
+
+// Dark probes and ghosts, one at every active voxel, and the cut cells between them.
+ProbesHandle make_probes(Contents &contents)
+{
+    find_voxels(contents);
     lmb_probes *created = nullptr;
     check(lmb_probes_create(&created), "out of memory");
     ProbesHandle probes(created);
-    float spacing = read_spacing(*contents.level[0].layer[0].validity);
+    float spacing = read_spacing(*contents.level[0].set[0].validity);
     for (LevelGrids &level : contents.level) {
-        for (LayerGrids &layer : level.layer) {
-            layer.point = active_voxels(*layer.validity);
-            layer.probe.resize(layer.point.size());
-        }
-        const lmb_lattice lattice = read_lattice(level);
-        if (lattice.spacing != spacing) {
-            fail(LMB_ERROR_FORMAT,
-                 "grid " + level.layer[0].validity->getName() + " has not twice the spacing of the level before it");
-        }
+        add_level(*created, spacing, level);
         spacing *= 2.0f;
-        LayerGrids &own = level.layer[0];
-        for (size_t i = 0; i < own.probe.size(); ++i) {
-            own.probe[i] = created->count + static_cast<int32_t>(i);
-        }
-        check(lmb_probes_add_level(created, &lattice, reinterpret_cast<Points>(own.point.data()),
-                                   static_cast<int32_t>(own.point.size())),
-              "the box of probes, or the spacing, is out of range");
     }
     for (uint32_t number = 0; number < contents.level.size(); ++number) {
-        add_ghosts(*created, number, contents.level[number]);
-        cut_cells(*created, number, contents.level[number]);
+        LevelGrids &level = contents.level[number];
+        if (level.set.size() > 1) {
+            add_ghosts(*created, level);
+        }
+        cut_cells(*created, number, level);
     }
     return probes;
 }
 
 // ---------------------------------------------------------------------------------------------------- values
 
-[[noreturn]] void fail_topology(const openvdb::GridBase &grid, const LayerGrids &layer)
+[[noreturn]] void fail_topology(const openvdb::GridBase &grid, const SetGrids &set)
 {
     fail(LMB_ERROR_FORMAT,
-         "grids " + grid.getName() + " and " + layer.validity->getName() + " differ in spacing or active voxels");
+         "grids " + grid.getName() + " and " + set.validity->getName() + " differ in spacing or active voxels");
 }
 
-void check_topology(const openvdb::GridBase &grid, const LayerGrids &layer)
+void check_topology(const openvdb::GridBase &grid, const SetGrids &set)
 {
-    if (read_spacing(grid) != read_spacing(*layer.validity) || grid.activeVoxelCount() != layer.point.size()) {
-        fail_topology(grid, layer);
+    if (read_spacing(grid) != read_spacing(*set.validity) || grid.activeVoxelCount() != set.voxel.size()) {
+        fail_topology(grid, set);
     }
 }
 
-void read_coefficient(const LayerGrids &layer, int i, lmb_probes &probes)
+void read_coefficient(const SetGrids &set, int i, lmb_probes &probes)
 {
-    const Vec3SGrid &coefficient = *layer.coefficient[i];
-    check_topology(coefficient, layer);
+    const Vec3SGrid &coefficient = *set.coefficient[i];
+    check_topology(coefficient, set);
     check_version(coefficient);
     const float scale = read_scale(coefficient);
     const Vec3SGrid::ConstAccessor accessor = coefficient.getConstAccessor();
-    for (size_t k = 0; k < layer.point.size(); ++k) {
+    for (size_t k = 0; k < set.voxel.size(); ++k) {
         openvdb::Vec3s value;
-        if (!accessor.probeValue(layer.point[k], value)) {
-            fail_topology(coefficient, layer);
+        if (!accessor.probeValue(set.voxel[k], value)) {
+            fail_topology(coefficient, set);
         }
         for (int channel = 0; channel < 3; ++channel) {
-            probes.radiance[0][layer.probe[k]].channel[channel].c[i] = value[channel] * scale;
+            probes.radiance[0][set.probe[k]].channel[channel].c[i] = value[channel] * scale;
         }
     }
 }
 
-void read_layer(const LayerGrids &layer, lmb_probes &probes)
+void read_set(const SetGrids &set, lmb_probes &probes)
 {
-    check_topology(*layer.validity, layer);
-    const FloatGrid::ConstAccessor accessor = layer.validity->getConstAccessor();
-    for (size_t k = 0; k < layer.point.size(); ++k) {
-        probes.validity[layer.probe[k]] = accessor.getValue(layer.point[k]);
+    check_topology(*set.validity, set);
+    const FloatGrid::ConstAccessor accessor = set.validity->getConstAccessor();
+    for (size_t k = 0; k < set.voxel.size(); ++k) {
+        probes.validity[set.probe[k]] = accessor.getValue(set.voxel[k]);
     }
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-        read_coefficient(layer, i, probes);
+        read_coefficient(set, i, probes);
     }
-    for (uint32_t key = 0; key < layer.visibility.size(); ++key) {
-        const FloatGrid &visibility = *layer.visibility[key];
+    for (uint32_t key = 0; key < set.visibility.size(); ++key) {
+        const FloatGrid &visibility = *set.visibility[key];
         const FloatGrid::ConstAccessor seen = visibility.getConstAccessor();
-        for (size_t k = 0; k < layer.point.size(); ++k) {
-            if (!seen.probeValue(layer.point[k], probes.key_visibility[layer.probe[k]][key])) {
-                fail_topology(visibility, layer);
+        for (size_t k = 0; k < set.voxel.size(); ++k) {
+            if (!seen.probeValue(set.voxel[k], probes.key_visibility[set.probe[k]][key])) {
+                fail_topology(visibility, set);
             }
         }
     }
 }
 
 // What the key lights are.
-void read_key_lights(const LayerGrids &finest, lmb_probes &probes)
+void read_key_lights(const SetGrids &finest, lmb_probes &probes)
 {
     const FloatGrid &validity = *finest.validity;
     for (uint32_t key = 0; key < finest.visibility.size(); ++key) {
@@ -522,10 +546,10 @@ void read_key_lights(const LayerGrids &finest, lmb_probes &probes)
 ProbesHandle read_probes(Contents &contents)
 {
     ProbesHandle probes = make_probes(contents);
-    read_key_lights(contents.level[0].layer[0], *probes);
+    read_key_lights(contents.level[0].set[0], *probes);
     for (const LevelGrids &level : contents.level) {
-        for (const LayerGrids &layer : level.layer) {
-            read_layer(layer, *probes);
+        for (const SetGrids &set : level.set) {
+            read_set(set, *probes);
         }
     }
     lmb_error error;

@@ -1,4 +1,4 @@
-// Writing probes.vdb: a tree of voxels for each layer of probes.
+// Writing probes.vdb: a tree of voxels for each level, and for its ghosts.
 #include "vdb_cells.h"
 #include "vdb_internal.hh"
 #include "volume_internal.h"
@@ -35,33 +35,49 @@ class Writer : public openvdb::io::Archive {
     }
 };
 
-// A level's probes and ghosts in layers: a ghost is in the first one that has none of its point yet.
-struct Level {
-    uint32_t number;
-    std::vector<std::vector<int32_t>> layer; // [layer] probes
-    std::vector<uint8_t> layer_of_ghost;     // [ghost of the level's]
+// Voxels, and the probes that are there.
+struct Voxels {
+    std::vector<Coord> at;
+    std::vector<int32_t> probe;
 };
 
-Level sort_into_layers(const lmb_probes &probes, uint32_t number)
+// Of a level; a ghost is in the first layer that has none of its point yet.
+struct Level {
+    uint32_t number;
+    Voxels own, ghosts;
+    std::vector<uint8_t> layer_of_ghost; // [ghost of the level's]
+};
+
+void add_ghost(const lmb_probes &probes, int32_t ghost, LayerIndex &index, Level &level)
+{
+    GhostPlace place{{}, 1};
+    std::copy_n(probes.point[ghost], 3, place.point);
+    while (index.find(place.layer, place.point) >= 0) {
+        ++place.layer;
+    }
+    const bool is_near = std::all_of(place.point, place.point + 3,
+                                     [](int32_t at) { return at >= -kFarthestGhost && at <= kFarthestGhost; });
+    if (place.layer > kMostLayers || !is_near) {
+        fail(LMB_ERROR_ARGUMENT, is_near ? "a point has more than " + std::to_string(kMostLayers) + " ghosts"
+                                         : "a ghost lies too far out for its voxel");
+    }
+    index.add(place.layer, place.point, ghost);
+    level.ghosts.at.emplace_back(ghost_voxel(place, 0), ghost_voxel(place, 1), ghost_voxel(place, 2));
+    level.ghosts.probe.push_back(ghost);
+    level.layer_of_ghost.push_back(static_cast<uint8_t>(place.layer));
+}
+
+Level find_voxels(const lmb_probes &probes, uint32_t number)
 {
     const lmb_probe_level &own = probes.level[number];
-    Level level{number, {{}}, {}};
+    Level level{number, {}, {}, {}};
     for (int32_t probe = own.first; probe < own.first + own.count; ++probe) {
-        level.layer[0].push_back(probe);
+        level.own.at.emplace_back(probes.point[probe]);
+        level.own.probe.push_back(probe);
     }
     LayerIndex index;
     for (int32_t ghost = own.ghost_first; ghost < own.ghost_first + own.ghost_count; ++ghost) {
-        uint32_t layer = 1;
-        while (index.find(layer, probes.point[ghost]) >= 0) {
-            ++layer;
-        }
-        if (layer > kMostLayers) {
-            fail(LMB_ERROR_ARGUMENT, "a point has more than " + std::to_string(kMostLayers) + " ghosts");
-        }
-        index.add(layer, probes.point[ghost], ghost);
-        level.layer.resize(std::max<size_t>(level.layer.size(), layer + 1));
-        level.layer[layer].push_back(ghost);
-        level.layer_of_ghost.push_back(static_cast<uint8_t>(layer));
+        add_ghost(probes, ghost, index, level);
     }
     return level;
 }
@@ -69,9 +85,9 @@ Level sort_into_layers(const lmb_probes &probes, uint32_t number)
 // ------------------------------------------------------------------------------------------------- metadata
 
 // What a reader needs to interpret the values; on the file and on every grid, as editors keep only the latter.
-void describe(openvdb::MetaMap &target, const lmb_probes &probes, const Layer &layer, float scale)
+void describe(openvdb::MetaMap &target, const lmb_probes &probes, uint32_t level, float scale)
 {
-    const lmb_lattice &lattice = probes.level[layer.level].lattice;
+    const lmb_lattice &lattice = probes.level[level].lattice;
     target.insertMeta("lambent_version", openvdb::Int32Metadata(kFormatVersion));
     target.insertMeta("lambent_levels", openvdb::Int32Metadata(static_cast<int32_t>(probes.level_count)));
     target.insertMeta("lambent_scale", openvdb::FloatMetadata(scale));
@@ -131,29 +147,29 @@ std::string cut_cells_text(const lmb_probes &probes, const Level &level)
 void describe_cut_cells(openvdb::MetaMap &validity, const lmb_probes &probes, const Level &level)
 {
     const std::string text = cut_cells_text(probes, level);
-    if (level.layer.size() > 1 || !text.empty()) {
-        validity.insertMeta("lambent_ghosts", openvdb::Int32Metadata(static_cast<int32_t>(level.layer.size()) - 1));
+    if (!level.ghosts.probe.empty() || !text.empty()) {
         validity.insertMeta("lambent_cut_cells", openvdb::StringMetadata(text));
     }
 }
 
 // ---------------------------------------------------------------------------------------------------- grids
 
-FloatGrid::Ptr make_validity_grid(const lmb_probes &probes, const Layer &layer, const std::vector<int32_t> &in_layer)
+FloatGrid::Ptr make_validity_grid(const lmb_probes &probes, const GridSet &set, const Voxels &voxels)
 {
     FloatGrid::Ptr validity = FloatGrid::create(0.0f);
-    validity->setName(validity_name(layer));
-    validity->setTransform(openvdb::math::Transform::createLinearTransform(
-        static_cast<double>(probes.level[layer.level].lattice.spacing)));
+    validity->setName(validity_name(set));
+    const double spacing = static_cast<double>(probes.level[set.level].lattice.spacing);
+    validity->setTransform(
+        openvdb::math::Transform::createLinearTransform(set.ghosts ? spacing / kGhostsAlong : spacing));
     FloatGrid::Accessor accessor = validity->getAccessor();
-    for (const int32_t probe : in_layer) {
-        accessor.setValue(Coord(probes.point[probe]), probes.validity[probe]);
+    for (size_t i = 0; i < voxels.at.size(); ++i) {
+        accessor.setValue(voxels.at[i], probes.validity[voxels.probe[i]]);
     }
     return validity;
 }
 
-Vec3SGrid::Ptr make_coefficient_grid(const lmb_probes &probes, const std::vector<int32_t> &in_layer,
-                                     const FloatGrid &validity, int i, float scale)
+Vec3SGrid::Ptr make_coefficient_grid(const lmb_probes &probes, const Voxels &voxels, const FloatGrid &validity, int i,
+                                     float scale)
 {
     Vec3SGrid::Ptr coefficient = Vec3SGrid::create(
         std::make_shared<openvdb::Vec3STree>(validity.tree(), openvdb::Vec3s(0.0f), openvdb::TopologyCopy()));
@@ -161,44 +177,43 @@ Vec3SGrid::Ptr make_coefficient_grid(const lmb_probes &probes, const std::vector
     coefficient->setSaveFloatAsHalf(true);
     coefficient->setVectorType(openvdb::VEC_INVARIANT);
     Vec3SGrid::Accessor accessor = coefficient->getAccessor();
-    for (const int32_t probe : in_layer) {
-        const lmb_sh3 *const channel = probes.radiance[0][probe].channel;
-        accessor.setValueOnly(Coord(probes.point[probe]),
-                              openvdb::Vec3s(channel[0].c[i], channel[1].c[i], channel[2].c[i]) / scale);
+    for (size_t k = 0; k < voxels.at.size(); ++k) {
+        const lmb_sh3 *const channel = probes.radiance[0][voxels.probe[k]].channel;
+        accessor.setValueOnly(voxels.at[k], openvdb::Vec3s(channel[0].c[i], channel[1].c[i], channel[2].c[i]) / scale);
     }
     return coefficient;
 }
 
-FloatGrid::Ptr make_visibility_grid(const lmb_probes &probes, const std::vector<int32_t> &in_layer,
-                                    const FloatGrid &validity, uint32_t key)
+FloatGrid::Ptr make_visibility_grid(const lmb_probes &probes, const Voxels &voxels, const FloatGrid &validity,
+                                    uint32_t key)
 {
     FloatGrid::Ptr visibility =
         FloatGrid::create(std::make_shared<openvdb::FloatTree>(validity.tree(), 0.0f, openvdb::TopologyCopy()));
     visibility->setTransform(validity.transform().copy());
     FloatGrid::Accessor accessor = visibility->getAccessor();
-    for (const int32_t probe : in_layer) {
-        accessor.setValueOnly(Coord(probes.point[probe]), probes.key_visibility[probe][key]);
+    for (size_t i = 0; i < voxels.at.size(); ++i) {
+        accessor.setValueOnly(voxels.at[i], probes.key_visibility[voxels.probe[i]][key]);
     }
     return visibility;
 }
 
-// Appends a layer's grids. @return its validity
-FloatGrid::Ptr add_layer(const lmb_probes &probes, const Layer &layer, const std::vector<int32_t> &in_layer,
-                         float scale, openvdb::GridPtrVec &grids)
+// Appends a set's grids. @return its validity
+FloatGrid::Ptr add_set(const lmb_probes &probes, const GridSet &set, const Voxels &voxels, float scale,
+                       openvdb::GridPtrVec &grids)
 {
-    const FloatGrid::Ptr validity = make_validity_grid(probes, layer, in_layer);
+    const FloatGrid::Ptr validity = make_validity_grid(probes, set, voxels);
     const size_t first = grids.size();
     for (int i = 0; i < LMB_SH3_COUNT; ++i) {
-        grids.push_back(make_coefficient_grid(probes, in_layer, *validity, i, scale));
-        grids.back()->setName(coefficient_name(i, layer));
+        grids.push_back(make_coefficient_grid(probes, voxels, *validity, i, scale));
+        grids.back()->setName(coefficient_name(i, set));
     }
     grids.push_back(validity);
     for (uint32_t key = 0; key < probes.key_light_count; ++key) {
-        grids.push_back(make_visibility_grid(probes, in_layer, *validity, key));
-        grids.back()->setName(visibility_name(key, layer));
+        grids.push_back(make_visibility_grid(probes, voxels, *validity, key));
+        grids.back()->setName(visibility_name(key, set));
     }
     for (size_t i = first; i < grids.size(); ++i) {
-        describe(*grids[i], probes, layer, scale);
+        describe(*grids[i], probes, set.level, scale);
         grids[i]->setCreator("Lambent");
     }
     return validity;
@@ -226,19 +241,15 @@ void write_file(const std::string &path, const lmb_probes &probes, const lmb_vdb
     check_magnitudes(probes, scale);
     openvdb::initialize();
     openvdb::GridPtrVec grids;
-    std::vector<Level> levels;
     for (uint32_t number = 0; number < probes.level_count; ++number) {
-        levels.push_back(sort_into_layers(probes, number));
-        describe_cut_cells(*add_layer(probes, {number, 0}, levels[number].layer[0], scale, grids), probes,
-                           levels[number]);
-    }
-    for (const Level &level : levels) {
-        for (uint32_t layer = 1; layer < level.layer.size(); ++layer) {
-            add_layer(probes, {level.number, layer}, level.layer[layer], scale, grids);
+        const Level level = find_voxels(probes, number);
+        describe_cut_cells(*add_set(probes, {number, false}, level.own, scale, grids), probes, level);
+        if (!level.ghosts.probe.empty()) {
+            add_set(probes, {number, true}, level.ghosts, scale, grids);
         }
     }
     openvdb::MetaMap file_metadata;
-    describe(file_metadata, probes, {0, 0}, scale);
+    describe(file_metadata, probes, 0, scale);
     file_metadata.insertMeta("lambent_settings", openvdb::StringMetadata(metadata.settings));
     file_metadata.insertMeta("lambent_scene_hash", openvdb::StringMetadata(metadata.scene_hash));
 

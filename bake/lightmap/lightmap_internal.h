@@ -132,4 +132,9 @@ lmb_result lmb_lightmap_mark(lmb_lightmap *lightmap);
 /* lightmap_resolution.c: warns where floats do not tell positions apart that are a texel from each other. */
 void lmb_lightmap_warn_of_steps(const lmb_lightmap *lightmap);
 
+/* Whether the text of a lightmap.json describes just this lightmap; then takes from it which sides were baked, and
+ * the scales of the light in textures, [image]. `path` names it in messages. @return LMB_ERROR_FORMAT */
+lmb_result lmb_lightmap_json_check(lmb_lightmap *lightmap, const char *path, const char *text, size_t size,
+                                   float *scale, lmb_error *error);
+
 #endif

@@ -1,4 +1,5 @@
 /* Lightmaps from disk, into a layout that was made again (docs/formats.md). */
+#include "lightmap/lightmap_internal.h"
 #include "lightmap/lightmap_textures.h"
 
 #include <math.h>

@@ -5,8 +5,6 @@
 
 #include "model/models.h"
 
-_Static_assert(LMB_DISC_MIN_COS == LMB_IRRADZ_MIN_COS, "both are as low");
-
 enum { R, G, B, WEIGHT, X, Y, CHANNELS };
 
 static const char *const names[CHANNELS] = {"R", "G", "B", "w", "p.x", "p.y"};

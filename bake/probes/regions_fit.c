@@ -17,7 +17,7 @@
 enum { LANES = LMB_SH3_COUNT, MOST_PASSES = 200 };
 
 /* Squared, of what is left to where it began. */
-#define CONVERGED 1e-12
+#define CONVERGED 1e-10
 
 typedef struct fit_entry {
     int32_t column;
@@ -87,10 +87,11 @@ static void products_add(const lmb_regions *regions, const matrix_sink *sink)
     for (size_t i = 0; i < regions->point_count; ++i) {
         const int32_t *const corner = regions->corner[regions->point[i].region];
         float weight[8];
+        const double own = (double)regions->point[i].weight;
         lmb_region_weights(regions->point[i].t, weight);
         for (int k = 0; k < 64; ++k) {
             sink_add(sink, unknown[corner[k / 8]], unknown[corner[k % 8]],
-                     (double)weight[k / 8] * (double)weight[k % 8]);
+                     own * (double)weight[k / 8] * (double)weight[k % 8]);
         }
     }
     for (uint32_t region = 0; region < regions->region_count; ++region) {
@@ -230,7 +231,7 @@ static void right_make(const fit_job *job, size_t task, double (*right)[LANES])
         }
         for (int c = 0; c < 8; ++c) {
             for (int k = 0; k < LANES && unknown[corner[c]] >= 0; ++k) {
-                right[unknown[corner[c]]][k] += (double)weight[c] * value[k];
+                right[unknown[corner[c]]][k] += (double)regions->point[i].weight * (double)weight[c] * value[k];
             }
         }
     }
@@ -294,7 +295,7 @@ static void direction_turn(const fit_work *work, const double share[LANES])
     }
 }
 
-/* `left` is the right side, all else 0. */
+/* `left` is what x leaves of the right side. */
 static void solve(const fit_work *work)
 {
     double squared[LANES], enough[LANES], along[LANES], step[LANES], share[LANES] = {0.0};
@@ -326,14 +327,44 @@ static void solve(const fit_work *work)
     }
 }
 
+/* Where solving starts: each value has the mean of what is gathered in its regions, by weight. `sum` is 0. */
+static void start_make(const fit_job *job, size_t task, double (*start)[LANES], double *sum)
+{
+    const double least = 1e-3; /* a point says something of all corners */
+    const lmb_regions *const regions = job->regions;
+    for (size_t i = 0; i < regions->point_count; ++i) {
+        float weight[8];
+        double value[LANES];
+        lmb_region_weights(regions->point[i].t, weight);
+        gathered_get(job, task, i, value);
+        for (int c = 0; c < 8; ++c) {
+            const int32_t to = regions->unknown_of[regions->corner[regions->point[i].region][c]];
+            for (int k = 0; k < LANES && to >= 0; ++k) {
+                start[to][k] += ((double)weight[c] + least) * value[k];
+            }
+            if (to >= 0) {
+                sum[to] += (double)weight[c] + least;
+            }
+        }
+    }
+    for (size_t row = 0; row < regions->unknown_count; ++row) {
+        for (int k = 0; k < LANES && sum[row] > 0.0; ++k) {
+            start[row][k] /= sum[row];
+        }
+    }
+}
+
 static void coefficients_fit(void *context, size_t task, int worker)
 {
     (void)worker;
     fit_job *const job = context;
     const size_t rows = job->regions->unknown_count;
     double(*const vectors)[LANES] = calloc(4 * rows + 1, sizeof *vectors);
-    if (!vectors) {
+    double *const sum = calloc(rows + 1, sizeof *sum);
+    if (!vectors || !sum) {
         job->failed[task] = true;
+        free(vectors);
+        free(sum);
         return;
     }
     const fit_work work = {.matrix = &job->matrix,
@@ -344,11 +375,21 @@ static void coefficients_fit(void *context, size_t task, int worker)
                            .direction = vectors + 2 * rows,
                            .image = vectors + 3 * rows};
     right_make(job, task, work.left);
+    start_make(job, task, work.x, sum);
+    double along[LANES];
+    memcpy(work.direction, work.x, rows * sizeof *work.x);
+    image_make(&work, along);
+    for (size_t i = 0; i < rows; ++i) {
+        for (int k = 0; k < LANES; ++k) {
+            work.left[i][k] -= work.image[i][k];
+        }
+    }
     solve(&work);
     for (size_t i = 0; i < rows; ++i) {
         value_set(job, task, job->regions->unknown[i], work.x[i]);
     }
     free(vectors);
+    free(sum);
 }
 
 /* Sets what hangs on coarser levels. */

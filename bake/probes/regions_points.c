@@ -15,11 +15,13 @@ enum { AT_NODE, AT_SURFACE, POINTS_EACH };
 
 /* More in each region of a cell that holds a lamp: beside surfaces and away from them. */
 enum { LAMP_ENDS = 12, LAMP_NODES = 4, LAMP_POINTS = LAMP_ENDS + LAMP_NODES };
+#define LAMP_WEIGHT 0.5f
 
 typedef struct point_choice {
     float weight; /* of the value; 0: none */
     uint32_t cell, region;
     float t[3];
+    bool is_extra; /* in a lamp's cell */
 } point_choice;
 
 typedef struct points_work {
@@ -42,7 +44,7 @@ static void choice_offer(point_choice *best, uint32_t cell, uint32_t region, con
 {
     const float weight = corner_weight(t, corner);
     if (weight > best->weight) {
-        *best = (point_choice){weight, cell, region, {t[0], t[1], t[2]}};
+        *best = (point_choice){weight, cell, region, {t[0], t[1], t[2]}, false};
     }
 }
 
@@ -104,7 +106,7 @@ static void lamp_choose(points_work *work, uint32_t cell, uint32_t label)
     for (int i = 0; i < LMB_REGION_NODES; ++i) {
         nodes += look->label[i] == label;
     }
-    point_choice choice = {.weight = 1.0f, .cell = cell, .region = own->first + label};
+    point_choice choice = {.weight = 1.0f, .cell = cell, .region = own->first + label, .is_extra = true};
     for (uint32_t i = 0; i < look->end_count; ++i) {
         const bool is_own = look->label[look->end[i].node] == label;
         if (is_own && end * LAMP_ENDS / ends != (end + 1) * LAMP_ENDS / ends) {
@@ -158,7 +160,7 @@ static int choice_compare(const void *left, const void *right)
             return a->t[axis] < b->t[axis] ? -1 : 1;
         }
     }
-    return a->region != b->region ? (a->region < b->region ? -1 : 1) : 0;
+    return a->region != b->region ? (a->region < b->region ? -1 : 1) : (int)a->is_extra - (int)b->is_extra;
 }
 
 /* --- what is to be fitted ----------------------------------------------------------------------------------------- */
@@ -207,7 +209,8 @@ static void points_add(const points_work *work, const uint32_t *kept)
     }
     qsort(choice, count, sizeof *choice, choice_compare);
     for (size_t i = 0; i < count; ++i) {
-        if (i > 0 && choice_compare(&choice[i - 1], &choice[i]) == 0) {
+        if (i > 0 && memcmp(choice[i - 1].t, choice[i].t, sizeof choice[i].t) == 0 &&
+            choice[i - 1].region == choice[i].region) {
             continue;
         }
         const lmb_region_cell *const cell = &work->all->cell[choice[i].cell];
@@ -217,6 +220,7 @@ static void points_add(const points_work *work, const uint32_t *kept)
         point->position = lmb_region_position(&frame, point->t);
         point->region = kept[choice[i].region];
         point->spacing = frame.spacing;
+        point->weight = choice[i].is_extra ? LAMP_WEIGHT : 1.0f;
     }
 }
 

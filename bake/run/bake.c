@@ -87,6 +87,10 @@ static lmb_result bake_finish(lmb_bake *bake, const lmb_bake_settings *asked, co
     if (result == LMB_OK) {
         result = lmb_bake_write(bake, folder, error);
     }
+    if (result == LMB_ERROR_WRITE) { /* a full disk may have room without them */
+        lmb_bake_folder_drop_parts(folder);
+        result = lmb_bake_write(bake, folder, error);
+    }
     if (result == LMB_OK) {
         lmb_bake_folder_drop_parts(folder);
     }

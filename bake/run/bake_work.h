@@ -7,7 +7,7 @@
 #include "run/parts.h"
 
 /* Of everything that decides the bytes of a bake: settings, the level's and environment's content, this program's
- * version. Not of the paths by which they were named. 0: out of memory. */
+ * version. Not of the level's path. 0: out of memory. */
 uint64_t lmb_bake_key(const lmb_bake_settings *settings, uint64_t content_hash);
 
 static inline bool lmb_bake_work_is_shard(const lmb_bake_work *work)

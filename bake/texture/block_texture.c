@@ -309,6 +309,9 @@ lmb_result lmb_block_texture_decode(const lmb_block_texture *texture, int32_t le
 lmb_result lmb_block_texture_write(const lmb_block_texture *texture, lmb_block_container container, const char *path,
                                    lmb_error *error)
 {
+    if (container == LMB_BLOCK_DDS && is_astc(texture->format)) {
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: DDS has no ASTC", path);
+    }
     size_t size;
     unsigned char *bytes = container == LMB_BLOCK_KTX2 ? lmb_block_texture_to_ktx2(texture, &size)
                                                        : lmb_block_texture_to_dds(texture, &size);

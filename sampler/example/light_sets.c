@@ -2,8 +2,8 @@
  *
  *     light_sets X Y Z FILE.lmb WEIGHT [FILE.lmb WEIGHT]...
  *
- * A lamp that is dimmed is its own set with a weight. A door that opens is two: what comes in through the open one, with
- * a weight that goes from 0 to 1, beside what is there when it is closed, whose weight goes to 0. */
+ * A lamp that is dimmed is its own set with a weight. A door that opens is two: what comes in through the open one,
+ * with a weight that goes from 0 to 1, beside what is there when it is closed, whose weight goes to 0. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -81,7 +81,8 @@ lmb_result lmb_block_texture_encode(lmb_block_texture *texture, int32_t level, c
 lmb_result lmb_block_texture_decode(const lmb_block_texture *texture, int32_t level, int32_t layer,
                                     float *const *plane);
 
-/* Writes beside, then renames; equal textures are equal files. @return LMB_ERROR_WRITE, _MEMORY */
+/* Writes beside, then renames; equal textures are equal files. @return LMB_ERROR_WRITE, _MEMORY, _UNSUPPORTED
+ * (ASTC in DDS) */
 lmb_result lmb_block_texture_write(const lmb_block_texture *texture, lmb_block_container container, const char *path,
                                    lmb_error *error);
 

@@ -111,6 +111,35 @@ LMB_API bool lmb_volume_irradiance(const lmb_volume *volume, lmb_vec3d position,
 LMB_API void lmb_volume_irradiance_batch(const lmb_volume *volume, const lmb_vec3d *position, const lmb_vec3 *normal,
                                          size_t count, lmb_rgb *irradiance, bool *inside);
 
+/* What a shader needs to sample the volume by itself, with shader/lambent_sampling.glsl: words for a storage buffer,
+ * which are the file as it is, and constants, LmbVolume there, for a uniform buffer. */
+typedef struct lmb_volume_gpu_constants {
+    float origin[3]; /* in spacings of the finest level, from the shader's origin */
+    float inverse_spacing;
+    float first[3]; /* of the box, from there */
+    float scale;
+    float last[3];
+    uint32_t key_lights;
+    uint32_t last_cell[3];
+    uint32_t probe_units;
+    uint32_t entries[3]; /* of the directory: along y and z to the next block, and before the first */
+    uint32_t is_compact;
+    uint32_t directory, bricks, probes, cut_offsets, cuts; /* where they begin, in words */
+    float slack; /* spacings that a position may be off the box and count as inside, as floats round */
+    uint32_t padding[2];
+} lmb_volume_gpu_constants;
+
+typedef struct lmb_volume_gpu {
+    const void *words; /* little-endian; the volume's, until it is closed */
+    size_t bytes;
+    lmb_volume_gpu_constants constants;
+} lmb_volume_gpu;
+
+/* `world_origin` is where the shader counts its positions from: floats tell an eighth of a spacing apart within some
+ * 10^6 spacings of it. Volumes of up to 16 GB, and no position of the box more than 2^24 spacings from its first one.
+ */
+LMB_API lmb_volume_gpu lmb_volume_get_gpu(const lmb_volume *volume, lmb_vec3d world_origin);
+
 #ifdef __cplusplus
 }
 #endif

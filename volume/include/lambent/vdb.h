@@ -19,7 +19,7 @@ typedef struct lmb_vdb_metadata {
     const char *scene_hash; /* hexadecimal content hash of level and environment */
 } lmb_vdb_metadata;
 
-/* Writes probes whose lattices are not turned and double in spacing, of one set of lights, with up to 255 ghosts a
+/* Writes probes whose lattices are not turned and double in spacing, of one set of lights, with up to 64 ghosts a
  * point; beside, then renames. The file's UUID is a hash of its content: equal probes give equal bytes.
  * @return LMB_ERROR_WRITE, _MEMORY, _ARGUMENT (no level, several sets, lattices or ghosts that it does not hold, broken
  * cut cells or key lights, radiance that no scale brings into fp16, or that is not finite); then a file that was there

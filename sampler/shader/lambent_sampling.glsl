@@ -1,0 +1,183 @@
+// Sampling a volume in a shader: a .lmb file lies in a buffer of 32-bit words as it is, and these functions read it as
+// lmb_volume_sample_with_keys does, levels, cut cells and compact probes too. lmb_volume_get_gpu gives the words and
+// LmbVolume, member by member. GLSL 4.3 or ESSL 3.1, put behind lambent.glsl; HLSL behind lambent.hlsl. Define before
+//
+//     uint lmbVolumeWord(uint index);   // of the buffer
+//
+#ifndef LAMBENT_SAMPLING_GLSL
+#define LAMBENT_SAMPLING_GLSL
+
+#ifdef LAMBENT_HLSL
+#define vec3 float3
+#define uvec3 uint3
+#define lmbHalf(bits) f16tof32(bits)
+#define lmbBits(word) countbits(word)
+#else
+#define lmbHalf(bits) unpackHalf2x16(bits).x
+#define lmbBits(word) uint(bitCount(word))
+#endif
+
+// As lmb_volume_gpu has it; in std140 and std430 without gaps.
+struct LmbVolume {
+    vec3 origin;
+    float inverseSpacing;
+    vec3 first;
+    float scale;
+    vec3 last;
+    uint keyLights;
+    uvec3 lastCell;
+    uint probeUnits;
+    uvec3 entries;
+    uint isCompact;
+    uint directory;
+    uint bricks;
+    uint probes;
+    uint cutOffsets;
+    uint cuts;
+    float slack;
+    uint padding0;
+    uint padding1;
+};
+
+// The eight probes around a position, and their weights.
+struct LmbVolumePlace {
+    uint probe[8];
+    float weight[8];
+};
+
+struct LmbVolumeSample {
+    LmbSh3 radiance;
+    float visibility[4];
+};
+
+// Two bytes of what begins at a word.
+uint lmbVolumeShort(uint word, uint index)
+{
+    return lmbVolumeWord(word + (index >> 1u)) >> (16u * (index & 1u)) & 0xffffu;
+}
+
+float lmbVolumeSigned(uint bits)
+{
+    return float(bits) - (bits >= 0x8000u ? 65536.0 : 0.0);
+}
+
+// The region of a cut cell, whose planes begin at a word (lmb_cell_region).
+uint lmbVolumeRegion(uint planes, uint planeCount, vec3 t)
+{
+    uint at = planeCount > 0u ? 0u : 128u;
+    for (uint i = 0u; i < 31u && at < 128u; ++i) {
+        uint plane = 5u * at;
+        float along = lmbVolumeSigned(lmbVolumeShort(planes, plane)) * t.x +
+                      lmbVolumeSigned(lmbVolumeShort(planes, plane + 1u)) * t.y +
+                      lmbVolumeSigned(lmbVolumeShort(planes, plane + 2u)) * t.z;
+        uint children = lmbVolumeShort(planes, plane + 4u);
+        bool above = along > lmbVolumeSigned(lmbVolumeShort(planes, plane + 3u));
+        at = above ? children >> 8u : children & 255u;
+    }
+    return at >= 128u ? at - 128u : 0u;
+}
+
+// The probes of a cell, by its place in its brick. False: it is not there.
+bool lmbVolumeProbes(LmbVolume volume, uint brick, uvec3 cell, vec3 t, out uint probe[8])
+{
+    uint bit = cell.x + 4u * cell.y + 16u * cell.z;
+    uint half_ = bit >> 5u, below = (1u << (bit & 31u)) - 1u, mask = 1u << (bit & 31u);
+    uint cut = lmbVolumeWord(brick + 2u + half_);
+    for (uint k = 0u; k < 8u; ++k) {
+        probe[k] = 0u;
+    }
+    if ((lmbVolumeWord(brick + half_) & mask) != 0u) {
+        uint row = brick + 4u + cell.y + 5u * cell.z, x = cell.x * volume.probeUnits;
+        for (uint i = 0u; i < 4u; ++i) {
+            probe[2u * i] = lmbVolumeWord(row + (i & 1u) + 5u * (i >> 1u)) + x;
+            probe[2u * i + 1u] = probe[2u * i] + volume.probeUnits;
+        }
+        return true;
+    }
+    if ((cut & mask) == 0u) {
+        return false;
+    }
+    uint rank = lmbBits(cut & below) + (half_ == 1u ? lmbBits(lmbVolumeWord(brick + 2u)) : 0u);
+    uint record = volume.cuts + lmbVolumeWord(volume.cutOffsets + lmbVolumeWord(brick + 29u) + rank);
+    uint head = lmbVolumeWord(record), regions = head & 255u;
+    uint region = lmbVolumeRegion(record + 1u + 8u * regions, head >> 8u & 255u, t);
+    for (uint c = 0u; c < 8u; ++c) {
+        probe[c] = lmbVolumeWord(record + 1u + 8u * region + c);
+    }
+    return true;
+}
+
+// Where a position is. False: outside; the place is then that of the nearest position in the bounds, with weights of 0
+// where the cell there is none.
+bool lmbVolumeFind(LmbVolume volume, vec3 position, out LmbVolumePlace place)
+{
+    vec3 wanted = position * volume.inverseSpacing - volume.origin;
+    vec3 at = min(max(wanted, volume.first), volume.last);
+    uvec3 finest = min(uvec3(at), volume.lastCell);
+    uint entry = (finest.x >> 2u) + volume.entries.x * (finest.y >> 2u) + volume.entries.y * (finest.z >> 2u);
+    uint word = lmbVolumeWord(volume.directory + entry - volume.entries.z);
+    uint level = word >> 28u;
+    uvec3 cell = uvec3(finest.x >> level, finest.y >> level, finest.z >> level);
+    vec3 t = at / float(1u << level) - vec3(cell);
+    uvec3 inBrick = uvec3(cell.x & 3u, cell.y & 3u, cell.z & 3u);
+    bool there = lmbVolumeProbes(volume, volume.bricks + 32u * (word & 0xfffffffu), inBrick, t, place.probe);
+    for (uint i = 0u; i < 8u; ++i) {
+        float weight = ((i & 1u) != 0u ? t.x : 1.0 - t.x) * ((i & 2u) != 0u ? t.y : 1.0 - t.y) *
+                       ((i & 4u) != 0u ? t.z : 1.0 - t.z);
+        place.weight[i] = there ? weight : 0.0;
+    }
+    vec3 off = abs(wanted - at);
+    return there && max(off.x, max(off.y, off.z)) <= volume.slack;
+}
+
+// A coefficient of a probe, without the volume's scale.
+float lmbVolumeCoefficient(LmbVolume volume, uint probe, uint channel, uint k)
+{
+    if (volume.isCompact == 0u) {
+        return lmbHalf(lmbVolumeShort(volume.probes, probe + 9u * channel + k));
+    }
+    float first = lmbHalf(lmbVolumeShort(volume.probes, probe + channel));
+    if (k == 0u) {
+        return first;
+    }
+    uint index = 8u * channel + k - 1u;
+    uint bits = lmbVolumeShort(volume.probes, probe + 3u + (index >> 1u)) >> (8u * (index & 1u)) & 255u;
+    float share = float(bits) - (bits >= 128u ? 256.0 : 0.0);
+    return first * share * abs(share) * (k < 4u ? 1.0738726e-4 : 1.3863636e-4);
+}
+
+// What of a key light is seen at a probe, 0 to 1.
+float lmbVolumeSeen(LmbVolume volume, uint probe, uint key)
+{
+    uint units = probe + (volume.isCompact == 0u ? 27u : 15u) + (key >> 1u);
+    return float(lmbVolumeShort(volume.probes, units) >> (8u * (key & 1u)) & 255u) / 255.0;
+}
+
+// Radiance and visibility of key lights, of probes with weights.
+LmbVolumeSample lmbVolumeBlend(LmbVolume volume, LmbVolumePlace place)
+{
+    LmbVolumeSample blended;
+    for (uint k = 0u; k < 9u; ++k) {
+        vec3 sum = vec3(0.0, 0.0, 0.0);
+        for (uint i = 0u; i < 8u; ++i) {
+            sum += place.weight[i] * vec3(lmbVolumeCoefficient(volume, place.probe[i], 0u, k),
+                                          lmbVolumeCoefficient(volume, place.probe[i], 1u, k),
+                                          lmbVolumeCoefficient(volume, place.probe[i], 2u, k));
+        }
+        blended.radiance.c[k] = sum * volume.scale;
+    }
+    for (uint key = 0u; key < 4u; ++key) {
+        blended.visibility[key] = 0.0;
+        for (uint c = 0u; c < 8u && key < volume.keyLights; ++c) {
+            blended.visibility[key] += place.weight[c] * lmbVolumeSeen(volume, place.probe[c], key);
+        }
+    }
+    return blended;
+}
+
+#ifdef LAMBENT_HLSL
+#undef vec3
+#undef uvec3
+#endif
+
+#endif

@@ -1,0 +1,35 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+
+layout(local_size_x = 64) in;
+layout(std430, binding = 0) readonly buffer Inputs { uint inputs[]; };
+layout(std430, binding = 1) writeonly buffer Outputs { float outputs[]; };
+
+uint lmbInput(uint index)
+{
+    return inputs[index];
+}
+
+float lmbFloat(uint index)
+{
+    return uintBitsToFloat(inputs[index]);
+}
+
+void lmbWrite(uint index, float value)
+{
+    outputs[index] = value;
+}
+
+uint lmbVolumeWord(uint index)
+{
+    return inputs[32u + 3u * inputs[28u] + index];
+}
+
+#include "lambent.glsl"
+#include "lambent_sampling.glsl"
+#include "volume_cases.glsl"
+
+void main()
+{
+    lmbItem(gl_GlobalInvocationID.x);
+}
