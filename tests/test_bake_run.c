@@ -152,7 +152,7 @@ static void levels_are_baked(void)
     settings.lightmaps = false;
     settings.spacing = 1.0f;
     settings.min_spacing = 0.25f;
-    settings.tolerance = 0.02;
+    settings.tolerance = 0.1;
     if (!cornell_make(OUTPUT, LEVEL)) {
         return;
     }
