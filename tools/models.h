@@ -60,7 +60,8 @@ lmb_result models_measure_speed(const models_settings *settings, const models_ma
                                 const lmb_progress *progress, models_report *report);
 
 /* Whether a model is measured with an input: every one that is made of SH3, others with the light above the horizon. A
- * texel's SH3 means nothing below the horizon: rows with a use have that of lightmaps, others clip what they are given. */
+ * texel's SH3 means nothing below the horizon: rows with a use have that of lightmaps, others clip what they are given.
+ */
 bool models_row_exists(const lmb_model *model, models_input input);
 
 /* What a model gives of one input of a turn; `normal`: models_normals. */

@@ -18,7 +18,8 @@ typedef struct lmb_error {
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
-lmb_result lmb_error_set(lmb_error *error, lmb_result result, const char *format, ...);
+lmb_result
+lmb_error_set(lmb_error *error, lmb_result result, const char *format, ...);
 
 #ifdef __cplusplus
 }
