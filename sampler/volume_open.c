@@ -124,6 +124,7 @@ lmb_volume_info lmb_volume_get_info(const lmb_volume *volume)
         .scale = header->scale,
         .file_bytes = header->file_bytes,
         .key_light_count = header->key_light_count,
+        .spacing = header->spacing,
         .level_count = header->level_count,
         .cut_count = header->cut_count,
         .is_compact = header->probe_form == LMB_VOLUME_COMPACT,

@@ -179,7 +179,8 @@ static void json_outputs(void)
         const char *command;
         const char *keys[20];
     } table[] = {
-        {" info --json " OUTPUT "/b/probes.lmb", {"kind", "probes", "spacing", "bytes", NULL}},
+        {" info --json " OUTPUT "/b/probes.lmb",
+         {"kind", "probes", "spacing", "levels", "cut_cells", "compact", "bytes", NULL}},
         {" info --json " OUTPUT "/b/probes.vdb",
          {"kind", "probes", "ghosts", "cut_cells", "levels", "settings", "scene_hash", NULL}},
         {" info --json " OUTPUT "/b/probes.vdb --slices " OUTPUT "/slices --axis x", {"kind", "slices_at", NULL}},

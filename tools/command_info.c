@@ -54,7 +54,7 @@ static cJSON *lmb_describe(const lmb_volume *volume)
     cJSON_AddStringToObject(json, "kind", "lambent run-time volume");
     cJSON_AddNumberToObject(json, "version", info.version);
     cJSON_AddNumberToObject(json, "probes", (double)info.probe_count);
-    const double spacing = (double)lmb_volume_spacing_at(volume, info.bounds_min);
+    const double spacing = (double)info.spacing;
     const double low[3] = {info.bounds_min.x, info.bounds_min.y, info.bounds_min.z};
     const double high[3] = {info.bounds_max.x, info.bounds_max.y, info.bounds_max.z};
     int32_t first[3], size[3];
@@ -67,6 +67,9 @@ static cJSON *lmb_describe(const lmb_volume *volume)
     json_add_range(json, "lattice_size", size);
     cJSON_AddItemToObject(json, "bounds_min", json_position(info.bounds_min));
     cJSON_AddItemToObject(json, "bounds_max", json_position(info.bounds_max));
+    cJSON_AddNumberToObject(json, "levels", info.level_count);
+    cJSON_AddNumberToObject(json, "cut_cells", info.cut_count);
+    cJSON_AddBoolToObject(json, "compact", info.is_compact);
     cJSON_AddNumberToObject(json, "bricks", info.brick_count);
     cJSON_AddNumberToObject(json, "scale", (double)info.scale);
     cJSON_AddNumberToObject(json, "bytes", (double)info.file_bytes);

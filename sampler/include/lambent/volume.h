@@ -31,7 +31,8 @@ typedef struct lmb_volume_info {
     float scale; /* the power of two that stored radiance was divided by */
     uint64_t file_bytes;
     uint32_t key_light_count;
-    uint32_t level_count; /* of the probes' spacing: each has twice that of the one before */
+    float spacing;        /* metres, of the finest level's probes */
+    uint32_t level_count; /* each next level has twice the spacing of the one before */
     uint32_t cut_count;   /* cells that geometry parts */
     bool is_compact;      /* coefficients above the first are bytes */
 } lmb_volume_info;
