@@ -43,9 +43,4 @@ lmb_lightmap_channels lmb_lightmap_key_channels(const lmb_lightmap *lightmap);
 /* What is left of a model, as R, G, B and A where that is enough for it, so that every program opens the file. */
 lmb_lightmap_channels lmb_lightmap_model_channels(const lmb_model *model);
 
-/* Whether the text of a lightmap.json describes just this lightmap; then takes from it which sides were baked. `path`
- * names it in messages. @return LMB_ERROR_FORMAT */
-lmb_result lmb_lightmap_json_check(lmb_lightmap *lightmap, const char *path, const char *text, size_t size,
-                                   lmb_error *error);
-
 #endif

@@ -1,5 +1,5 @@
 /* Lightmaps from disk, into a layout that was made again (docs/formats.md). */
-#include "lightmap/lightmap_files.h"
+#include "lightmap/lightmap_read.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,6 +9,8 @@
 
 #include <lambent/exr.h>
 #include <lambent/file.h>
+
+#include "lightmap/lightmap_files.h"
 
 static lmb_result out_of_memory(lmb_error *error)
 {

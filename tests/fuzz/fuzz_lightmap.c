@@ -10,7 +10,7 @@
 #include <lambent/gltf.h>
 #include <lambent/lightmap.h>
 
-#include "lightmap/lightmap_files.h"
+#include "lightmap/lightmap_read.h"
 #include "run/bake_settings_internal.h"
 #include "scenes/levels.h"
 
