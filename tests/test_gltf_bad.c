@@ -200,7 +200,7 @@ static void test_uris(void)
         lmb_scene_destroy(load_text("spaces \xc3\xa9", text));
     }
     const lmb_gltf_options anywhere = {.allow_outside_uris = true};
-    static const char outside[] = HEAD "'buffers':[{'uri':'../gltf/quad.bin','byteLength':92}]}";
+    static const char outside[] = HEAD "'buffers':[{'uri':'../gltf_bad/quad.bin','byteLength':92}]}";
     CHECK(load_text_with("outside", outside, &anywhere, &s) == LMB_OK, "%s", error.message);
     lmb_scene_destroy(s);
     char text[1200];
