@@ -211,7 +211,7 @@ static void lightmaps_alone(void)
     CHECK_RUN(2, "--lightmaps has to go with", IN_OUTPUT LMB_COMMAND " bake " LEVEL " -o alone --no-probes" SMALL);
     CHECK_RUN(0, NULL, IN_OUTPUT LMB_COMMAND " bake " LEVEL " -o alone --lightmaps" SMALL);
     CHECK_RUN(0, NULL,
-              IN_OUTPUT "cp -r alone/lightmap with_probes && " LMB_COMMAND " bake " LEVEL
+              IN_OUTPUT "rm -rf with_probes && cp -r alone/lightmap with_probes && " LMB_COMMAND " bake " LEVEL
                         " -o alone --lightmaps --no-probes" SMALL);
     CHECK_RUN(0, "",
               IN_OUTPUT "diff -r alone/lightmap with_probes && test ! -e alone/probes.lmb -a ! -e alone/probes.vdb");
@@ -316,7 +316,7 @@ static bool marked_level_write(void)
 
 static void seeds_are_named(void)
 {
-#define MARKED IN_OUTPUT LMB_COMMAND " bake marked.gltf -o m --spacing 0.5 --samples 2 --env '#ffffff' "
+#define MARKED IN_OUTPUT LMB_COMMAND " bake marked.gltf -o m --force --spacing 0.5 --samples 2 --env '#ffffff' "
     if (!baked() || !marked_level_write()) {
         return;
     }
