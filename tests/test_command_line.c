@@ -198,7 +198,11 @@ static void limits_fail_a_check(void)
                                         "--quiet %s",
                   table[i].limits);
     }
-    CHECK_RUN(0, NULL, IN_OUTPUT LMB_COMMAND " bake " LEVEL " -o n" SMALL);
+    CHECK_RUN(0, "\ndenoised bake; ", IN_OUTPUT LMB_COMMAND " check " LEVEL " b --points 8 --samples 4 --quiet");
+    CHECK_RUN(0, "\"denoised\":\ttrue",
+              IN_OUTPUT LMB_COMMAND " check " LEVEL " b --points 8 --samples 4 --quiet --json");
+    CHECK_RUN(0, NULL, IN_OUTPUT LMB_COMMAND " bake " LEVEL " -o n --no-denoise" SMALL);
+    CHECK_RUN(0, "\nplain bake; ", IN_OUTPUT LMB_COMMAND " check " LEVEL " n --points 8 --samples 4 --quiet");
     CHECK_RUN(3, "bake with --lightmaps", IN_OUTPUT LMB_COMMAND " check " LEVEL " n --fail-above lightmap_leak=1");
 }
 

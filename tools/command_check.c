@@ -262,7 +262,6 @@ int command_check(int count, char **values)
     check_report report;
     result = check_run(&subject, &options.settings, &progress, &report);
     console_finish(&console);
-    lmb_baked_close(&baked);
     if (result != LMB_OK) {
         lmb_error_set(&error, result, "check: %s", lmb_result_text(result));
     } else if (options.json) {
@@ -270,6 +269,7 @@ int command_check(int count, char **values)
     } else {
         report_print_table(&options, &report, &baked.settings);
     }
+    lmb_baked_close(&baked);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
