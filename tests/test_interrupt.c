@@ -94,7 +94,9 @@ static pid_t command_start(const char *const *arguments)
         _exit(127);
     }
     close(input[0]);
-    for (int i = 0; i < 5000 && !waits_for_signals(child); ++i) {
+    /* A sanitizer's own start blocks signals for a moment too: blocked now and for some milliseconds is for good. */
+    for (int i = 0, steady = 0; i < 5000 && steady < 8; ++i) {
+        steady = waits_for_signals(child) ? steady + 1 : 0;
         wait_ms(1);
     }
     /* input[1] stays open: whoever reads waits. */
