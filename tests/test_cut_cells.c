@@ -81,8 +81,11 @@ static lmb_result cut_try(lmb_probes *probes, const cut_case *c)
     int32_t corner[LMB_CELL_REGIONS_MOST + 1][8];
     for (int k = 0; k < 8 * (LMB_CELL_REGIONS_MOST + 1); ++k) {
         const int at = k % 8;
-        corner[k / 8][at] =
-            lmb_probes_find(probes, 0, c->point[0] + (at & 1), c->point[1] + (at >> 1 & 1), c->point[2] + (at >> 2));
+        int32_t point[3];
+        for (int axis = 0; axis < 3; ++axis) { /* the last of all points has no next one */
+            point[axis] = c->point[axis] < INT32_MAX ? c->point[axis] + (at >> axis & 1) : INT32_MAX;
+        }
+        corner[k / 8][at] = lmb_probes_find(probes, 0, point[0], point[1], point[2]);
     }
     for (uint32_t i = 0; i < c->plane_count; ++i) {
         plane[i] = i < 2 ? c->plane[i] : (lmb_cell_plane){{1, 0, 0}, 0, {CUT_REGION(0), CUT_REGION(0)}};
