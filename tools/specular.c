@@ -129,6 +129,15 @@ static void light_compare(const specular_light *light, const specular_options *o
     compared_add(&all, sum);
 }
 
+static void lights_compare(const specular_light *lights, const specular_options *options, float roughness, int view,
+                           pooled *sum)
+{
+    *sum = (pooled){.count = 0};
+    for (int k = 0; k < options->env_count; ++k) {
+        light_compare(&lights[k], options, roughness, view, sum);
+    }
+}
+
 static void row_print(const char *name, float value, pooled *sum)
 {
     printf("%-9s%5.2f", name, (double)value);
@@ -149,13 +158,13 @@ static void tables_print(const specular_light *lights, const specular_options *o
         printf("%16s", LAYER_NAME[layer]);
     }
     printf("\n");
-    for (int i = 0; i < ROUGHNESSES + VIEWS; ++i) {
-        const bool by_view = i >= ROUGHNESSES;
-        sum = (pooled){.count = 0};
-        for (int k = 0; k < options->env_count; ++k) {
-            light_compare(&lights[k], options, by_view ? 0.4f : ROUGHNESS[i], by_view ? i - ROUGHNESSES : -1, &sum);
-        }
-        row_print(by_view ? "N.V" : "roughness", by_view ? VIEW_COSINE[i - ROUGHNESSES] : ROUGHNESS[i], &sum);
+    for (int i = 0; i < ROUGHNESSES; ++i) {
+        lights_compare(lights, options, ROUGHNESS[i], -1, &sum);
+        row_print("roughness", ROUGHNESS[i], &sum);
+    }
+    for (int i = 0; i < VIEWS; ++i) {
+        lights_compare(lights, options, 0.4f, i, &sum);
+        row_print("N.V", VIEW_COSINE[i], &sum);
     }
     printf("(by N.V: at a roughness of 0.4)\n");
 }
