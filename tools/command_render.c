@@ -61,9 +61,7 @@ typedef struct object_option {
 } object_option;
 
 typedef struct render_options {
-    const char *level;
-    const char *directory;
-    const char *output;
+    lmb_shared_arguments shared; /* LEVEL, DIR, and the picture that is written */
     bool has_camera, has_look, has_exposure;
     lmb_vec3d camera, look;
     const char *camera_node;
@@ -78,8 +76,6 @@ typedef struct render_options {
     bool has_specular;
     lmb_specular specular;
     bool probes;
-    int threads;
-    bool quiet;
 } render_options;
 
 static const char *const mode_names[] = {
@@ -192,46 +188,32 @@ static bool view_option(lmb_arguments *arguments, const char *option, render_opt
     return true;
 }
 
-static void options_read(lmb_arguments *arguments, render_options *options)
+static bool options_read(lmb_arguments *arguments, render_options *options)
 {
     for (const char *next; (next = arguments_next(arguments));) {
         if (view_option(arguments, next, options)) {
             continue;
         }
-        if (strcmp(next, "-o") == 0) {
-            options->output = arguments_text(arguments, next);
-        } else if (strcmp(next, "--model") == 0) {
+        if (strcmp(next, "--model") == 0) {
             options->model = lightmap_model_argument(arguments, next);
         } else if (strcmp(next, "--samples") == 0) {
             options->samples = (uint32_t)arguments_integer(arguments, next, 1, 100000000);
-        } else if (strcmp(next, "--threads") == 0) {
-            options->threads = (int)arguments_integer(arguments, next, 1, 1024);
-        } else if (strcmp(next, "--quiet") == 0) {
-            options->quiet = true;
-        } else if (next[0] == '-' && next[1] != '\0') {
-            arguments_error(arguments, "unknown option", next);
-        } else if (!options->level) {
-            options->level = next;
-        } else if (!options->directory) {
-            options->directory = next;
         } else {
-            arguments_error(arguments, "one argument too many:", next);
+            arguments_shared(arguments, next, &options->shared);
         }
     }
-    if (arguments->failed || arguments->help) {
-        return;
+    if (!arguments_complete(arguments, &options->shared)) {
+        return false;
     }
-    if (!options->directory) {
-        arguments_error(arguments, "missing argument", options->level ? "DIR" : "LEVEL");
-    } else if (!options->output) {
-        arguments_error(arguments, "missing option", "-o FILE.png|FILE.exr");
-    } else if (options->camera_node && (options->has_camera || options->has_look)) {
+    const char *const output = options->shared.output;
+    if (options->camera_node && (options->has_camera || options->has_look)) {
         arguments_error(arguments, "--camera-node does not go with", options->has_camera ? "--camera" : "--look");
     } else if (options->probes && (options->mode == RENDER_DIFFERENCE || options->mode == RENDER_MISMATCH)) {
         arguments_error(arguments, "--probes does not go with --mode", mode_names[options->mode]);
-    } else if (!output_file_ends_in(options->output, ".png") && !output_file_ends_in(options->output, ".exr")) {
-        arguments_error(arguments, "-o takes a .png or .exr, not", options->output);
+    } else if (!output_file_ends_in(output, ".png") && !output_file_ends_in(output, ".exr")) {
+        arguments_error(arguments, "-o takes a .png or .exr, not", output);
     }
+    return !arguments->failed;
 }
 
 /* The first that is a camera, else the first of that name. */
@@ -343,11 +325,12 @@ static lmb_result exr_write(const render_options *options, const float *rgb, siz
     const lmb_exr_channel channels[3] = {{"R", plane}, {"G", plane + pixel_count}, {"B", plane + 2 * pixel_count}};
     const lmb_exr_picture picture = {options->width, options->height, channels, 3, NULL, 0};
     size_t overflow_count = 0;
-    const lmb_result result = lmb_exr_write(options->output, &picture, &overflow_count, error);
+    const lmb_result result = lmb_exr_write(options->shared.output, &picture, &overflow_count, error);
     if (result == LMB_OK && overflow_count > 0) {
         char line[LMB_ERROR_MESSAGE_SIZE];
-        snprintf(line, sizeof line, "%s: %zu values beyond half float were clamped", options->output, overflow_count);
-        console_warning(line, options->quiet);
+        snprintf(line, sizeof line, "%s: %zu values beyond half float were clamped", options->shared.output,
+                 overflow_count);
+        console_warning(line, options->shared.quiet);
     }
     free(plane);
     return result;
@@ -363,25 +346,25 @@ static lmb_result png_write(const render_options *options, const float *rgb, siz
     if (options->mode == RENDER_DIFFERENCE) {
         const float full = DIFFERENCE_FULL_SHARE * (float)reference_mean;
         picture_difference_colour(rgb, pixel_count, full, srgb);
-        if (!options->quiet) {
+        if (!options->shared.quiet) {
             printf("final - reference: red +%g or more, white 0, blue -%g or less (%g %% of the reference's mean "
                    "luminance, %g)\n",
                    (double)full, (double)full, 100.0 * (double)DIFFERENCE_FULL_SHARE, reference_mean);
         }
     } else if (options->mode == RENDER_MISMATCH) {
         picture_difference_colour(rgb, pixel_count, DIFFERENCE_FULL_SHARE, srgb);
-        if (!options->quiet) {
+        if (!options->shared.quiet) {
             printf("probes - lightmaps: red +%g %% of the lightmap's light or more, white 0, blue as much less\n",
                    100.0 * (double)DIFFERENCE_FULL_SHARE);
         }
     } else {
         const float exposure_ev = options->has_exposure ? options->exposure_ev : exposure_of_picture(rgb, pixel_count);
         picture_tonemap(rgb, pixel_count, exposure_ev, srgb);
-        if (!options->quiet) {
+        if (!options->shared.quiet) {
             printf("--exposure %.3f\n", (double)exposure_ev);
         }
     }
-    const lmb_result result = lmb_png_write(options->output, options->width, options->height, srgb, error);
+    const lmb_result result = lmb_png_write(options->shared.output, options->width, options->height, srgb, error);
     free(srgb);
     return result;
 }
@@ -416,13 +399,13 @@ static lmb_result picture_make(const render_options *options, const lmb_shader *
                                           .height = options->height,
                                           .samples = options->samples};
     lmb_console console;
-    const lmb_progress progress = console_progress(&console, options->quiet, false);
+    const lmb_progress progress = console_progress(&console, options->shared.quiet, false);
     double reference_mean = 0.0;
     lmb_result result = render_picture(shader, &settings, pool, &progress, rgb, &reference_mean);
     console_finish(&console);
     if (result != LMB_OK) {
         lmb_error_set(error, result, "render: %s", lmb_result_text(result));
-    } else if (output_file_ends_in(options->output, ".exr")) {
+    } else if (output_file_ends_in(options->shared.output, ".exr")) {
         result = exr_write(options, rgb, pixel_count, error);
     } else {
         result = png_write(options, rgb, pixel_count, reference_mean, error);
@@ -443,7 +426,7 @@ static lmb_result shown_open(const render_options *options, shown_probes *shown,
     if (!options->probes) {
         return LMB_OK;
     }
-    char *const path = lmb_file_in(options->directory, "probes.vdb");
+    char *const path = lmb_file_in(options->shared.path[1], "probes.vdb");
     lmb_result result = path ? lmb_vdb_read(path, &shown->probes, NULL, NULL, error)
                              : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     free(path);
@@ -469,12 +452,12 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
     lmb_result result = camera_of_options(options, tracer, &camera, error);
     if (result == LMB_OK && (options->probes || options->object_count > 0 || options->mode == RENDER_PROBES ||
                              options->mode == RENDER_MISMATCH)) {
-        result = lmb_baked_need_probes(baked, options->directory, error);
+        result = lmb_baked_need_probes(baked, options->shared.path[1], error);
     }
     if (result != LMB_OK) {
         return result;
     }
-    if (!options->quiet) {
+    if (!options->shared.quiet) {
         camera_print(&camera, options->camera_node, baked->level.scene);
         if (!baked->lightmap && options->mode != RENDER_PROBES && options->mode != RENDER_REFERENCE) {
             printf("this bake has no lightmaps: surfaces are lit by probes\n");
@@ -509,26 +492,32 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
 
 int command_render(int count, char **values)
 {
-    render_options options = {.width = 960, .height = 540, .samples = 32, .mode = RENDER_FINAL};
+    render_options options = {.width = 960,
+                              .height = 540,
+                              .samples = 32,
+                              .mode = RENDER_FINAL,
+                              .shared = {.path_name = {"LEVEL", "DIR"},
+                                         .output_name = "FILE.png|FILE.exr",
+                                         .takes = ARGUMENTS_THREADS | ARGUMENTS_QUIET}};
     lmb_arguments arguments = arguments_begin(count, values, "render", usage);
-    options_read(&arguments, &options);
-    if (arguments.failed || arguments.help) {
+    if (!options_read(&arguments, &options)) {
         return arguments_status(&arguments);
     }
     if (options.mode == RENDER_REFERENCE || options.mode == RENDER_DIFFERENCE) {
-        samples_say_rounded(options.samples, RENDER_RAYS_PER_PIXEL, options.quiet);
+        samples_say_rounded(options.samples, RENDER_RAYS_PER_PIXEL, options.shared.quiet);
     }
     lmb_error error = {""};
     lmb_baked baked;
-    lmb_result result = output_file_check(options.output, &error);
+    lmb_result result = output_file_check(options.shared.output, &error);
     if (result == LMB_OK) {
-        result = lmb_baked_open(options.level, options.directory, options.threads, options.camera_node, &baked, &error);
+        result = lmb_baked_open(options.shared.path[0], options.shared.path[1], options.shared.threads,
+                                options.camera_node, &baked, &error);
     }
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
     if (options.model) {
-        result = lmb_baked_read_model(&baked, options.directory, options.model, &error);
+        result = lmb_baked_read_model(&baked, options.shared.path[1], options.model, &error);
     }
     if (result == LMB_OK) {
         result = render_run(&options, &baked, &error);
