@@ -11,7 +11,7 @@
 #include <lambent/file.h>
 
 #include "command.h"
-#include "cube_map.h"
+#include "environment_maps.h"
 #include "query.h"
 
 static const char usage[] =
@@ -53,33 +53,19 @@ static bool options_read(lmb_arguments *arguments, cube_options *options)
     return arguments_complete(arguments, &options->shared);
 }
 
-/* Levels lie below each other, six faces beside each other. */
-static int picture_height(void)
-{
-    int height = 0;
-    for (int level = 0; level < CUBE_LEVELS; ++level) {
-        height += cube_side(level);
-    }
-    return height;
-}
-
 static void planes_fill(const cube_map *map, float *plane[3])
 {
-    const int width = CUBE_FACES * CUBE_SIDE;
-    int top = 0;
     for (int level = 0; level < CUBE_LEVELS; ++level) {
         const int side = cube_side(level);
         for (int i = 0; i < CUBE_FACES * side * side * 3; ++i) {
-            const int x = i / 3 % side, row = i / 3 / side % side, face = i / 3 / side / side;
-            plane[i % 3][(top + row) * width + face * side + x] = map->rgb[level][i];
+            plane[i % 3][cube_picture_pixel(level, i)] = map->rgb[level][i];
         }
-        top += side;
     }
 }
 
 static lmb_result picture_write(const char *path, const cube_map *map, lmb_error *error)
 {
-    const size_t pixels = (size_t)(CUBE_FACES * CUBE_SIDE) * (size_t)picture_height();
+    const size_t pixels = (size_t)CUBE_PICTURE_WIDTH * (size_t)cube_picture_height();
     float *const values = calloc(3 * pixels, sizeof *values);
     if (!values) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
@@ -87,7 +73,7 @@ static lmb_result picture_write(const char *path, const cube_map *map, lmb_error
     float *plane[3] = {values, values + pixels, values + 2 * pixels};
     planes_fill(map, plane);
     const lmb_exr_channel channels[3] = {{"R", plane[0]}, {"G", plane[1]}, {"B", plane[2]}};
-    const lmb_exr_picture picture = {CUBE_FACES * CUBE_SIDE, picture_height(), channels, 3, NULL, 0};
+    const lmb_exr_picture picture = {CUBE_PICTURE_WIDTH, cube_picture_height(), channels, 3, NULL, 0};
     const lmb_result result = lmb_exr_write(path, &picture, NULL, error);
     free(values);
     return result;

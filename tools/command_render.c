@@ -41,7 +41,9 @@ static const char usage[] =
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
     "                        sphere is put there\n"
-    "  --specular M[,F0]     objects also reflect: roughness M from 0 to 1, F0 of it along the normal (default 0.04)\n"
+    "  --specular M[,F0]     objects also reflect: facets' slopes M from 0 to 1, F0 along the normal (default 0.04)\n"
+    "  --specular materials  everything reflects, by the metalness and roughness of its material\n"
+    "  --maps FOLDER         what `lambent cube` wrote: reflections by the map that is nearest, of smooth surfaces\n"
     "  --samples N           light samples a pixel of reference and difference (default 32)\n"
     "  --exposure EV         brighten by 2^EV (default: by the picture's log-average)\n"
     "  --threads N           default: all processors\n"
@@ -73,8 +75,9 @@ typedef struct render_options {
     uint32_t samples;
     object_option objects[MAX_OBJECTS];
     int object_count;
-    bool has_specular;
+    bool has_specular, by_materials;
     lmb_specular specular;
+    const char *maps;
     bool probes;
 } render_options;
 
@@ -119,14 +122,15 @@ static void size_read(lmb_arguments *arguments, const char *option, render_optio
 static void specular_read(lmb_arguments *arguments, const char *option, render_options *options)
 {
     const char *text = arguments_text(arguments, option);
-    if (arguments->failed) {
+    options->by_materials = strcmp(text, "materials") == 0;
+    if (arguments->failed || options->by_materials) {
         return;
     }
     char *end;
     const float roughness = strtof(text, &end);
     const float f0 = end != text && *end == ',' ? strtof(end + 1, &end) : 0.04f;
     if (end == text || *end != '\0' || !(roughness >= 0.0f && roughness <= 1.0f && f0 >= 0.0f && f0 <= 1.0f)) {
-        arguments_error(arguments, "--specular takes ROUGHNESS[,F0], both from 0 to 1, not", text);
+        arguments_error(arguments, "--specular takes materials, or ROUGHNESS[,F0], both from 0 to 1, not", text);
         return;
     }
     options->has_specular = true;
@@ -178,6 +182,8 @@ static bool view_option(lmb_arguments *arguments, const char *option, render_opt
         options->has_exposure = true;
     } else if (strcmp(option, "--specular") == 0) {
         specular_read(arguments, option, options);
+    } else if (strcmp(option, "--maps") == 0) {
+        options->maps = arguments_text(arguments, option);
     } else if (strcmp(option, "--object") == 0 || strcmp(option, "--object-at") == 0) {
         object_read(arguments, option, options);
     } else if (strcmp(option, "--probes") == 0) {
@@ -461,12 +467,19 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
         camera_print(&camera, options->camera_node, baked->level.scene);
         if (!baked->lightmap && options->mode != RENDER_PROBES && options->mode != RENDER_REFERENCE) {
             printf("this bake has no lightmaps: surfaces are lit by probes\n");
+        } else if (options->by_materials && baked->lightmap && !baked->lightmap->model->radiance) {
+            printf("lightmaps of '%s' hold no radiance: surfaces reflect by probes (--model sh3, of bake --models)\n",
+                   baked->lightmap->model->name);
         }
     }
     lmb_render_object objects[MAX_OBJECTS];
     int object_count = 0;
     shown_probes shown;
+    environment_maps maps = {NULL, 0};
     result = shown_open(options, &shown, error);
+    if (result == LMB_OK && options->maps) {
+        result = environment_maps_read(options->maps, &maps, error);
+    }
     if (result == LMB_OK) {
         result = objects_open(options, &camera, tracer, objects, &object_count, error);
     }
@@ -478,6 +491,8 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
             .objects = objects,
             .object_count = object_count,
             .specular = options->has_specular ? &options->specular : NULL,
+            .by_materials = options->by_materials,
+            .maps = options->maps ? &maps : NULL,
             .spheres = options->probes ? &shown.spheres : NULL,
             .default_texel = 1.0f / lmb_lightmap_settings_default(baked->level.scene).texels_per_m,
         };
@@ -486,6 +501,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
     for (int i = 0; i < object_count; ++i) {
         render_object_close(&objects[i]);
     }
+    environment_maps_free(&maps);
     shown_close(&shown);
     return result;
 }
@@ -506,12 +522,13 @@ int command_render(int count, char **values)
     if (options.mode == RENDER_REFERENCE || options.mode == RENDER_DIFFERENCE) {
         samples_say_rounded(options.samples, RENDER_RAYS_PER_PIXEL, options.shared.quiet);
     }
+    const lmb_baked_view view = {options.camera_node, options.by_materials};
     lmb_error error = {""};
     lmb_baked baked;
     lmb_result result = output_file_check(options.shared.output, &error);
     if (result == LMB_OK) {
-        result = lmb_baked_open(options.shared.path[0], options.shared.path[1], options.shared.threads,
-                                options.camera_node, &baked, &error);
+        result = lmb_baked_open(options.shared.path[0], options.shared.path[1], options.shared.threads, &view, &baked,
+                                &error);
     }
     if (result != LMB_OK) {
         return command_fail(result, &error);
