@@ -23,6 +23,7 @@
 #include <lambent/vector.h>
 
 #include "command.h"
+#include "irradiance_error.h"
 #include "level_arguments.h"
 
 static const char usage[] =
@@ -32,7 +33,7 @@ static const char usage[] =
     "  --samples N           at each (default 4096)\n"
     "  --spacing M           metres between the lattice points that probes are taken from\n" LEVEL_USAGE;
 
-enum { MOST_POINTS = 4096, MOST_SKIES = 16, NORMALS = 14 };
+enum { MOST_POINTS = 4096, MOST_SKIES = 16 };
 
 /* `sky-basis:K` and a sky belong to it: it is shown alone. */
 #define SET_OF_SKY "transfer_sky"
@@ -161,54 +162,15 @@ static void light_make(const transfer *work, const lmb_rgb *weight, uint32_t cou
     }
 }
 
-static void normals_make(lmb_vec3 normal[NORMALS])
+static lmb_result errors_print(const transfer *work, const char *sky, const char *way, const lmb_sh3_rgb *made)
 {
-    const float corner = 0.57735027f;
-    for (int i = 0; i < 8; ++i) {
-        normal[i] = lmb_vec3_of(i & 1 ? corner : -corner, i & 2 ? corner : -corner, i & 4 ? corner : -corner);
+    irradiance_error error;
+    const lmb_result result = irradiance_error_find(work->truth, made, work->count, &error);
+    if (result == LMB_OK) {
+        printf("%s\t%s\t%.4f\t%.4f\t%.4f\n", sky, way, error.rms, error.median, error.p95);
+        fflush(stdout);
     }
-    for (int axis = 0; axis < 3; ++axis) {
-        for (int side = 0; side < 2; ++side) {
-            const float length = side ? -1.0f : 1.0f;
-            normal[8 + 2 * axis + side] =
-                lmb_vec3_of(axis == 0 ? length : 0.0f, axis == 1 ? length : 0.0f, axis == 2 ? length : 0.0f);
-        }
-    }
-}
-
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static void errors_print(const transfer *work, const char *sky, const char *way, const lmb_sh3_rgb *made)
-{
-    static double share[MOST_POINTS];
-    lmb_vec3 normal[NORMALS];
-    normals_make(normal);
-    double all_off = 0.0, all = 0.0;
-    size_t lit = 0;
-    for (size_t i = 0; i < work->count; ++i) {
-        double off = 0.0, light = 0.0;
-        for (int n = 0; n < NORMALS; ++n) {
-            const lmb_rgb a = lmb_sh3_rgb_irradiance(&made[i], normal[n]);
-            const lmb_rgb b = lmb_sh3_rgb_irradiance(&work->truth[i], normal[n]);
-            for (int c = 0; c < 3; ++c) {
-                off += pow((double)a.c[c] - (double)b.c[c], 2.0);
-                light += pow((double)b.c[c], 2.0);
-            }
-        }
-        all_off += off;
-        all += light;
-        if (light > 0.0) {
-            share[lit++] = sqrt(off / light);
-        }
-    }
-    qsort(share, lit, sizeof *share, by_size);
-    printf("%s\t%s\t%.4f\t%.4f\t%.4f\n", sky, way, sqrt(all_off / fmax(all, 1e-300)), lit ? share[lit / 2] : 0.0,
-           lit ? share[lit * 95 / 100] : 0.0);
-    fflush(stdout);
+    return result;
 }
 
 static lmb_result sky_measure(transfer *work, const char *description, lmb_error *error)
@@ -236,14 +198,13 @@ static lmb_result sky_measure(transfer *work, const char *description, lmb_error
         weight[0].c[c] = sky.channel[c].c[0] * 0.28209479f; /* its mean */
     }
     light_make(work, weight, 1);
-    errors_print(work, description, "1", work->made);
-    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; ++i) {
+    result = errors_print(work, description, "1", work->made);
+    for (size_t i = 0; i < sizeof ways / sizeof ways[0] && result == LMB_OK; ++i) {
         lmb_sky_weights(&sky, ways[i].count, weight);
         light_make(work, weight, ways[i].count);
-        errors_print(work, description, ways[i].name, work->made);
+        result = errors_print(work, description, ways[i].name, work->made);
     }
-    errors_print(work, description, "noise", work->again);
-    return LMB_OK;
+    return result == LMB_OK ? errors_print(work, description, "noise", work->again) : result;
 }
 
 static lmb_result basis_gather(transfer *work, lmb_error *error)
