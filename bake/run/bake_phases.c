@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/probe_locals.h>
+
 #include "base/clock.h"
 #include "run/bake_phases_levels.h"
 #include "run/parts.h"
@@ -239,6 +241,15 @@ static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list, lmb_
     return result;
 }
 
+static void record_locals(lmb_bake *bake)
+{
+    bake->record.local_sets = bake->probes->local_count;
+    bake->record.local_probes = 0;
+    for (uint32_t i = 0; i < bake->probes->local_count; ++i) {
+        bake->record.local_probes += lmb_local_frame_count(&bake->probes->local[i].frame);
+    }
+}
+
 lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
 {
     if (!bake->probes) {
@@ -247,7 +258,12 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     lmb_probe_list list;
-    lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, bake->level->transport.tracer, &list);
+    lmb_result result = lmb_probe_locals_place(bake->level->tracer, bake->probes, &record->rays[LMB_PHASE_PLACE]);
+    if (result != LMB_OK) {
+        return phase_result(LMB_PHASE_PROBES, result, error);
+    }
+    record_locals(bake);
+    result = lmb_probe_list_create(bake->probes, bake->regions, bake->level->transport.tracer, &list);
     if (result == LMB_OK) {
         result = probes_gather(bake, &list, error);
         lmb_probe_list_free(&list);
