@@ -357,7 +357,7 @@ static void furnace_gives_the_error_that_was_put_in(void)
             return;
         }
         if (constant_volume_make(level.scene, (lmb_rgb){{1.1f, 2.2f, 4.4f}}, &light)) {
-            const check_subject subject = {&level.transport, light.volume, NULL, level.pool};
+            const check_subject subject = {&level.transport, light.volume, NULL, level.pool, NULL};
             const check_settings settings = {.points = 100, .samples = 64, .seed = 5};
             CHECK(check_run(&subject, &settings, NULL, &reports[threads - 1]) == LMB_OK, "runs");
             constant_volume_close(&light);
@@ -409,7 +409,7 @@ static void lightmaps_take_part(void)
                        lmb_lightmap_bake(lightmap, &level.transport, &(lmb_gather_effort){.samples = 1024}, level.pool,
                                          NULL, &stats) == LMB_OK;
     CHECK(baked, "%s", error.message);
-    const check_subject subject = {&level.transport, light.volume, lightmap, level.pool};
+    const check_subject subject = {&level.transport, light.volume, lightmap, level.pool, NULL};
     const check_settings settings = {.points = 200, .samples = 128, .seed = 2};
     check_report report;
     if (baked) {
@@ -447,7 +447,7 @@ static void points_are_added_until_enough_is_known(void)
         return;
     }
     if (constant_volume_make(level.scene, (lmb_rgb){{0.25f, 0.25f, 0.25f}}, &light)) {
-        const check_subject subject = {&level.transport, light.volume, NULL, level.pool};
+        const check_subject subject = {&level.transport, light.volume, NULL, level.pool, NULL};
         check_settings settings = {.points = 20, .max_points = 50, .samples = 64, .seed = 1};
         check_report report;
         CHECK(check_run(&subject, &settings, NULL, &report) == LMB_OK, "runs");
@@ -478,7 +478,7 @@ static void leak_into_a_dark_room(void)
         return;
     }
     if (constant_volume_make(level.scene, (lmb_rgb){{0.25f, 0.25f, 0.25f}}, &light)) {
-        const check_subject subject = {&level.transport, light.volume, NULL, level.pool};
+        const check_subject subject = {&level.transport, light.volume, NULL, level.pool, NULL};
         const check_settings settings = {.points = 200, .samples = 32, .seed = 1};
         check_report report;
         CHECK(check_run(&subject, &settings, NULL, &report) == LMB_OK, "runs");

@@ -102,8 +102,10 @@ typedef struct check_work {
     bool any_surface; /* the level has opaque triangles */
     bool avoid_solids;
     bool *free_found;
-    bool *mapped; /* whether the surface has a lightmap there */
-    size_t first; /* point of this round, and how many it has */
+    bool *mapped;             /* whether the surface has a lightmap there */
+    bool *local;              /* whether a local set lights it */
+    point_error *local_error; /* by that */
+    size_t first;             /* point of this round, and how many it has */
     size_t count;
 } check_work;
 
@@ -159,6 +161,7 @@ static void gather_reference(const check_work *work, const lmb_gather_point *poi
 /* One surface point, with what is known there. */
 typedef struct surface_sample {
     size_t index;
+    uint32_t instance;
     lmb_gather_point point;
     lmb_vec3 normals[NORMALS];
     irradiance_set reference[2];
@@ -198,7 +201,7 @@ static surface_sample sample_make(const check_work *work, size_t index)
     const lmb_place place = lmb_trace_place(subject->transport->tracer, &at);
     const bool has_lightmap = subject->lightmap && subject->lightmap->region[at.instance].image >= 0;
     const float texel = has_lightmap ? subject->lightmap->region[at.instance].texel_size : work->default_texel;
-    surface_sample sample = {.index = index, .has_lightmap = has_lightmap};
+    surface_sample sample = {.index = index, .instance = at.instance, .has_lightmap = has_lightmap};
     bool pushed_out;
     sample.point = lmb_surface_gather_point(subject->transport->tracer, &place, texel, &pushed_out);
     shading_normals(sample.point.normal, lmb_mix(lmb_mix(seed, STREAM_NORMALS), index), NORMALS, sample.normals);
@@ -263,6 +266,23 @@ static void record_cone(check_work *work, const surface_sample *sample, const pr
     record(work, sample, CHECK_PROBE_CONE_VS_LIGHTMAP, &x);
 }
 
+/* On a node that its local set lights. */
+static void record_local(check_work *work, const surface_sample *sample)
+{
+    const check_subject *subject = work->subject;
+    const lmb_scene *scene = lmb_tracer_scene(subject->transport->tracer);
+    if (!subject->local || !local_light_has(subject->local, scene, sample->instance)) {
+        return;
+    }
+    probe_light light;
+    irradiance_set x;
+    local_light_sample(subject->local, sample->instance, lmb_scene_to_world(scene, sample->point.position),
+                       &light.radiance, &light.keys);
+    evaluate_probe(LMB_MODEL_FOR_SURFACE, &light, sample->point.normal, 0.0f, sample->normals, &x);
+    work->local[sample->index] = true;
+    work->local_error[sample->index] = point_error_of(x.at, sample->reference[0].at, sample->reference[1].at, NORMALS);
+}
+
 static void surface_task(void *context, size_t task, int worker)
 {
     (void)worker;
@@ -282,6 +302,7 @@ static void surface_task(void *context, size_t task, int worker)
     evaluate_probe(LMB_MODEL_FOR_OBJECT, &light, normal, 0.0f, sample.normals, &x);
     record(work, &sample, CHECK_OBJECT_VS_REFERENCE, &x);
     record_coincident(work, &sample);
+    record_local(work, &sample);
     work->mapped[index] = sample.has_lightmap;
     if (sample.has_lightmap) {
         evaluate_unoccluded(&light, sample.normals, &x);
@@ -349,7 +370,10 @@ static lmb_result work_prepare(const check_subject *subject, const check_setting
     work->coincident = calloc(points, sizeof *work->coincident);
     work->free_found = calloc(points, sizeof *work->free_found);
     work->mapped = calloc(points, sizeof *work->mapped);
-    bool good = work->lights && work->lightmap_lights && work->coincident && work->free_found && work->mapped;
+    work->local = calloc(points, sizeof *work->local);
+    work->local_error = calloc(points, sizeof *work->local_error);
+    bool good = work->lights && work->lightmap_lights && work->coincident && work->free_found && work->mapped &&
+                work->local && work->local_error;
     for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
         work->errors[pair] = calloc(points, sizeof *work->errors[pair]);
         good = good && work->errors[pair];
@@ -373,6 +397,8 @@ static void work_free(check_work *work)
     free(work->coincident);
     free(work->free_found);
     free(work->mapped);
+    free(work->local);
+    free(work->local_error);
     lmb_opaque_surface_free(&work->surface);
 }
 
@@ -402,6 +428,19 @@ static lmb_result seams_report(const check_subject *subject, check_report *repor
     return result;
 }
 
+/* Of nodes that local sets light. */
+static lmb_result locals_report(const check_work *work, size_t count, check_report *report)
+{
+    report->local_points = 0;
+    for (size_t i = 0; i < count; ++i) {
+        report->local_points += work->local[i];
+    }
+    const lmb_result result = error_summarize(work->local_error, work->local, count, &report->local);
+    return result == LMB_OK
+               ? error_summarize(work->errors[CHECK_PROBE_VS_REFERENCE], work->local, count, &report->local_field)
+               : result;
+}
+
 /* The errors of the first `count` points. */
 static lmb_result errors_report(check_work *work, size_t count, check_report *report)
 {
@@ -414,7 +453,7 @@ static lmb_result errors_report(check_work *work, size_t count, check_report *re
             return result;
         }
     }
-    return LMB_OK;
+    return locals_report(work, work->any_surface ? count : 0, report);
 }
 
 /* Whether the standard error of every line is below a tenth of its figure. */
@@ -426,7 +465,7 @@ static bool errors_are_known(const check_report *report)
             return false;
         }
     }
-    return true;
+    return isnan(report->local.rel_rmse) || report->local.std_error < KNOWN_SHARE * report->local.rel_rmse;
 }
 
 static lmb_result work_report(check_work *work, size_t count, check_report *report)

@@ -13,6 +13,7 @@
 #include <lambent/volume.h>
 
 #include "check_statistics.h"
+#include "local_light.h"
 
 /* What is compared with what; the latter is what errors are relative to. All but the last at surface points. */
 typedef enum check_pair {
@@ -46,6 +47,7 @@ typedef struct check_subject {
     const lmb_volume *volume;
     const lmb_lightmap *lightmap; /* NULL: none */
     lmb_pool *pool;
+    const local_light *local; /* NULL: nothing is lit by local sets */
 } check_subject;
 
 typedef struct check_settings {
@@ -59,11 +61,14 @@ typedef struct check_settings {
 check_settings check_settings_default(void);
 
 typedef struct check_report {
-    size_t points;                          /* surface points; 0 when the level has no opaque triangle */
-    size_t free_points;                     /* found in the volume's free space */
-    error_summary error[CHECK_PAIR_COUNT];  /* NaN where a pair has no points or needs lightmaps that are missing */
-    leak_summary leak;                      /* of the probe */
-    double lightmap_leak;                   /* NaN without lightmaps */
+    size_t points;                         /* surface points; 0 when the level has no opaque triangle */
+    size_t free_points;                    /* found in the volume's free space */
+    error_summary error[CHECK_PAIR_COUNT]; /* NaN where a pair has no points or needs lightmaps that are missing */
+    size_t local_points;                   /* surface points on nodes that local sets light in place of texels */
+    error_summary local;       /* these, lit so, beside the reference: by the default model of surfaces; NaN: none */
+    error_summary local_field; /* the same points by the volume */
+    leak_summary leak;         /* of the probe */
+    double lightmap_leak;      /* NaN without lightmaps */
     double seam_step_median, seam_step_p95; /* NaN without lightmaps: across seams (lmb_seam_steps) */
     double coincident_std_error; /* root mean square of the traced SH3's standard error, over its root mean square:
                                     noise that counts as the coincident probe's error */

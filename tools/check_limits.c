@@ -45,6 +45,18 @@ static figure pair_figure(const char *name, const check_report *report)
             return found;
         }
     }
+    const struct {
+        const char *name;
+        const error_summary *error;
+    } locals[] = {{"local_set_vs_reference", report ? &report->local : &none},
+                  {"local_set_by_volume_vs_reference", report ? &report->local_field : &none}};
+    for (size_t i = 0; i < sizeof locals / sizeof locals[0]; ++i) {
+        if (strlen(locals[i].name) == length && strncmp(name, locals[i].name, length) == 0) {
+            figure found = {.known = false};
+            found.value = error_member(locals[i].error, name + length, &found.known);
+            return found;
+        }
+    }
     return (figure){.known = false};
 }
 

@@ -39,6 +39,8 @@ static const char usage[] =
     "                is more; the reference's noise spreads p95 and max\n"
     "  share_over_10pct\n"
     "                share of the points that are off by more than a tenth of their own light: what an eye would see\n"
+    "local_set_vs_reference is of nodes that the level wants lit by their local sets in place of texels, and\n"
+    "local_set_by_volume_vs_reference of the same local_points by the volume. Both are missing where there are none.\n"
     "reference_std_error is the reference's own noise, coincident_std_error that of the probes traced at the very\n"
     "points, which counts as their error; both are relative root mean squares. leak is the mean of max(0, probe -\n"
     "reference) at points whose reference is below 1 % of the mean, over the mean; leak_points counts them (leak is 0\n"
@@ -119,6 +121,9 @@ static lmb_result report_print_json(const check_options *options, const check_re
     for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
         json_add_error(object, check_pair_name((check_pair)pair), &report->error[pair]);
     }
+    json_add_number(object, "local_points", (double)report->local_points);
+    json_add_error(object, "local_set_vs_reference", &report->local);
+    json_add_error(object, "local_set_by_volume_vs_reference", &report->local_field);
     json_add_number(object, "reference_mean", report->leak.reference_mean);
     json_add_number(object, "reference_std_error", report->leak.reference_std_error);
     json_add_number(object, "coincident_std_error", report->coincident_std_error);
@@ -148,20 +153,28 @@ static void print_percent(double value)
     }
 }
 
+static void error_print(const char *name, const error_summary *error)
+{
+    printf("%-30s", name);
+    print_percent(error->rel_rmse);
+    print_percent(error->std_error);
+    print_percent(error->median);
+    print_percent(error->p95);
+    print_percent(error->share_over_10pct);
+    print_percent(error->max);
+    putchar('\n');
+}
+
 static void errors_print(const check_report *report)
 {
     printf("%-30s%11s%11s%11s%11s%11s%11s\n", "relative error of irradiance", "rel. RMSE", "+-", "median", "p95",
            "over 10 %", "max");
     for (int pair = 0; pair < CHECK_PAIR_COUNT; ++pair) {
-        const error_summary *error = &report->error[pair];
-        printf("%-30s", check_pair_name((check_pair)pair));
-        print_percent(error->rel_rmse);
-        print_percent(error->std_error);
-        print_percent(error->median);
-        print_percent(error->p95);
-        print_percent(error->share_over_10pct);
-        print_percent(error->max);
-        putchar('\n');
+        error_print(check_pair_name((check_pair)pair), &report->error[pair]);
+    }
+    if (report->local_points > 0) {
+        error_print("local_set_vs_reference", &report->local);
+        error_print("  the same by the volume", &report->local_field);
     }
 }
 
@@ -175,6 +188,12 @@ static void seen_print(const check_report *report)
             printf("  %s: half of all places are within %.1f %%, %.1f in 100 are off by more than a tenth\n",
                    check_pair_seen((check_pair)pair), 100.0 * error->median, 100.0 * error->share_over_10pct);
         }
+    }
+    if (report->local_points > 0) {
+        printf("  nodes lit by local sets, beside the truth: half of %zu places are within %.1f %%, %.1f in 100 are "
+               "off by "
+               "more than a tenth\n",
+               report->local_points, 100.0 * report->local.median, 100.0 * report->local.share_over_10pct);
     }
     putchar('\n');
 }
@@ -246,9 +265,14 @@ int command_check(int count, char **values)
         lmb_baked_close(&baked);
         return command_fail(result, &error);
     }
-    const check_subject subject = {&baked.level.transport, baked.volume, baked.lightmap, baked.level.pool};
+    local_light local = {0};
     check_report report;
-    result = check_run(&subject, &options.settings, &progress, &report);
+    result = local_light_open(baked.volume, baked.level.scene, &local);
+    if (result == LMB_OK) {
+        const check_subject subject = {&baked.level.transport, baked.volume, baked.lightmap, baked.level.pool, &local};
+        result = check_run(&subject, &options.settings, &progress, &report);
+    }
+    local_light_close(&local);
     console_finish(&console);
     if (result != LMB_OK) {
         lmb_error_set(&error, result, "check: %s", lmb_result_text(result));

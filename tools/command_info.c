@@ -7,6 +7,8 @@
 #include <lambent/exr.h>
 #include <lambent/model.h>
 #include <lambent/lightmap.h>
+#include <lambent/local_set.h>
+#include <lambent/probe_local.h>
 #include <lambent/vdb.h>
 #include <lambent/volume.h>
 
@@ -47,6 +49,22 @@ static void json_add_key_lights(cJSON *json, const lmb_key_light *light, uint32_
     }
 }
 
+static cJSON *local_describe(const char *name, int32_t node, int32_t place, const lmb_local_frame *frame)
+{
+    const int32_t size[3] = {(int32_t)frame->size[0], (int32_t)frame->size[1], (int32_t)frame->size[2]};
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "name", name);
+    cJSON_AddNumberToObject(json, "node", node);
+    cJSON_AddNumberToObject(json, "place", place);
+    json_add_range(json, "size", size);
+    cJSON_AddItemToObject(json, "origin", json_position(frame->origin));
+    cJSON *steps = cJSON_AddArrayToObject(json, "steps");
+    for (int axis = 0; axis < 3; ++axis) {
+        cJSON_AddItemToArray(steps, json_vector(frame->step[axis]));
+    }
+    return json;
+}
+
 static cJSON *lmb_describe(const lmb_volume *volume)
 {
     const lmb_volume_info info = lmb_volume_get_info(volume);
@@ -77,6 +95,11 @@ static cJSON *lmb_describe(const lmb_volume *volume)
                             info.probe_count > 0 ? (double)info.file_bytes / (double)info.probe_count : 0.0);
     lmb_key_light light[LMB_KEY_LIGHTS_MOST];
     json_add_key_lights(json, light, lmb_volume_key_lights(volume, light));
+    cJSON *locals = cJSON_AddArrayToObject(json, "local_sets");
+    for (uint32_t i = 0; i < lmb_volume_local_set_count(volume); ++i) {
+        const lmb_local_set set = lmb_volume_local_set_get(volume, i);
+        cJSON_AddItemToArray(locals, local_describe(set.name, set.node, set.place, &set.frame));
+    }
     return json;
 }
 
@@ -125,6 +148,11 @@ static cJSON *vdb_describe(const lmb_probes *probes, const char *settings, const
     }
     cJSON_AddItemToObject(json, "mean_radiance", cJSON_CreateDoubleArray(mean, 3));
     json_add_key_lights(json, probes->key_light, probes->key_light_count);
+    cJSON *locals = cJSON_AddArrayToObject(json, "local_sets");
+    for (uint32_t i = 0; i < probes->local_count; ++i) {
+        const lmb_probe_local *const local = &probes->local[i];
+        cJSON_AddItemToArray(locals, local_describe(local->name, local->node, local->place, &local->frame));
+    }
     cJSON_AddStringToObject(json, "scene_hash", scene_hash);
     cJSON *parsed = cJSON_Parse(settings);
     cJSON_AddItemToObject(json, "settings", parsed ? parsed : cJSON_CreateString(settings));

@@ -18,8 +18,8 @@
 static const char usage[] =
     "usage: lambent render LEVEL DIR -o FILE.png|FILE.exr [options]\n"
     "\n"
-    "Draws LEVEL with the light baked in DIR: surfaces by lightmaps, objects by probes. A .png is exposed and tone\n"
-    "mapped, an .exr holds linear radiance.\n"
+    "Draws LEVEL with the light baked in DIR: surfaces by lightmaps, or by their local sets where the level wants it,\n"
+    "objects by probes. A .png is exposed and tone mapped, an .exr holds linear radiance.\n"
     "\n"
     "  --camera X,Y,Z        where from (default: a corner that shows much of the level)\n"
     "  --look X,Y,Z          where to (default: the middle of the level)\n"
@@ -37,7 +37,7 @@ static const char usage[] =
     "                        (bake --models)\n"
     "  --probes              show the probes as little spheres too, lit by what they hold: ghosts smaller, with a "
     "blue\n"
-    "                        belt; a red belt where a probe could not be baked\n"
+    "                        belt, those of local sets with a green one; a red belt where a probe could not be baked\n"
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
     "                        sphere is put there\n"
@@ -476,6 +476,10 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
     int object_count = 0;
     shown_probes shown;
     environment_maps maps = {NULL, 0};
+    local_light local;
+    if (local_light_open(baked->volume, baked->level.scene, &local) != LMB_OK) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory for local sets");
+    }
     result = shown_open(options, &shown, error);
     if (result == LMB_OK && options->maps) {
         result = environment_maps_read(options->maps, &maps, error);
@@ -488,6 +492,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
             .transport = &baked->level.transport,
             .volume = baked->volume,
             .lightmap = baked->lightmap,
+            .local = &local,
             .objects = objects,
             .object_count = object_count,
             .specular = options->has_specular ? &options->specular : NULL,
@@ -503,6 +508,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
     }
     environment_maps_free(&maps);
     shown_close(&shown);
+    local_light_close(&local);
     return result;
 }
 

@@ -1,6 +1,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <lambent/local_set.h>
 #include <lambent/model.h>
 #include <lambent/occlusion.h>
 #include <lambent/volume.h>
@@ -12,7 +13,9 @@ static const char usage_start[] =
     "usage: lambent sample FILE.lmb --at X,Y,Z [options]\n"
     "\n"
     "Looks up the light at a point of a baked volume, as a game does.\n"
-    "\n" QUERY_USAGE "  --visibility V        ambient occlusion, cosine-weighted, in [0, 1]\n"
+    "\n" QUERY_USAGE
+    "  --local-set NAME      by an object's local set (lambent info lists them): beyond it, as at its border\n"
+    "  --visibility V        ambient occlusion, cosine-weighted, in [0, 1]\n"
     "  --cone-cos C          the same as the cosine of a visibility cone's half angle (0: the hemisphere)\n"
     "  --model NAME          lighting model of the irradiance:\n";
 
@@ -34,11 +37,42 @@ static const char *usage(void)
     return text;
 }
 
-static int answer_print(const lmb_query *query, const lmb_model *model, const lmb_volume *volume, bool json)
+/* What is asked: a volume, or one of its local sets. */
+typedef struct sampled {
+    const lmb_volume *volume;
+    const char *local_set; /* NULL: the volume itself */
+    lmb_local_frame frame;
+    lmb_sh3_rgb radiance[LMB_LOCAL_SET_MOST];
+    float visibility[LMB_LOCAL_SET_MOST][LMB_KEY_LIGHTS_MOST];
+} sampled;
+
+/* @return false: the volume has no such set */
+static bool local_set_find(sampled *from)
+{
+    const uint32_t index = lmb_volume_local_set_find(from->volume, from->local_set);
+    if (index == lmb_volume_local_set_count(from->volume)) {
+        return false;
+    }
+    from->frame = lmb_volume_local_set_get(from->volume, index).frame;
+    lmb_volume_local_set_light(from->volume, index, from->radiance, from->visibility);
+    return true;
+}
+
+static bool light_find(const sampled *from, lmb_vec3d position, lmb_query_light *light)
+{
+    light->keys.count = lmb_volume_key_lights(from->volume, light->keys.light);
+    if (!from->local_set) {
+        return lmb_volume_sample_with_keys(from->volume, position, &light->rest, light->keys.visibility);
+    }
+    lmb_local_set_sample_with_keys(&from->frame, from->radiance, (const float(*)[LMB_KEY_LIGHTS_MOST])from->visibility,
+                                   position, &light->rest, light->keys.visibility);
+    return true;
+}
+
+static int answer_print(const lmb_query *query, const lmb_model *model, const sampled *from, bool json)
 {
     lmb_query_light light;
-    light.keys.count = lmb_volume_key_lights(volume, light.keys.light);
-    const bool inside = lmb_volume_sample_with_keys(volume, query->position, &light.rest, light.keys.visibility);
+    const bool inside = light_find(from, query->position, &light);
     const lmb_rgb irradiance = query->has_normal ? query_irradiance(query, model, &light) : (lmb_rgb){{0}};
     if (json) {
         cJSON *object = cJSON_CreateObject();
@@ -81,6 +115,7 @@ int command_sample(int count, char **values)
     lmb_arguments arguments = arguments_begin(count, values, "sample", usage());
     lmb_query_arguments query_arguments = {0};
     lmb_shared_arguments shared = {.path_name = {"FILE.lmb"}};
+    static sampled from;
     const lmb_model *model = lmb_model_default(LMB_MODEL_FOR_SURFACE);
     bool json = false;
     for (const char *argument; (argument = arguments_next(&arguments));) {
@@ -94,6 +129,8 @@ int command_sample(int count, char **values)
             query_arguments.one.cone_cos = (float)arguments_number(&arguments, argument, 0.0, 1.0);
         } else if (strcmp(argument, "--model") == 0) {
             model = model_of_name(&arguments, arguments_text(&arguments, argument));
+        } else if (strcmp(argument, "--local-set") == 0) {
+            from.local_set = arguments_text(&arguments, argument);
         } else if (strcmp(argument, "--json") == 0) {
             json = true;
         } else {
@@ -115,12 +152,19 @@ int command_sample(int count, char **values)
         lmb_error_set(&error, result, "%s: %s", path, lmb_result_text(result));
         return command_fail(result, &error);
     }
+    from.volume = volume;
+    if (from.local_set && !local_set_find(&from)) {
+        lmb_error error;
+        lmb_error_set(&error, LMB_ERROR_UNSUPPORTED, "%s: has no local set '%s'", path, from.local_set);
+        lmb_volume_close(volume);
+        return command_fail(LMB_ERROR_UNSUPPORTED, &error);
+    }
     lmb_query query = query_arguments.one;
     int line = 0;
     int more = query_arguments.has_position ? 1 : query_read_line(&query, &line);
     int status = EXIT_DONE;
     while (more == 1) {
-        status = answer_print(&query, model, volume, json);
+        status = answer_print(&query, model, &from, json);
         if (status != EXIT_DONE || ferror(stdout)) {
             break;
         }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include <lambent/lattice.h>
+#include <lambent/probe_local.h>
 #include <lambent/sh.h>
 #include <lambent/vector.h>
 
@@ -18,6 +19,8 @@ enum { REGION_GRID = 6 };
 
 /* Half height of a belt, as a share of the radius. */
 #define BELT 0.25f
+
+static const lmb_rgb unbaked = {{1.0f, 0.1f, 0.05f}}; /* of a belt */
 
 static int32_t ghosts_begin(const lmb_probes *probes)
 {
@@ -211,19 +214,82 @@ static void level_walk(const probe_spheres *spheres, uint32_t level, lattice_ray
     }
 }
 
-static lmb_rgb sphere_colour(const lmb_probes *probes, int32_t probe, lmb_vec3 normal)
+static lmb_rgb white_paper(const lmb_probes *probes, const lmb_sh3_rgb *radiance, const float seen[LMB_KEY_LIGHTS_MOST],
+                           lmb_vec3 normal)
 {
-    static const lmb_rgb ghost = {{0.1f, 0.2f, 1.0f}}, unbaked = {{1.0f, 0.1f, 0.05f}};
     key_lights_seen keys = {.count = probes->key_light_count};
     memcpy(keys.light, probes->key_light, sizeof keys.light);
-    memcpy(keys.visibility, probes->key_visibility[probe], sizeof keys.visibility);
-    const lmb_rgb light =
-        key_lights_add(&keys, normal, normal, lmb_sh3_rgb_irradiance(&probes->radiance[0][probe], normal));
+    memcpy(keys.visibility, seen, sizeof keys.visibility);
+    return key_lights_add(&keys, normal, normal, lmb_sh3_rgb_irradiance(radiance, normal));
+}
+
+static lmb_rgb sphere_colour(const lmb_probes *probes, int32_t probe, lmb_vec3 normal)
+{
+    static const lmb_rgb ghost = {{0.1f, 0.2f, 1.0f}};
+    const lmb_rgb light = white_paper(probes, &probes->radiance[0][probe], probes->key_visibility[probe], normal);
     const bool is_ghost = probe >= ghosts_begin(probes);
     if (fabsf(normal.y) < BELT && (is_ghost || probes->validity[probe] < LMB_PROBES_MIN_VALIDITY)) {
         return lmb_rgb_scale(is_ghost ? ghost : unbaked, lmb_luminance(light) + 0.01f);
     }
     return light;
+}
+
+/* ------------------------------------------------------------------------------------------------ local sets */
+
+static double step_length(lmb_vec3 step)
+{
+    return sqrt((double)lmb_vec3_dot(step, step));
+}
+
+/* Spheres of a set are as large as its shortest step lets them be. */
+static double local_radius(const lmb_local_frame *frame)
+{
+    double shortest = (double)INFINITY;
+    for (int axis = 0; axis < 3; ++axis) {
+        shortest = fmin(shortest, step_length(frame->step[axis]));
+    }
+    return PROBE_SPHERE_RADIUS * shortest;
+}
+
+/* Whether a ray may meet a set: the sphere about all of its spheres. */
+static bool local_is_near(const lmb_local_frame *frame, double radius, const lattice_ray *ray)
+{
+    double centre[3] = {frame->origin.x, frame->origin.y, frame->origin.z}, around = radius;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double half = 0.5 * (frame->size[axis] - 1.0);
+        centre[0] += half * (double)frame->step[axis].x;
+        centre[1] += half * (double)frame->step[axis].y;
+        centre[2] += half * (double)frame->step[axis].z;
+        around += half * step_length(frame->step[axis]);
+    }
+    double along = 0.0, squared = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double to = centre[axis] - ray->origin[axis];
+        along += to * ray->direction[axis];
+        squared += to * to;
+    }
+    return squared - along * along <= around * around;
+}
+
+static bool local_meet(const lmb_probes *probes, const lmb_probe_local *local, lattice_ray *ray, lmb_rgb *colour)
+{
+    static const lmb_rgb belt = {{0.1f, 1.0f, 0.2f}};
+    const double radius = local_radius(&local->frame);
+    ray->probe = -1;
+    for (uint32_t i = 0; local_is_near(&local->frame, radius, ray) && i < lmb_local_frame_count(&local->frame); ++i) {
+        const lmb_vec3d at = lmb_local_frame_position(&local->frame, i);
+        sphere_meet(ray, (const double[3]){at.x, at.y, at.z}, radius, (int32_t)i);
+    }
+    if (ray->probe < 0) {
+        return false;
+    }
+    const lmb_vec3 normal = {(float)ray->normal[0], (float)ray->normal[1], (float)ray->normal[2]};
+    *colour = white_paper(probes, &local->radiance[ray->probe], local->key_visibility[ray->probe], normal);
+    if (fabsf(normal.y) < BELT) {
+        const bool baked = local->validity[ray->probe] >= LMB_PROBES_MIN_VALIDITY;
+        *colour = lmb_rgb_scale(baked ? belt : unbaked, lmb_luminance(*colour) + 0.01f);
+    }
+    return true;
 }
 
 bool probe_spheres_nearest(const probe_spheres *spheres, lmb_vec3d origin, lmb_vec3 direction, float start,
@@ -248,5 +314,13 @@ bool probe_spheres_nearest(const probe_spheres *spheres, lmb_vec3d origin, lmb_v
             found = true;
         }
     }
+    lattice_ray ray = {.origin = {origin.x, origin.y, origin.z},
+                       .direction = {x / length, y / length, z / length},
+                       .start = (double)start,
+                       .nearest = (double)*distance};
+    for (uint32_t i = 0; i < spheres->probes->local_count; ++i) {
+        found |= local_meet(spheres->probes, &spheres->probes->local[i], &ray, colour);
+    }
+    *distance = (float)ray.nearest;
     return found;
 }

@@ -24,7 +24,7 @@ void probe_spheres_free(probe_spheres *spheres);
 
 /* The nearest sphere along a ray of the world, with a unit direction, farther than `start` and nearer than `*distance`,
  * which then is its distance. The colour is that of white paper in the probe's light; probes that were not baked have a
- * red belt, ghosts a blue one. */
+ * red belt, ghosts a blue one, others of local sets a green one. */
 bool probe_spheres_nearest(const probe_spheres *spheres, lmb_vec3d origin, lmb_vec3 direction, float start,
                            float *distance, lmb_rgb *colour);
 

@@ -109,6 +109,25 @@ static arriving_light light_of_lightmap(const lmb_shader *shader, const seen_sur
     return light_of_channels(shader->lightmap->model, channel, &keys, seen->place.shading_normal, seen);
 }
 
+static bool is_lit_locally(const lmb_shader *shader, const seen_surface *seen)
+{
+    return !seen->object && shader->local &&
+           local_light_has(shader->local, lmb_tracer_scene(shader->transport->tracer), seen->hit.instance);
+}
+
+static arriving_light light_of_local_set(const lmb_shader *shader, const seen_surface *seen)
+{
+    const lmb_gather_point point = seen_point(shader, seen);
+    const lmb_model *model = lmb_model_default(LMB_MODEL_FOR_SURFACE);
+    const lmb_scene *scene = lmb_tracer_scene(shader->transport->tracer);
+    lmb_sh3_rgb radiance;
+    float channel[LMB_MODEL_MOST_CHANNELS];
+    key_lights_seen keys;
+    local_light_sample(shader->local, seen->hit.instance, lmb_scene_to_world(scene, point.position), &radiance, &keys);
+    model->encode(&radiance, point.normal, 0.0f, channel);
+    return light_of_channels(model, channel, &keys, point.normal, seen);
+}
+
 /* Objects take the model of dynamic things; surfaces that of lightmaps. */
 static arriving_light light_of_probes(const lmb_shader *shader, const seen_surface *seen)
 {
@@ -204,6 +223,18 @@ static lmb_rgb stored_specular(const lmb_shader *shader, lmb_light_source source
     return specular_reflected(LAYERS_ALL, &light, place, map);
 }
 
+static arriving_light seen_light(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen)
+{
+    if (source == SOURCE_REFERENCE) {
+        return light_of_reference(shader, seen);
+    }
+    if (source == SOURCE_STORED && has_texels(shader, seen)) {
+        return light_of_lightmap(shader, seen);
+    }
+    return source == SOURCE_STORED && is_lit_locally(shader, seen) ? light_of_local_set(shader, seen)
+                                                                   : light_of_probes(shader, seen);
+}
+
 static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen,
                              lmb_vec3 direction)
 {
@@ -214,9 +245,7 @@ static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, 
     if (!shader->irradiance_only && seen_unlit_colour(seen, &unlit)) {
         return unlit;
     }
-    const arriving_light light = source == SOURCE_REFERENCE ? light_of_reference(shader, seen)
-                                 : source == SOURCE_STORED && has_texels(shader, seen) ? light_of_lightmap(shader, seen)
-                                                                                       : light_of_probes(shader, seen);
+    const arriving_light light = seen_light(shader, source, seen);
     if (shader->irradiance_only) {
         return light.irradiance;
     }

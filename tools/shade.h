@@ -7,11 +7,13 @@
 #include <lambent/volume.h>
 
 #include "environment_maps.h"
+#include "local_light.h"
 #include "probe_spheres.h"
 #include "render_object.h"
 
 typedef enum lmb_light_source {
-    SOURCE_STORED,    /* surfaces by lightmaps, where there are none (and on back sides) by probes; objects by probes */
+    SOURCE_STORED,    /* surfaces by lightmaps, or their local sets; where there are neither (and on back sides) by
+                         probes; objects by probes */
     SOURCE_PROBES,    /* everything by probes */
     SOURCE_REFERENCE, /* everything by the path tracer */
     SOURCE_TEXELS     /* no light: a checker of the lightmap's texels, and another colour where there are none */
@@ -22,6 +24,7 @@ typedef struct lmb_shader {
     const lmb_transport *transport;
     const lmb_volume *volume;     /* NULL: none; what it would light is black */
     const lmb_lightmap *lightmap; /* NULL: none */
+    const local_light *local;     /* what lights nodes that want it in place of texels; NULL: nothing does */
     const lmb_render_object *objects;
     int object_count;
     const probe_spheres *spheres; /* NULL: none */

@@ -130,7 +130,7 @@ lmb_result lmb_probe_locals_place(const lmb_tracer *tracer, lmb_probes *probes, 
     for (uint32_t i = 0; i < scene->instance_count && result == LMB_OK; ++i) {
         const lmb_instance *const instance = &scene->instances[i];
         lmb_local_frame frame;
-        if (!instance->has_local_set || !lmb_probe_local_frame(scene, i, &frame)) {
+        if (!instance->has_local_set || !lmb_probe_local_frame(scene, i, &frame) || !lmb_local_frame_is_valid(&frame)) {
             continue;
         }
         result = lmb_probes_add_local(probes, instance->name, instance->node, instance->place, &frame);

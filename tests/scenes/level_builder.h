@@ -177,6 +177,9 @@ typedef struct lmb_level_node {
     bool cube_map;                   /* extras {"lambent": {"cube_map": true}} */
     int path;                        /* extras {"lambent": {"path": n}}; LMB_LEVEL_NONE: not a point of the path */
     bool no_lightmap;                /* extras {"lambent": {"lightmap": false}} */
+    bool local_set;                  /* extras {"lambent": {"local_set": true}}, or, with a size, that */
+    uint32_t local_size[3];          /* probes along each axis; 0: none told */
+    bool lit_locally;                /* extras {"lambent": {"lightmap": "local"}} */
     float texels_per_m, texel_scale; /* extras likewise; 0: none */
     float angle_deg;       /* of its directional light's disc: extras {"lambent": {"angle_deg": x}}; 0: none */
     float radius_m;        /* of its point or spot light, likewise */

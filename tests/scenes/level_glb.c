@@ -453,7 +453,8 @@ static void write_node_extras(glb *out, cJSON *item, const lmb_level_node *node)
     const bool soft = node->angle_deg > 0.0f || node->radius_m > 0.0f;
     const bool maps = node->no_lightmap || node->texels_per_m > 0.0f || node->texel_scale > 0.0f || node->light_set;
     const bool marks = node->dynamic || node->seed || node->cube_map || node->path != LMB_LEVEL_NONE;
-    if (!marks && !soft && !maps && !node->has_volume) {
+    const bool local = node->local_set || node->lit_locally;
+    if (!marks && !soft && !maps && !local && !node->has_volume) {
         return;
     }
     cJSON *lambent = put_object(out, put_object(out, item, "extras"), "lambent");
@@ -474,6 +475,13 @@ static void write_node_extras(glb *out, cJSON *item, const lmb_level_node *node)
     }
     if (node->no_lightmap) {
         put(out, lambent, "lightmap", cJSON_CreateFalse());
+    }
+    if (node->lit_locally) {
+        put_text(out, lambent, "lightmap", "local");
+    }
+    if (node->local_set) {
+        const int size[3] = {(int)node->local_size[0], (int)node->local_size[1], (int)node->local_size[2]};
+        put(out, lambent, "local_set", size[0] > 0 ? cJSON_CreateIntArray(size, 3) : cJSON_CreateTrue());
     }
     if (node->texels_per_m > 0.0f) {
         put_number(out, lambent, "texels_per_m", (double)node->texels_per_m);
