@@ -55,6 +55,9 @@ static processor processor_ask(void)
 
 const lmb_volume_kernel *lmb_volume_kernel_choose(void)
 {
+    if (lmb_volume_kernel_neon) {
+        return lmb_volume_kernel_neon;
+    }
     const processor found = processor_ask();
     if (lmb_volume_kernel_avx512 && found.has_avx512) {
         return lmb_volume_kernel_avx512;

@@ -37,6 +37,9 @@ extern const lmb_volume_kernel *const lmb_volume_kernel_avx2;
 /* AVX-512 F, VL and DQ. NULL likewise. */
 extern const lmb_volume_kernel *const lmb_volume_kernel_avx512;
 
+/* NULL: this is no AArch64. */
+extern const lmb_volume_kernel *const lmb_volume_kernel_neon;
+
 static inline const lmb_volume_calls *lmb_volume_kernel_calls(const lmb_volume_kernel *kernel,
                                                               const lmb_volume_header *header)
 {

@@ -98,6 +98,26 @@ LMB_INLINE void corners_find(const lmb_volume *volume, const place *at, uint32_t
     }
 }
 
+/* Asks for the lines that pairs of probes lie in, those of all four before second ones of any. */
+LMB_INLINE void pairs_prefetch(const unsigned char *const corner[8], uint32_t units)
+{
+    const size_t end = 2 * (size_t)units * LMB_PROBE_UNIT - 1;
+    for (size_t line = 0; line <= 2; ++line) {
+        for (int i = 0; i < 8; i += 2) {
+            LMB_PREFETCH(corner[i] + (line < 2 ? line * CACHE_LINE_BYTES : end));
+        }
+    }
+}
+
+/* Most regions have most corners from the rows, where a plain cell has all: asked for while the record, which tells, is
+ * on its way itself. Rows that no cell has points of lead anywhere, which is harmless. */
+LMB_INLINE void cut_prefetch(const lmb_volume *volume, const place *at, uint32_t units)
+{
+    const unsigned char *corner[8];
+    corners_find(volume, at, units, corner);
+    pairs_prefetch(corner, units);
+}
+
 /* Those of a cut cell's region that the position is in. */
 LMB_INLINE void cut_corners_find(const lmb_volume *volume, const lmb_volume_cut *cut, fraction at,
                                  const unsigned char *corner[8])
@@ -155,6 +175,7 @@ LMB_APART bool sample_any(const lmb_volume *volume, double x, double y, double z
     const uint64_t cell = UINT64_C(1) << at.cell;
     const unsigned char *corner[8];
     if (is_number && (at.brick->cut & cell)) {
+        cut_prefetch(volume, &at, volume->probe_units);
         cut_corners_find(volume, lmb_volume_cut_at(volume, at.brick, at.cell), at.t, corner);
     } else if (is_number && (at.brick->plain & cell)) {
         corners_find(volume, &at, volume->probe_units, corner);
@@ -180,6 +201,7 @@ LMB_INLINE bool sample_one(const lmb_volume *volume, uint32_t form, uint32_t uni
         return true;
     }
     if (place_is_cut(&at)) {
+        cut_prefetch(volume, &at, units);
         blend_cut(volume, lmb_volume_cut_at(volume, at.brick, at.cell), at.t, radiance, visibility);
         return true;
     }
@@ -192,17 +214,6 @@ typedef struct waiting {
     const lmb_volume_cut *cut;      /* until its corners are found; then NULL */
     fraction t;
 } waiting;
-
-/* Asks for the lines that pairs of probes lie in, those of all four before second ones of any. */
-LMB_INLINE void pairs_prefetch(const unsigned char *const corner[8], uint32_t units)
-{
-    const size_t end = 2 * (size_t)units * LMB_PROBE_UNIT - 1;
-    for (size_t line = 0; line <= 2; ++line) {
-        for (int i = 0; i < 8; i += 2) {
-            LMB_PREFETCH(corner[i] + (line < 2 ? line * CACHE_LINE_BYTES : end));
-        }
-    }
-}
 
 /* Irradiance by a kernel of nine numbers. */
 LMB_INLINE lmb_rgb blend_irradiance(const lmb_volume *volume, uint32_t form, const unsigned char *const corner[8],

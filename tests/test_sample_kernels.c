@@ -146,10 +146,10 @@ static size_t kernels_here(const lmb_volume_kernel *kernel[3])
     const lmb_volume_kernel *const chosen = lmb_volume_kernel_choose();
     size_t count = 0;
     kernel[count++] = &lmb_volume_kernel_scalar;
-    if (chosen != &lmb_volume_kernel_scalar && lmb_volume_kernel_avx2) {
+    if (lmb_volume_kernel_avx2 && chosen != &lmb_volume_kernel_scalar) {
         kernel[count++] = lmb_volume_kernel_avx2;
     }
-    if (chosen == lmb_volume_kernel_avx512) {
+    if (chosen == lmb_volume_kernel_avx512 || chosen == lmb_volume_kernel_neon) {
         kernel[count++] = chosen;
     }
     return count;
