@@ -1,6 +1,8 @@
 #include <lambent/local_set.h>
 
 #include <assert.h>
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include <lambent/vector.h>
@@ -20,6 +22,49 @@ lmb_local_frame lmb_local_frame_of_box(lmb_vec3d centre, const lmb_vec3 half[3],
         }
     }
     return frame;
+}
+
+/* A share of their lengths that the dot product of two steps may be. */
+#define RIGHT_ANGLE_ERROR 1e-3f
+
+bool lmb_local_frame_is_valid(const lmb_local_frame *frame)
+{
+    assert(frame);
+    bool valid = isfinite(frame->origin.x) && isfinite(frame->origin.y) && isfinite(frame->origin.z);
+    float squared[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const lmb_vec3 step = frame->step[axis];
+        squared[axis] = lmb_vec3_dot(step, step);
+        valid = valid && frame->size[axis] >= 1 && frame->size[axis] <= LMB_LOCAL_SET_SIDE &&
+                squared[axis] >= FLT_MIN && squared[axis] <= FLT_MAX;
+        for (int before = 0; before < axis; ++before) {
+            const float most = RIGHT_ANGLE_ERROR * sqrtf(squared[axis]) * sqrtf(squared[before]);
+            valid = valid && fabsf(lmb_vec3_dot(step, frame->step[before])) <= most;
+        }
+    }
+    return valid;
+}
+
+static lmb_vec3 vector_turned(lmb_vec3 v, const lmb_vec3 turn[3])
+{
+    return lmb_vec3_mad(lmb_vec3_mad(lmb_vec3_scale(turn[0], v.x), turn[1], v.y), turn[2], v.z);
+}
+
+lmb_local_frame lmb_local_frame_moved(const lmb_local_frame *frame, lmb_vec3d from, lmb_vec3d to,
+                                      const lmb_vec3 turn[3])
+{
+    assert(frame && turn);
+    const lmb_vec3 way = {(float)(frame->origin.x - from.x), (float)(frame->origin.y - from.y),
+                          (float)(frame->origin.z - from.z)};
+    const lmb_vec3 now = vector_turned(way, turn);
+    lmb_local_frame moved = *frame;
+    moved.origin.x = to.x + (double)now.x;
+    moved.origin.y = to.y + (double)now.y;
+    moved.origin.z = to.z + (double)now.z;
+    for (int axis = 0; axis < 3; ++axis) {
+        moved.step[axis] = vector_turned(frame->step[axis], turn);
+    }
+    return moved;
 }
 
 uint32_t lmb_local_frame_count(const lmb_local_frame *frame)
@@ -76,32 +121,59 @@ static uint32_t cell_along(const lmb_local_frame *frame, int axis, lmb_vec3 way,
     return cell;
 }
 
-void lmb_local_set_sample(const lmb_local_frame *frame, const lmb_sh3_rgb *radiance, lmb_vec3d position,
-                          lmb_sh3_rgb *light)
+/* The probes around a position that have a weight: those that have none may not be there. @return how many */
+static uint32_t around_find(const lmb_local_frame *frame, lmb_vec3d position, uint32_t probe[8], float weight[8])
 {
-    assert(frame && radiance && light);
     const lmb_vec3 way = {(float)(position.x - frame->origin.x), (float)(position.y - frame->origin.y),
                           (float)(position.z - frame->origin.z)};
-    uint32_t cell[3];
+    uint32_t cell[3], found = 0;
     float t[3];
     for (int axis = 0; axis < 3; ++axis) {
         cell[axis] = cell_along(frame, axis, way, &t[axis]);
     }
-    memset(light, 0, sizeof *light);
     for (uint32_t corner = 0; corner < 8; ++corner) {
-        float weight = 1.0f;
+        float product = 1.0f;
         uint32_t at[3];
         for (uint32_t axis = 0; axis < 3; ++axis) {
             const uint32_t high = corner >> axis & 1u;
-            weight *= high ? t[axis] : 1.0f - t[axis];
+            product *= high ? t[axis] : 1.0f - t[axis];
             at[axis] = cell[axis] + high;
         }
-        if (weight > 0.0f) { /* where it is not, there may be no probe */
-            const lmb_sh3_rgb *const from = &radiance[at[0] + frame->size[0] * (at[1] + frame->size[1] * at[2])];
-            for (int i = 0; i < 3 * LMB_SH3_COUNT; ++i) {
-                light->channel[i / LMB_SH3_COUNT].c[i % LMB_SH3_COUNT] +=
-                    weight * from->channel[i / LMB_SH3_COUNT].c[i % LMB_SH3_COUNT];
-            }
+        if (product > 0.0f) {
+            probe[found] = at[0] + frame->size[0] * (at[1] + frame->size[1] * at[2]);
+            weight[found++] = product;
         }
     }
+    return found;
+}
+
+void lmb_local_set_sample_with_keys(const lmb_local_frame *frame, const lmb_sh3_rgb *radiance,
+                                    const float (*visibility)[LMB_KEY_LIGHTS_MOST], lmb_vec3d position,
+                                    lmb_sh3_rgb *light, float seen[LMB_KEY_LIGHTS_MOST])
+{
+    assert(frame && radiance && light && (!visibility || seen));
+    uint32_t probe[8];
+    float weight[8];
+    const uint32_t count = around_find(frame, position, probe, weight);
+    memset(light, 0, sizeof *light);
+    for (uint32_t key = 0; visibility && key < LMB_KEY_LIGHTS_MOST; ++key) {
+        seen[key] = 0.0f;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        const lmb_sh3_rgb *const from = &radiance[probe[i]];
+        for (int k = 0; k < 3 * LMB_SH3_COUNT; ++k) {
+            light->channel[k / LMB_SH3_COUNT].c[k % LMB_SH3_COUNT] +=
+                weight[i] * from->channel[k / LMB_SH3_COUNT].c[k % LMB_SH3_COUNT];
+        }
+        for (uint32_t key = 0; visibility && key < LMB_KEY_LIGHTS_MOST; ++key) {
+            const float sum = seen[key] + weight[i] * visibility[probe[i]][key];
+            seen[key] = sum < 1.0f ? sum : 1.0f;
+        }
+    }
+}
+
+void lmb_local_set_sample(const lmb_local_frame *frame, const lmb_sh3_rgb *radiance, lmb_vec3d position,
+                          lmb_sh3_rgb *light)
+{
+    lmb_local_set_sample_with_keys(frame, radiance, NULL, position, light, NULL);
 }

@@ -32,6 +32,7 @@ struct lmb_volume {
     float scale;
     const uint32_t *cut_offsets; /* in words of 4 bytes */
     const uint32_t *cuts;
+    const unsigned char *locals; /* of header->local_bytes; NULL: none */
     const lmb_volume_header *header;
     void *mapping;     /* NULL when the caller owns the bytes */
     bool is_allocated; /* false when the caller gave the handle's memory */
@@ -107,6 +108,13 @@ static inline lmb_rgb lmb_volume_irradiance_sum(const lmb_sh3_rgb *light, const 
  * Needs no memory.
  * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM */
 lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume *volume);
+
+/* Whether volume->locals, of header->local_bytes, are what lambent/local_set_format.h says: all of it lies within, and
+ * is finite. */
+bool lmb_volume_locals_are_sane(const lmb_volume *volume);
+
+/* Whether so many halfs are finite. */
+bool lmb_volume_halfs_are_finite(const unsigned char *data, size_t count);
 
 /* Maps a regular file for reading. `path` is UTF-8.
  * @return LMB_ERROR_IO, LMB_ERROR_TRUNCATED (empty) */

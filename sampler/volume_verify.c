@@ -84,7 +84,8 @@ static bool header_is_sane(const lmb_volume_header *header)
            header->stored_count > 0 && header->brick_count > 1 &&
            header->stored_count <= UINT32_MAX / (header->probe_bytes / LMB_PROBE_UNIT) &&
            header->brick_count < UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT && header->cut_bytes % 4 == 0 &&
-           header->cut_bytes <= header->file_bytes && key_lights_are_sane(header);
+           header->cut_bytes <= header->file_bytes && header->local_bytes <= header->file_bytes &&
+           key_lights_are_sane(header);
 }
 
 /* The box in the world, and among cells counted from the origin. */
@@ -104,7 +105,7 @@ static bool box_is_sane(const lmb_volume_header *header)
 }
 
 /* Exponent 31 is infinity or NaN. */
-static bool halfs_are_finite(const unsigned char *data, size_t count)
+bool lmb_volume_halfs_are_finite(const unsigned char *data, size_t count)
 {
     uint16_t most = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -120,13 +121,14 @@ static bool probes_are_finite(const lmb_volume *volume)
 {
     const size_t count = volume->header->stored_count, stride = volume->header->probe_bytes;
     if (stride == LMB_HALFS_BYTES) {
-        return halfs_are_finite(volume->probes, count * LMB_PROBE_COEFFICIENTS);
+        return lmb_volume_halfs_are_finite(volume->probes, count * LMB_PROBE_COEFFICIENTS);
     }
     const bool is_compact = volume->header->probe_form == LMB_VOLUME_COMPACT;
     bool finite = true;
     for (size_t i = 0; i < count; ++i) {
         const unsigned char *const probe = volume->probes + i * stride;
-        finite &= is_compact ? halfs_are_finite(probe, 3) : halfs_are_finite(probe, LMB_PROBE_COEFFICIENTS);
+        finite &= is_compact ? lmb_volume_halfs_are_finite(probe, 3)
+                             : lmb_volume_halfs_are_finite(probe, LMB_PROBE_COEFFICIENTS);
     }
     return finite;
 }
@@ -258,9 +260,10 @@ lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume 
     volume->key_count = header->key_light_count;
     volume->cut_offsets = (const uint32_t *)(data + layout.cut_offsets);
     volume->cuts = (const uint32_t *)(data + layout.cuts);
+    volume->locals = header->local_bytes > 0 ? data + layout.locals : NULL;
     volume->entry_step[0] = layout.blocks[0];
     volume->entry_step[1] = (size_t)layout.blocks[0] * layout.blocks[1];
-    const bool sane =
-        directory_is_sane(volume, (size_t)layout.entries) && bricks_are_sane(volume) && probes_are_finite(volume);
+    const bool sane = directory_is_sane(volume, (size_t)layout.entries) && bricks_are_sane(volume) &&
+                      probes_are_finite(volume) && lmb_volume_locals_are_sane(volume);
     return sane ? LMB_OK : LMB_ERROR_FORMAT;
 }

@@ -305,6 +305,28 @@ static void broken_textures_are_refused(void)
     baked_close(&bake);
 }
 
+/* Another model of the lightmap, as pictures or textures beside its own: the mean of its first channel. */
+static void beside_reads_back(const baked *bake, int other, double tolerance)
+{
+    lmb_error error = {""};
+    const lmb_model *model = bake->lightmap->settings.other[other];
+    lmb_lightmap *read = read_again(bake->lightmap, OUTPUT("lightmap_beside"), LMB_OK);
+    const lmb_result result =
+        read ? lmb_lightmap_read_model(read, model, OUTPUT("lightmap_beside"), &error) : LMB_ERROR_MEMORY;
+    CHECK(result == LMB_OK, "%s: %s", model->name, error.message);
+    const lmb_lightmap_image *image = &bake->lightmap->image[0];
+    double written = 0.0, again = 0.0;
+    for (size_t i = 0; result == LMB_OK && i < (size_t)image->width * (size_t)image->height; ++i) {
+        if (image->state[i] == LMB_TEXEL_GATHERED) {
+            written += (double)image->other[other][i];
+            again += (double)lmb_lightmap_plane(&read->image[0], 0)[i];
+        }
+    }
+    CHECK(result != LMB_OK || written > 0.0, "no light");
+    CHECK_NEAR(again, written, tolerance * written, "%s", model->name);
+    lmb_lightmap_destroy(read);
+}
+
 /* Models that textures do not hold are refused as the lightmap's own, and written as EXR beside it. */
 static void other_models_stay_pictures(void)
 {
@@ -322,6 +344,8 @@ static void other_models_stay_pictures(void)
     CHECK(lmb_lightmap_create(bake.level.scene, &settings, &bake.lightmap, &error) == LMB_ERROR_ARGUMENT, "no error");
     settings.model = NULL;
     settings.other[0] = lmb_model_for_lightmap("hlsh");
+    settings.other[1] = lmb_model_for_lightmap("sh3");
+    settings.other[2] = lmb_model_for_lightmap("sh3.ratios");
     uint64_t bytes = 0;
     CHECK(lmb_lightmap_create(bake.level.scene, &settings, &bake.lightmap, &error) == LMB_OK && lightmap_bake(&bake, 8),
           "%s", error.message);
@@ -330,6 +354,8 @@ static void other_models_stay_pictures(void)
     struct stat status;
     CHECK(stat(OUTPUT("lightmap_beside/lightmap_0_hlsh.exr"), &status) == 0, "no EXR");
     CHECK(stat(OUTPUT("lightmap_beside/lightmap_0.dds"), &status) == 0, "no DDS");
+    beside_reads_back(&bake, 1, 0.002);
+    beside_reads_back(&bake, 2, 0.05);
     baked_close(&bake);
 }
 

@@ -144,19 +144,23 @@ void environment_maps_free(environment_maps *freed)
     *freed = (environment_maps){NULL, 0};
 }
 
-static double distance_squared(lmb_vec3d a, lmb_vec3d b)
+const cube_map *environment_maps_find(const environment_maps *maps, const lmb_tracer *tracer, lmb_vec3 position)
 {
-    const double x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-    return x * x + y * y + z * z;
-}
-
-lmb_rgb environment_maps_look(const environment_maps *maps, lmb_vec3d place, lmb_vec3 mirrored, float roughness)
-{
-    int nearest = 0;
-    for (int i = 1; i < maps->count; ++i) {
-        if (distance_squared(maps->map[i].position, place) < distance_squared(maps->map[nearest].position, place)) {
+    int nearest = 0, seen = -1;
+    float least = FLT_MAX, least_seen = FLT_MAX;
+    for (int i = 0; i < maps->count; ++i) {
+        const lmb_vec3 at = lmb_scene_from_world(lmb_tracer_scene(tracer), maps->map[i].position);
+        const lmb_vec3 way = lmb_vec3_sub(at, position);
+        const float squared = lmb_vec3_dot(way, way);
+        uint64_t rays = 0;
+        if (squared < least) {
             nearest = i;
+            least = squared;
+        }
+        if (squared < least_seen && lmb_rgb_max(lmb_trace_transmittance(tracer, position, at, &rays)) > 0.0f) {
+            seen = i;
+            least_seen = squared;
         }
     }
-    return cube_map_look(&maps->map[nearest].map, mirrored, roughness);
+    return &maps->map[seen >= 0 ? seen : nearest].map;
 }

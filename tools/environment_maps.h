@@ -28,7 +28,8 @@ typedef struct environment_maps {
 lmb_result environment_maps_read(const char *folder, environment_maps *read, lmb_error *error);
 void environment_maps_free(environment_maps *freed);
 
-/* The texel of the map whose place is nearest to `place`, for lmb_specular_environment. */
-lmb_rgb environment_maps_look(const environment_maps *maps, lmb_vec3d place, lmb_vec3 mirrored, float roughness);
+/* The map that a surface at `position` of the tracer's scene takes: the nearest of those in sight, or of all where none
+ * is. */
+const cube_map *environment_maps_find(const environment_maps *maps, const lmb_tracer *tracer, lmb_vec3 position);
 
 #endif

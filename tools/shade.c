@@ -190,16 +190,18 @@ static bool seen_reflects(const lmb_shader *shader, const seen_surface *seen, lm
 static lmb_rgb stored_specular(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen,
                                const specular_place *place)
 {
-    const lmb_vec3d world = lmb_scene_to_world(lmb_tracer_scene(shader->transport->tracer), place->point.position);
+    const lmb_tracer *tracer = shader->transport->tracer;
     specular_light_here light;
     if (source == SOURCE_STORED && has_texels(shader, seen) && shader->lightmap->model->radiance) {
         light = specular_light_of_lightmap(shader->lightmap, &seen->hit, place->point.normal);
     } else if (shader->volume) {
-        light = specular_light_of_volume(shader->volume, world);
+        light = specular_light_of_volume(shader->volume,
+                                         lmb_scene_to_world(lmb_tracer_scene(tracer), place->point.position));
     } else {
         return black;
     }
-    return specular_reflected(LAYERS_ALL, &light, place, shader->maps, world);
+    const cube_map *map = shader->maps ? environment_maps_find(shader->maps, tracer, place->point.position) : NULL;
+    return specular_reflected(LAYERS_ALL, &light, place, map);
 }
 
 static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen,

@@ -24,15 +24,17 @@ specular_light_here specular_light_of_lightmap(const lmb_lightmap *lightmap, con
     return light;
 }
 
-/* Adds the highlights, of key lights or of the dominant light, which is taken out of the harmonics then. */
-static lmb_rgb highlights(const specular_place *place, specular_light_here *light)
+/* The highlight of the dominant light, which is taken out of the harmonics. */
+static lmb_rgb dominant_highlight(const specular_place *place, lmb_sh3_rgb *radiance)
+{
+    const lmb_key_light dominant = lmb_sh3_rgb_dominant_light(radiance);
+    lmb_key_light_add_to_sh3(&dominant, -1.0f, radiance);
+    return lmb_specular_light(&dominant, 1.0f, &place->specular, place->point.normal, place->normal, place->view);
+}
+
+static lmb_rgb key_highlights(const specular_place *place, const specular_light_here *light)
 {
     lmb_rgb sum = {{0.0f, 0.0f, 0.0f}};
-    if (light->keys.count == 0) {
-        const lmb_key_light dominant = lmb_sh3_rgb_dominant_light(&light->radiance);
-        lmb_key_light_add_to_sh3(&dominant, -1.0f, &light->radiance);
-        return lmb_specular_light(&dominant, 1.0f, &place->specular, place->point.normal, place->normal, place->view);
-    }
     for (uint32_t i = 0; i < light->keys.count; ++i) {
         sum = lmb_rgb_add(sum, lmb_specular_light(&light->keys.light[i], light->keys.visibility[i], &place->specular,
                                                   place->point.normal, place->normal, place->view));
@@ -40,12 +42,11 @@ static lmb_rgb highlights(const specular_place *place, specular_light_here *ligh
     return sum;
 }
 
-static lmb_rgb mapped(const lmb_sh3_rgb *radiance, const specular_place *place, const environment_maps *maps,
-                      lmb_vec3d world)
+static lmb_rgb mapped(const lmb_sh3_rgb *radiance, const specular_place *place, const cube_map *map)
 {
     const lmb_vec3 view = place->view, normal = place->normal;
     const lmb_vec3 mirrored = lmb_vec3_mad(lmb_vec3_scale(view, -1.0f), normal, 2.0f * lmb_vec3_dot(normal, view));
-    const lmb_rgb texel = environment_maps_look(maps, world, mirrored, place->specular.roughness);
+    const lmb_rgb texel = cube_map_look(map, mirrored, place->specular.roughness);
     return lmb_specular_environment(texel, radiance, &place->specular, normal, view);
 }
 
@@ -57,20 +58,23 @@ static float map_share(specular_layers layers, float roughness)
 }
 
 lmb_rgb specular_reflected(specular_layers layers, const specular_light_here *light, const specular_place *place,
-                           const environment_maps *maps, lmb_vec3d world)
+                           const cube_map *map)
 {
     if (layers == LAYERS_NONE) {
         return (lmb_rgb){{0.0f, 0.0f, 0.0f}};
     }
     specular_light_here rest = *light;
-    lmb_rgb sum = highlights(place, &rest);
-    const float share = maps ? map_share(layers, place->specular.roughness) : 0.0f;
+    lmb_rgb sum = key_highlights(place, &rest);
+    if (layers == LAYERS_DOMINANT || rest.keys.count == 0) {
+        sum = lmb_rgb_add(sum, dominant_highlight(place, &rest.radiance));
+    }
+    const float share = map ? map_share(layers, place->specular.roughness) : 0.0f;
     if (layers != LAYERS_ANALYTIC && share < 1.0f) {
         const lmb_rgb area = lmb_specular_area(&rest.radiance, &place->specular, place->normal, place->view);
         sum = lmb_rgb_add(sum, lmb_rgb_scale(area, 1.0f - share));
     }
     if (share > 0.0f) {
-        sum = lmb_rgb_add(sum, lmb_rgb_scale(mapped(&light->radiance, place, maps, world), share));
+        sum = lmb_rgb_add(sum, lmb_rgb_scale(mapped(&light->radiance, place, map), share));
     }
     return sum;
 }

@@ -14,14 +14,15 @@ typedef enum specular_layers {
     LAYERS_NONE,
     LAYERS_ANALYTIC,    /* key lights, or, where the bake has none, the dominant light */
     LAYERS_AREA,        /* and the area layer */
+    LAYERS_DOMINANT,    /* beside key lights the dominant light too, and the area layer of what remains */
     LAYERS_ENVIRONMENT, /* environment maps in its place */
     LAYERS_ALL, /* either by the roughness: the map up to SPECULAR_MAP_UP_TO, the area layer from SPECULAR_AREA_FROM
                    on, and something of both between */
     LAYERS_COUNT
 } specular_layers;
 
-#define SPECULAR_MAP_UP_TO 0.2f
-#define SPECULAR_AREA_FROM 0.4f
+#define SPECULAR_MAP_UP_TO 0.1f
+#define SPECULAR_AREA_FROM 0.2f
 
 /* The light at a place that layers are made of. */
 typedef struct specular_light_here {
@@ -36,9 +37,10 @@ specular_light_here specular_light_of_volume(const lmb_volume *volume, lmb_vec3d
 specular_light_here specular_light_of_lightmap(const lmb_lightmap *lightmap, const lmb_hit *hit,
                                                lmb_vec3 vertex_normal);
 
-/* What is reflected by those layers. `world` is the place's; without `maps` (NULL) the area layer stands for them. */
+/* What is reflected by those layers. `map` is the place's environment map; without (NULL) the area layer stands for it.
+ */
 lmb_rgb specular_reflected(specular_layers layers, const specular_light_here *light, const specular_place *place,
-                           const environment_maps *maps, lmb_vec3d world);
+                           const cube_map *map);
 
 /* Radiance from a direction, without a sun that was taken out of the environment's picture. */
 lmb_rgb radiance_without_keys(const lmb_transport *transport, lmb_vec3 origin, lmb_vec3 direction, uint64_t stream,

@@ -2,21 +2,22 @@
  *
  *     lambent_specular_level LEVEL DIR [--maps FOLDER] [--model NAME] [--points N] [--samples N]
  *
- * At random points of the level's surfaces, each seen from a random direction, cosine-weighted about its normal: what
- * the layers reflect of the bake's light, beside the path tracer's (glossy.h), as materials say, and by one roughness
- * everywhere. Errors of radiance, all colours: relative root mean square, free of the reference's own noise, and the
- * points' own, as `lambent check` has them. One line for each, tabs between. */
+ * Of surfaces that are seen from random points of the volume's free space in random directions: what the layers reflect
+ * of the bake's light, beside the path tracer's (glossy.h), as materials say, and by one roughness everywhere. Errors
+ * of radiance, all colours: relative root mean square, free of the reference's own noise, and the points' own, as
+ * `lambent check` has them. One line for each, tabs between. */
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <lambent/baked.h>
-#include <lambent/opaque_surface.h>
 #include <lambent/sequence.h>
 #include <lambent/surface.h>
 #include <lambent/vector.h>
 
 #include "bake_arguments.h"
+#include "check_points.h"
 #include "check_statistics.h"
 #include "shade_specular.h"
 
@@ -28,13 +29,14 @@ static const char usage[] = "usage: lambent_specular_level LEVEL DIR [options]\n
                             "  --samples N      of each half of the reference, at each point (default 256)\n"
                             "  --threads N      default: all processors\n";
 
-enum { STREAM_POINTS = 1, STREAM_VIEWS, STREAM_HALF };
+enum { STREAM_POINTS = 1, STREAM_HALF };
 
 /* 0: as materials say. */
 static const float slopes[] = {0.0f, 0.05f, 0.1f, 0.2f, 0.4f, 0.7f};
 enum { SLOPES = sizeof slopes / sizeof slopes[0] };
 
-static const char *const layer_name[LAYERS_COUNT] = {"none", "analytic", "analytic + area", "analytic + map", "all"};
+static const char *const layer_name[LAYERS_COUNT] = {"none",         "analytic",       "analytic + area",
+                                                     "and dominant", "analytic + map", "all"};
 
 /* Whose harmonics the layers have. */
 enum { BY_PROBES, BY_TEXELS, SOURCES };
@@ -50,19 +52,36 @@ typedef struct level_options {
 typedef struct measured {
     const lmb_baked *baked;
     const environment_maps *maps; /* NULL: none */
-    lmb_opaque_surface surface;
     uint32_t points, samples;
     float slope;                               /* of this round; 0: as materials say */
     point_error *error[SOURCES][LAYERS_COUNT]; /* [point] */
     bool *has[SOURCES];
 } measured;
 
-/* @return false where the surface is not looked at from its front */
-static bool place_make(const measured *work, uint32_t index, lmb_hit *hit, specular_place *place)
+/* Tries of a point to find an opaque surface. */
+enum { TRIES = 64 };
+
+/* What is seen from somewhere in free space. @return false where it is no opaque surface's front */
+static bool hit_find(const measured *work, uint64_t stream, lmb_hit *hit, lmb_vec3 *view)
+{
+    const lmb_tracer *tracer = work->baked->level.tracer;
+    lmb_vec3 eye, direction;
+    if (!free_point(tracer, work->baked->volume, true, stream, &eye)) {
+        return false;
+    }
+    sphere_directions(stream, 1, &direction);
+    if (!lmb_trace_nearest(tracer, eye, direction, 0.0f, FLT_MAX, hit) || !hit->front) {
+        return false;
+    }
+    const lmb_mesh_point point = lmb_trace_mesh_point(tracer, hit);
+    *view = lmb_vec3_scale(direction, -1.0f);
+    return lmb_material_is_opaque(lmb_material_at(&point)) && !lmb_material_at(&point)->unlit;
+}
+
+static void place_make(const measured *work, const lmb_hit *hit, lmb_vec3 view, specular_place *place)
 {
     const lmb_tracer *tracer = work->baked->level.tracer;
     const lmb_lightmap *lightmap = work->baked->lightmap;
-    *hit = lmb_opaque_surface_point(&work->surface, STREAM_POINTS, index, work->points);
     const lmb_place at = lmb_trace_place(tracer, hit);
     const lmb_mesh_point point = lmb_trace_mesh_point(tracer, hit);
     const lmb_reflection reflection = lmb_material_reflection(&point);
@@ -71,18 +90,11 @@ static bool place_make(const measured *work, uint32_t index, lmb_hit *hit, specu
     place->point =
         lmb_surface_gather_point(tracer, &at, mapped ? lightmap->region[hit->instance].texel_size : 0.1f, &pushed_out);
     place->normal = lmb_trace_mapped_normal(tracer, hit, &at);
+    place->view = view;
     place->specular = (lmb_specular){reflection.slope, reflection.f0};
     if (work->slope > 0.0f) {
         place->specular = (lmb_specular){work->slope, {{0.04f, 0.04f, 0.04f}}};
     }
-    float u[2];
-    lmb_vec3 tangent, bitangent;
-    lmb_sequence_2d(lmb_mix(STREAM_VIEWS, index), 0, 0, u);
-    lmb_vec3_frame(place->normal, &tangent, &bitangent);
-    const float across = sqrtf(u[0]), turn = 2.0f * LMB_PI_F * u[1];
-    const lmb_vec3 aside = lmb_vec3_mad(lmb_vec3_scale(tangent, across * cosf(turn)), bitangent, across * sinf(turn));
-    place->view = lmb_vec3_mad(aside, place->normal, sqrtf(1.0f - u[0]));
-    return lmb_vec3_dot(place->view, at.geometric_normal) > 0.01f;
 }
 
 static void point_task(void *context, size_t task, int worker)
@@ -94,17 +106,25 @@ static void point_task(void *context, size_t task, int worker)
     lmb_hit hit;
     specular_place place;
     work->has[BY_PROBES][index] = work->has[BY_TEXELS][index] = false;
-    if (!place_make(work, index, &hit, &place)) {
+    lmb_vec3 view;
+    bool found = false;
+    for (uint64_t i = 0; i < TRIES && !found; ++i) {
+        found = hit_find(work, lmb_mix(lmb_mix(STREAM_POINTS, index), i), &hit, &view);
+    }
+    if (!found) {
         return;
     }
+    place_make(work, &hit, view, &place);
     lmb_rgb half[2];
     for (uint64_t i = 0; i < 2; ++i) {
         half[i] = glossy_radiance(&baked->level.transport, &place, work->samples, STREAM_HALF + i);
     }
-    const lmb_vec3d world = lmb_scene_to_world(baked->level.scene, place.point.position);
+    const cube_map *map =
+        work->maps ? environment_maps_find(work->maps, baked->level.tracer, place.point.position) : NULL;
     const lmb_lightmap *lightmap = baked->lightmap;
     specular_light_here light[SOURCES];
-    light[BY_PROBES] = specular_light_of_volume(baked->volume, world);
+    light[BY_PROBES] =
+        specular_light_of_volume(baked->volume, lmb_scene_to_world(baked->level.scene, place.point.position));
     work->has[BY_PROBES][index] = true;
     if (lightmap && lightmap->model->radiance && lightmap->region[hit.instance].image >= 0) {
         light[BY_TEXELS] = specular_light_of_lightmap(lightmap, &hit, place.point.normal);
@@ -112,8 +132,7 @@ static void point_task(void *context, size_t task, int worker)
     }
     for (int source = 0; source < SOURCES; ++source) {
         for (int layers = 0; layers < LAYERS_COUNT && work->has[source][index]; ++layers) {
-            const lmb_rgb reflected =
-                specular_reflected((specular_layers)layers, &light[source], &place, work->maps, world);
+            const lmb_rgb reflected = specular_reflected((specular_layers)layers, &light[source], &place, map);
             work->error[source][layers][index] = point_error_of(&reflected, &half[0], &half[1], 1);
         }
     }
@@ -162,18 +181,14 @@ static void work_free(measured *work)
             free(work->error[source][layers]);
         }
     }
-    lmb_opaque_surface_free(&work->surface);
 }
 
 static lmb_result measure(const level_options *options, const lmb_baked *baked, const environment_maps *maps)
 {
     measured work = {.baked = baked, .maps = maps, .points = options->points, .samples = options->samples};
     lmb_result result = work_allocate(&work) ? LMB_OK : LMB_ERROR_MEMORY;
-    if (result == LMB_OK) {
-        result = lmb_opaque_surface_create(baked->level.tracer, &work.surface);
-    }
     printf("slopes\tharmonics of\tlayers\trel_rmse\tmedian\tp95\n");
-    for (int i = 0; i < SLOPES && result == LMB_OK && lmb_opaque_surface_area(&work.surface) > 0.0; ++i) {
+    for (int i = 0; i < SLOPES && result == LMB_OK; ++i) {
         work.slope = slopes[i];
         result = lmb_pool_run(baked->level.pool, work.points, point_task, &work, "points", NULL);
         if (result == LMB_OK) {

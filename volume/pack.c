@@ -4,6 +4,7 @@
 #include "volume_internal.h"
 
 #include <lambent/lattice.h>
+#include <lambent/probe_local.h>
 #include <lambent/vector.h>
 
 #include <Imath/half.h>
@@ -76,7 +77,7 @@ static bool header_begin(const lmb_probes *probes, lmb_volume_form form, lmb_vol
                                   .key_light_count = probes->key_light_count};
     if (probes->count == 0 || probes->set_count != 1 || !levels_are_sane(probes) ||
         !lmb_probes_key_lights_are_sane(probes) || !lmb_probes_cuts_are_sane(probes) || !radiance_is_finite(probes) ||
-        !box_find(probes, header)) {
+        lmb_probes_validate_locals(probes, NULL) != LMB_OK || !box_find(probes, header)) {
         return false;
     }
     memcpy(header->magic, LMB_VOLUME_MAGIC, sizeof header->magic);
@@ -161,12 +162,27 @@ static void write_halfs(const lmb_sh3_rgb *radiance, float scale, unsigned char 
     memcpy(to, half, sizeof half);
 }
 
+uint32_t lmb_pack_probe_write(const lmb_volume_header *header, const lmb_sh3_rgb *light,
+                              const float seen[LMB_KEY_LIGHTS_MOST], unsigned char *to)
+{
+    uint32_t flattened = 0;
+    const bool is_compact = header->probe_form == LMB_VOLUME_COMPACT;
+    if (is_compact) {
+        flattened = write_compact(light, header->scale, to);
+    } else {
+        write_halfs(light, header->scale, to);
+    }
+    unsigned char *const keys = to + (is_compact ? LMB_COMPACT_BYTES : LMB_HALFS_BYTES);
+    for (uint32_t key = 0; key < header->key_light_count; ++key) {
+        keys[key] = (uint8_t)(lmb_saturate(seen[key]) * 255.0f + 0.5f);
+    }
+    return flattened;
+}
+
 static void write_probes(lmb_packing *packing, unsigned char *image)
 {
     const lmb_probes *const probes = packing->probes;
     const lmb_volume_header *const header = &packing->header;
-    const bool is_compact = header->probe_form == LMB_VOLUME_COMPACT;
-    const size_t keys_offset = is_compact ? LMB_COMPACT_BYTES : LMB_HALFS_BYTES;
     const uint32_t count = (uint32_t)probes->count;
     for (size_t i = 0; i < header->stored_count; ++i) {
         const uint32_t source = packing->stored[i];
@@ -177,15 +193,8 @@ static void write_probes(lmb_packing *packing, unsigned char *image)
         const lmb_sh3_rgb *const light = corner ? &corner->light : &probes->radiance[0][source];
         const float *const seen = corner ? corner->seen : probes->key_visibility[source];
         unsigned char *const to = image + packing->layout.probes + i * header->probe_bytes;
-        if (is_compact) {
-            const uint32_t flattened = write_compact(light, header->scale, to);
-            packing->flattened_count += !corner && packing->slot[source] == i ? flattened : 0;
-        } else {
-            write_halfs(light, header->scale, to);
-        }
-        for (uint32_t key = 0; key < header->key_light_count; ++key) {
-            to[keys_offset + key] = (uint8_t)(lmb_saturate(seen[key]) * 255.0f + 0.5f);
-        }
+        const uint32_t flattened = lmb_pack_probe_write(header, light, seen, to);
+        packing->flattened_count += !corner && packing->slot[source] == i ? flattened : 0;
     }
 }
 
@@ -245,8 +254,9 @@ static void write_bricks(const lmb_packing *packing, unsigned char *image)
 static lmb_result image_make(lmb_packing *packing, unsigned char **data)
 {
     lmb_volume_header *const header = &packing->header;
-    if (!lmb_volume_layout_find(header, &packing->layout) || packing->layout.end > SIZE_MAX ||
-        header->cut_bytes / sizeof(uint32_t) > UINT32_MAX ||
+    header->local_bytes = lmb_pack_locals_bytes(packing->probes, header);
+    if (header->local_bytes > UINT32_MAX || !lmb_volume_layout_find(header, &packing->layout) ||
+        packing->layout.end > SIZE_MAX || header->cut_bytes / sizeof(uint32_t) > UINT32_MAX ||
         header->brick_count >= UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT ||
         header->stored_count > UINT32_MAX / lmb_pack_units(packing)) {
         return LMB_ERROR_ARGUMENT;
@@ -259,6 +269,7 @@ static lmb_result image_make(lmb_packing *packing, unsigned char **data)
     lmb_pack_directory(packing, (uint32_t *)(image + packing->layout.directory));
     write_bricks(packing, image);
     write_probes(packing, image);
+    lmb_pack_locals_write(packing->probes, header, image + packing->layout.locals);
     header->file_bytes = packing->layout.end;
     memcpy(image, header, sizeof *header);
     header->checksum =

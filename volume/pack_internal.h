@@ -1,5 +1,6 @@
 /* The steps of packing: which cells are stored (pack_cells.c), the light of corners that no probe holds
- * (pack_corners.c), where probes lie in the file (pack_rows.c), and writing it (pack.c). */
+ * (pack_corners.c), where probes lie in the file (pack_rows.c), local sets (pack_locals.c), and writing it all
+ * (pack.c). */
 #ifndef LMB_PACK_INTERNAL_H
 #define LMB_PACK_INTERNAL_H
 
@@ -72,6 +73,14 @@ bool lmb_pack_reserve(void **array, size_t size, uint32_t count);
 
 /* A probe's light as it is stored. What is beyond halfs is darker as a whole, so that it keeps direction and colour. */
 void lmb_pack_halfs(const lmb_sh3_rgb *radiance, float scale, uint16_t half[LMB_PROBE_COEFFICIENTS]);
+
+/* A probe as the header's form has it, with what it sees of key lights. @return colours that were flattened */
+uint32_t lmb_pack_probe_write(const lmb_volume_header *header, const lmb_sh3_rgb *light,
+                              const float seen[LMB_KEY_LIGHTS_MOST], unsigned char *to);
+
+/* Local sets as lambent/local_set_format.h has them: how many bytes, and those, of memory that is 0. */
+uint64_t lmb_pack_locals_bytes(const lmb_probes *probes, const lmb_volume_header *header);
+void lmb_pack_locals_write(const lmb_probes *probes, const lmb_volume_header *header, unsigned char *to);
 
 /* The probe with light at a point of a level, or -1. */
 int32_t lmb_pack_probe(const lmb_packing *packing, uint32_t level, const int32_t point[3]);

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/probe_local.h>
 #include <lambent/vector.h>
 #include <lambent/volume_format.h>
 
@@ -303,6 +304,7 @@ void lmb_probes_destroy(lmb_probes *probes)
     for (uint32_t set = 0; set < probes->set_count; ++set) {
         free(probes->radiance[set]);
     }
+    lmb_probes_free_locals(probes);
     free(probes->point);
     free(probes->validity);
     free(probes->hanging);
@@ -344,7 +346,7 @@ float lmb_probes_footprint(const lmb_probes *probes, int32_t probe)
 
 float lmb_probes_scale(const lmb_probes *probes)
 {
-    float largest = 0.0f;
+    float largest = lmb_probes_locals_largest(probes);
     for (uint32_t set = 0; set < probes->set_count; ++set) {
         for (int32_t probe = 0; probe < probes->count; ++probe) {
             for (int i = 0; i < 3 * LMB_SH3_COUNT; ++i) {
@@ -500,5 +502,5 @@ lmb_result lmb_probes_validate(const lmb_probes *probes, lmb_error *error)
             return LMB_ERROR_FORMAT;
         }
     }
-    return LMB_OK;
+    return lmb_probes_validate_locals(probes, error);
 }

@@ -1,6 +1,6 @@
 // Reading probes.vdb: whatever the file claims is looked at before it is believed.
 #include "vdb_cells.h"
-#include "vdb_internal.hh"
+#include "vdb_grids.hh"
 
 #include <lambent/base64.h>
 
@@ -11,7 +11,6 @@
 #include <fstream>
 #include <memory>
 #include <new>
-#include <unordered_map>
 
 #include <openvdb/openvdb.h>
 #include <openvdb/io/File.h>
@@ -71,27 +70,13 @@ struct LevelGrids {
 
 struct Contents {
     std::vector<LevelGrids> level;
+    std::vector<LocalGrids> local;
     openvdb::MetaMap::Ptr metadata;
 };
 
 // --------------------------------------------------------------------------------------------- finding grids
 
-// All of a file's, by name.
-using GridMap = std::unordered_map<std::string, openvdb::GridBase::Ptr>;
-
-template <typename GridType> typename GridType::Ptr find_grid(const GridMap &grids, const std::string &name)
-{
-    const auto found = grids.find(name);
-    if (found == grids.end()) {
-        fail(LMB_ERROR_FORMAT, "has no grid " + name);
-    }
-    const typename GridType::Ptr typed = openvdb::gridPtrCast<GridType>(found->second);
-    if (!typed) {
-        fail(LMB_ERROR_FORMAT,
-             "grid " + name + " is of type " + found->second->type() + ", not " + GridType::gridType());
-    }
-    return typed;
-}
+} // namespace
 
 // The metadata alone tells whether it is worth reading the rest. The version stands on every grid.
 void check_version(const openvdb::MetaMap &grid)
@@ -106,6 +91,17 @@ void check_version(const openvdb::MetaMap &grid)
                                     std::to_string(kFormatVersion) + ", which this Lambent reads");
     }
 }
+
+float read_scale(const openvdb::GridBase &grid)
+{
+    const openvdb::FloatMetadata::ConstPtr scale = grid.getMetadata<openvdb::FloatMetadata>("lambent_scale");
+    if (!scale || !std::isfinite(scale->value()) || !(scale->value() > 0.0f)) {
+        fail(LMB_ERROR_FORMAT, "grid " + grid.getName() + " has no usable lambent_scale");
+    }
+    return scale->value();
+}
+
+namespace {
 
 void check_descriptors(const std::string &path)
 {
@@ -209,6 +205,7 @@ Contents read_contents(const std::string &path)
         fail(LMB_ERROR_FORMAT, "not a .vdb file");
     }
     check_uuid(path);
+    check_structure(path);
     check_descriptors(path);
 
     // OpenVDB does not look whether a read succeeded: the stream throws instead.
@@ -224,6 +221,8 @@ Contents read_contents(const std::string &path)
             }
         }
         contents.level = find_levels(grids);
+        const SetGrids &finest = contents.level[0].set[0];
+        contents.local = find_locals(grids, *finest.validity, static_cast<uint32_t>(finest.visibility.size()));
         contents.metadata = archive.getMetadata();
     } catch (const std::ios::failure &) {
         fail(LMB_ERROR_FORMAT, "the file is cut short");
@@ -244,15 +243,6 @@ float read_spacing(const openvdb::GridBase &grid)
         fail(LMB_ERROR_FORMAT, "grid " + grid.getName() + " was moved, turned or scaled unevenly");
     }
     return static_cast<float>(spacing);
-}
-
-float read_scale(const openvdb::GridBase &grid)
-{
-    const openvdb::FloatMetadata::ConstPtr scale = grid.getMetadata<openvdb::FloatMetadata>("lambent_scale");
-    if (!scale || !std::isfinite(scale->value()) || !(scale->value() > 0.0f)) {
-        fail(LMB_ERROR_FORMAT, "grid " + grid.getName() + " has no usable lambent_scale");
-    }
-    return scale->value();
 }
 
 Coord ghost_point(const Coord &voxel)
@@ -551,6 +541,9 @@ ProbesHandle read_probes(Contents &contents)
         for (const SetGrids &set : level.set) {
             read_set(set, *probes);
         }
+    }
+    for (const LocalGrids &local : contents.local) {
+        read_local(local, *probes);
     }
     lmb_error error;
     if (lmb_probes_validate(probes.get(), &error) != LMB_OK) {

@@ -1,6 +1,6 @@
 // Writing probes.vdb: a tree of voxels for each level, and for its ghosts.
 #include "vdb_cells.h"
-#include "vdb_internal.hh"
+#include "vdb_grids.hh"
 #include "volume_internal.h"
 
 #include <lambent/base64.h>
@@ -16,13 +16,38 @@
 #include <openvdb/io/Compression.h>
 
 namespace lmb_vdb {
+
+void describe(openvdb::MetaMap &target, const lmb_probes &probes, uint32_t level, float scale)
+{
+    const lmb_lattice &lattice = probes.level[level].lattice;
+    target.insertMeta("lambent_version", openvdb::Int32Metadata(kFormatVersion));
+    target.insertMeta("lambent_levels", openvdb::Int32Metadata(static_cast<int32_t>(probes.level_count)));
+    target.insertMeta("lambent_scale", openvdb::FloatMetadata(scale));
+    target.insertMeta("lambent_spacing", openvdb::FloatMetadata(lattice.spacing));
+    target.insertMeta("lambent_min",
+                      openvdb::Vec3IMetadata(openvdb::Vec3i(lattice.min[0], lattice.min[1], lattice.min[2])));
+    target.insertMeta("lambent_size",
+                      openvdb::Vec3IMetadata(openvdb::Vec3i(lattice.size[0], lattice.size[1], lattice.size[2])));
+    target.insertMeta("lambent_convention",
+                      openvdb::StringMetadata("real orthonormal spherical harmonics with Condon-Shortley signs; "
+                                              "right-handed world, +Y up"));
+    target.insertMeta("lambent_basis", openvdb::StringMetadata("00 1-1 10 11 2-2 2-1 20 21 22"));
+    target.insertMeta("lambent_units", openvdb::StringMetadata("radiance / lambent_scale, linear Rec. 709 as (x,y,z) = "
+                                                               "(r,g,b); lengths in metres"));
+    for (uint32_t key = 0; key < probes.key_light_count; ++key) {
+        const lmb_vec3 &direction = probes.key_light[key].direction;
+        target.insertMeta(key_direction_name(key),
+                          openvdb::Vec3SMetadata(openvdb::Vec3s(direction.x, direction.y, direction.z)));
+        target.insertMeta(key_irradiance_name(key),
+                          openvdb::Vec3SMetadata(openvdb::Vec3s(probes.key_light[key].irradiance.c)));
+    }
+}
+
 namespace {
 
 using openvdb::Coord;
 using openvdb::FloatGrid;
 using openvdb::Vec3SGrid;
-
-constexpr const char *kBasis = "00 1-1 10 11 2-2 2-1 20 21 22";
 
 // OpenVDB's own file class does not notice a full disk; this one writes to a stream that its caller checks.
 class Writer : public openvdb::io::Archive {
@@ -80,35 +105,6 @@ Level find_voxels(const lmb_probes &probes, uint32_t number)
         add_ghost(probes, ghost, index, level);
     }
     return level;
-}
-
-// ------------------------------------------------------------------------------------------------- metadata
-
-// What a reader needs to interpret the values; on the file and on every grid, as editors keep only the latter.
-void describe(openvdb::MetaMap &target, const lmb_probes &probes, uint32_t level, float scale)
-{
-    const lmb_lattice &lattice = probes.level[level].lattice;
-    target.insertMeta("lambent_version", openvdb::Int32Metadata(kFormatVersion));
-    target.insertMeta("lambent_levels", openvdb::Int32Metadata(static_cast<int32_t>(probes.level_count)));
-    target.insertMeta("lambent_scale", openvdb::FloatMetadata(scale));
-    target.insertMeta("lambent_spacing", openvdb::FloatMetadata(lattice.spacing));
-    target.insertMeta("lambent_min",
-                      openvdb::Vec3IMetadata(openvdb::Vec3i(lattice.min[0], lattice.min[1], lattice.min[2])));
-    target.insertMeta("lambent_size",
-                      openvdb::Vec3IMetadata(openvdb::Vec3i(lattice.size[0], lattice.size[1], lattice.size[2])));
-    target.insertMeta("lambent_convention",
-                      openvdb::StringMetadata("real orthonormal spherical harmonics with Condon-Shortley signs; "
-                                              "right-handed world, +Y up"));
-    target.insertMeta("lambent_basis", openvdb::StringMetadata(kBasis));
-    target.insertMeta("lambent_units", openvdb::StringMetadata("radiance / lambent_scale, linear Rec. 709 as (x,y,z) = "
-                                                               "(r,g,b); lengths in metres"));
-    for (uint32_t key = 0; key < probes.key_light_count; ++key) {
-        const lmb_vec3 &direction = probes.key_light[key].direction;
-        target.insertMeta(key_direction_name(key),
-                          openvdb::Vec3SMetadata(openvdb::Vec3s(direction.x, direction.y, direction.z)));
-        target.insertMeta(key_irradiance_name(key),
-                          openvdb::Vec3SMetadata(openvdb::Vec3s(probes.key_light[key].irradiance.c)));
-    }
 }
 
 // A level's cut cells as text.
@@ -248,6 +244,7 @@ void write_file(const std::string &path, const lmb_probes &probes, const lmb_vdb
             add_set(probes, {number, true}, level.ghosts, scale, grids);
         }
     }
+    add_locals(probes, scale, *grids[LMB_SH3_COUNT], grids); // the finest level's validity follows its coefficients
     openvdb::MetaMap file_metadata;
     describe(file_metadata, probes, 0, scale);
     file_metadata.insertMeta("lambent_settings", openvdb::StringMetadata(metadata.settings));

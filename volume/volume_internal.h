@@ -21,6 +21,10 @@ bool lmb_probes_key_lights_are_sane(const lmb_probes *probes);
 /* Whether ghosts are of points of their levels, and cut cells as lmb_probes_cut takes them. */
 bool lmb_probes_cuts_are_sane(const lmb_probes *probes);
 
+/* Of lmb_probes_destroy, lmb_probes_scale: frees local sets; their largest coefficient, without its sign. */
+void lmb_probes_free_locals(lmb_probes *probes);
+float lmb_probes_locals_largest(const lmb_probes *probes);
+
 /* The block of points 4 at .. 4 at + 3, or NULL. */
 const lmb_probe_block *lmb_probe_index_block(const lmb_probe_index *index, const int32_t at[3]);
 

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/local_set.h>
+
 #include "gltf/gltf_json.h"
 
 /* More of them say nothing new. */
@@ -99,8 +101,12 @@ static bool read_switch(extras_reader *reader, const cJSON *item, const char *na
     if (!is_static && !is_seed && !is_cube && strcmp(item->string, "lightmap") != 0) {
         return false;
     }
-    if (!read_bool(item, &value)) {
-        doubt(reader, name, key, "is neither true nor false: ignored");
+    if (item->string[0] == 'l' && cJSON_IsString(item) && strcmp(item->valuestring, "local") == 0) {
+        marks->lightmap = LMB_GLTF_MAP_LOCAL;
+    } else if (!read_bool(item, &value)) {
+        doubt(reader, name, key,
+              item->string[0] == 'l' ? "is neither true, false nor local: ignored"
+                                     : "is neither true nor false: ignored");
     } else if (is_static) {
         marks->moves = value ? LMB_GLTF_STANDS : LMB_GLTF_MOVES;
     } else if (is_seed) {
@@ -111,6 +117,26 @@ static bool read_switch(extras_reader *reader, const cJSON *item, const char *na
         marks->lightmap = value ? LMB_GLTF_MAP_ON : LMB_GLTF_MAP_OFF;
     }
     return true;
+}
+
+/* Whether the node wants probes of its own, and how many along each axis. */
+static void read_local_set(extras_reader *reader, const cJSON *item, const char *name, const char *key,
+                           lmb_gltf_marks *marks)
+{
+    bool value = cJSON_GetArraySize(item) == 3;
+    uint32_t size[3] = {0};
+    for (int axis = 0; axis < 3 && cJSON_IsArray(item); ++axis) {
+        const cJSON *const number = cJSON_GetArrayItem(item, axis);
+        const double wanted = cJSON_IsNumber(number) ? number->valuedouble : 0.0;
+        value = value && wanted >= 1.0 && wanted <= (double)LMB_LOCAL_SET_SIDE && wanted == (double)(uint32_t)wanted;
+        size[axis] = value ? (uint32_t)wanted : 0;
+    }
+    if (cJSON_IsArray(item) ? !value : !read_bool(item, &value)) {
+        doubt(reader, name, key, "is neither true, false nor three whole numbers from 1 to 8: ignored");
+        return;
+    }
+    marks->local_set = value ? LMB_GLTF_LOCAL_ON : LMB_GLTF_LOCAL_OFF;
+    memcpy(marks->local_size, size, sizeof size);
 }
 
 /* How probes are to stand in the node's box. */
@@ -169,6 +195,8 @@ static lmb_result read_mark(extras_reader *reader, const cJSON *item, const char
         read_density(reader, item, name, key, &marks->texels_per_m);
     } else if (strcmp(item->string, "texel_scale") == 0) {
         read_density(reader, item, name, key, &marks->texel_scale);
+    } else if (strcmp(item->string, "local_set") == 0) {
+        read_local_set(reader, item, name, key, marks);
     } else if (strcmp(item->string, "volume") == 0) {
         read_volume(reader, item, name, &marks->volume);
     } else if (strcmp(item->string, "light") == 0) {

@@ -14,7 +14,14 @@ extern "C" {
 typedef enum lmb_gltf_movement { LMB_GLTF_AS_ABOVE, LMB_GLTF_STANDS, LMB_GLTF_MOVES } lmb_gltf_movement;
 typedef enum lmb_gltf_light_part { LMB_GLTF_BAKED, LMB_GLTF_INDIRECT, LMB_GLTF_OFF } lmb_gltf_light_part;
 
-typedef enum lmb_gltf_lightmap { LMB_GLTF_MAP_AS_ABOVE, LMB_GLTF_MAP_ON, LMB_GLTF_MAP_OFF } lmb_gltf_lightmap;
+typedef enum lmb_gltf_lightmap {
+    LMB_GLTF_MAP_AS_ABOVE,
+    LMB_GLTF_MAP_ON,
+    LMB_GLTF_MAP_OFF,
+    LMB_GLTF_MAP_LOCAL /* by the node's local set */
+} lmb_gltf_lightmap;
+
+typedef enum lmb_gltf_local { LMB_GLTF_LOCAL_AS_ABOVE, LMB_GLTF_LOCAL_ON, LMB_GLTF_LOCAL_OFF } lmb_gltf_local;
 
 /* What `volume` says of the node's box; 0: not told. */
 typedef struct lmb_gltf_volume {
@@ -29,6 +36,8 @@ typedef struct lmb_gltf_marks {
     bool hidden; /* with all below it; the other marks count all the same */
     double path;
     lmb_gltf_lightmap lightmap;
+    lmb_gltf_local local_set;
+    uint32_t local_size[3];             /* 0: not told */
     double texels_per_m, texel_scale;   /* 0: as above */
     double angle_deg, radius_m;         /* of the node's light; 0: not told */
     char light_set[LMB_LIGHT_SET_NAME]; /* of the node's light; empty: none */

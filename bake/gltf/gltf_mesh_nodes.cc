@@ -145,6 +145,9 @@ void mesh_nodes::add_instance(const placement &placing, const lmb_affine &to_wor
     instance.position_step = std::max(placing.step, lmb_position_step(placed.file_reach, &to_world));
     instance.dynamic = placing.wishes.dynamic;
     instance.no_lightmap = placing.wishes.no_lightmap;
+    instance.has_local_set = placing.wishes.has_local_set || placing.wishes.lit_locally;
+    instance.lit_locally = placing.wishes.lit_locally;
+    std::copy_n(placing.wishes.local_size, 3, instance.local_size);
     instance.texels_per_m = placing.wishes.texels_per_m;
     instance.texel_scale = placing.wishes.texel_scale;
     if (scene_.instance_count == MAX_INSTANCES) {

@@ -10,7 +10,8 @@ namespace lmb_gltf {
 
 /* What a node and those above it want of its instances. */
 struct node_wishes {
-    bool dynamic, no_lightmap;
+    bool dynamic, no_lightmap, has_local_set, lit_locally;
+    uint32_t local_size[3];
     float texels_per_m, texel_scale; /* lmb_instance */
 };
 

@@ -72,7 +72,12 @@ void wish(const lmb_gltf_marks &marks, node_wishes &wishes)
         wishes.dynamic = marks.moves == LMB_GLTF_MOVES;
     }
     if (marks.lightmap != LMB_GLTF_MAP_AS_ABOVE) {
-        wishes.no_lightmap = marks.lightmap == LMB_GLTF_MAP_OFF;
+        wishes.no_lightmap = marks.lightmap != LMB_GLTF_MAP_ON;
+        wishes.lit_locally = marks.lightmap == LMB_GLTF_MAP_LOCAL;
+    }
+    if (marks.local_set != LMB_GLTF_LOCAL_AS_ABOVE) {
+        wishes.has_local_set = marks.local_set == LMB_GLTF_LOCAL_ON;
+        std::copy_n(marks.local_size, 3, wishes.local_size);
     }
     if (marks.texels_per_m > 0.0) {
         wishes.texels_per_m = float(marks.texels_per_m);

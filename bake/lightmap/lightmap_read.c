@@ -61,10 +61,11 @@ static bool json_layout_matches(const cJSON *root, const lmb_lightmap *lightmap)
         return false;
     }
     const cJSON *item = images->child;
+    const bool is_own = json_text_is(root, "encoding", lightmap->model->name);
     for (int32_t i = 0; i < lightmap->image_count; ++i, item = item->next) {
         char name[LMB_LIGHTMAP_FILE_NAME];
         lmb_lightmap_textures_picture(lightmap, i, name);
-        if (!item || (lightmap->model->irradiance_first && !json_text_is(item, "file", name)) ||
+        if (!item || (is_own && lightmap->model->irradiance_first && !json_text_is(item, "file", name)) ||
             !json_number_is(item, "width", lightmap->image[i].width) ||
             !json_number_is(item, "height", lightmap->image[i].height)) {
             return false;
@@ -103,22 +104,38 @@ static void json_sides_take(const cJSON *root, lmb_lightmap *lightmap)
     }
 }
 
+/* The parts of an image of the lightmap's model in textures; NULL: it is in none. */
+static const cJSON *json_parts(const cJSON *image, const lmb_lightmap *lightmap)
+{
+    const cJSON *models = cJSON_GetObjectItemCaseSensitive(image, "models");
+    const cJSON *model = cJSON_GetObjectItemCaseSensitive(models, lightmap->model->name);
+    return cJSON_GetObjectItemCaseSensitive(model, "parts");
+}
+
 /* Whether the folder has the lightmap's model, as its own or as another one. */
 static bool json_has_model(const cJSON *root, const lmb_lightmap *lightmap)
 {
     const cJSON *channels = cJSON_GetObjectItemCaseSensitive(root, "channels");
+    const cJSON *images = cJSON_GetObjectItemCaseSensitive(root, "images");
     return json_text_is(root, "encoding", lightmap->model->name) ||
-           cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(channels, lightmap->model->name));
+           cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(channels, lightmap->model->name)) ||
+           cJSON_IsObject(json_parts(cJSON_GetArrayItem(images, 0), lightmap));
 }
 
-/* The scales of the light in textures of the lightmap's own model, which no texture says itself: [image]. False where
- * one is missing or broken. */
+/* The scales of the light in textures of the lightmap's model, which no texture says itself: [image]. False where one
+ * is missing or broken. */
 static bool json_scales_take(const cJSON *root, const lmb_lightmap *lightmap, float *scale)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(root, "images")->child;
+    const bool is_own = json_text_is(root, "encoding", lightmap->model->name);
     bool good = true;
     for (int32_t i = 0; i < lightmap->image_count; ++i, item = item->next) {
         const cJSON *number = cJSON_GetObjectItemCaseSensitive(item, "scale");
+        const cJSON *parts = is_own ? NULL : json_parts(item, lightmap);
+        for (const cJSON *part = parts ? parts->child : NULL; part; part = part->next) {
+            const cJSON *own = cJSON_GetObjectItemCaseSensitive(part, "scale");
+            number = own ? own : number;
+        }
         scale[i] = cJSON_IsNumber(number) ? (float)number->valuedouble : 0.0f;
         good = good && scale[i] > 0.0f && isfinite(scale[i]);
     }
@@ -256,7 +273,7 @@ static lmb_result images_read(const lmb_lightmap *lightmap, const char *director
         const lmb_lightmap_image *image = &lightmap->image[i];
         plane[i] = calloc((size_t)image->width * (size_t)image->height * planes, sizeof **plane);
         result = !plane[i] ? out_of_memory(error)
-                 : lightmap->settings.format == LMB_LIGHTMAP_EXR
+                 : lightmap->settings.format == LMB_LIGHTMAP_EXR || !lmb_lightmap_textures_hold(lightmap->model)
                      ? pictures_read(lightmap, i, directory, plane[i], error)
                      : textures_read(lightmap, i, scale[i], directory, plane[i], error);
     }

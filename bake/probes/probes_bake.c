@@ -6,9 +6,30 @@
 #include <lambent/denoise.h>
 #include <lambent/key_lights.h>
 #include <lambent/placement.h>
+#include <lambent/probe_locals.h>
 
 /* A probe speaks for the space within half its footprint. */
 #define LIGHT_DISTANCE_FOOTPRINTS 0.5f
+
+/* Valid probes of local sets, behind all others. */
+static lmb_result locals_list(lmb_probe_list *list)
+{
+    const lmb_probes *const probes = list->probes;
+    size_t most = 0;
+    for (uint32_t set = 0; set < probes->local_count; ++set) {
+        most += lmb_local_frame_count(&probes->local[set].frame);
+    }
+    list->local = malloc((most + 1) * sizeof *list->local);
+    list->count = list->local_first;
+    for (uint32_t set = 0; list->local && set < probes->local_count; ++set) {
+        for (uint32_t i = 0; i < lmb_local_frame_count(&probes->local[set].frame); ++i) {
+            if (probes->local[set].validity[i] >= LMB_PROBES_MIN_VALIDITY) {
+                list->local[list->count++ - list->local_first] = (lmb_list_local){set, i};
+            }
+        }
+    }
+    return list->local ? LMB_OK : LMB_ERROR_MEMORY;
+}
 
 lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_regions *regions, const lmb_tracer *tracer,
                                  lmb_probe_list *list)
@@ -31,21 +52,29 @@ lmb_result lmb_probe_list_create(const lmb_probes *probes, const lmb_regions *re
     if (regions) {
         lmb_regions_points(regions, &points);
     }
-    list->count = list->probe_count + points;
-    return LMB_OK;
+    list->local_first = list->probe_count + points;
+    const lmb_result result = locals_list(list);
+    if (result != LMB_OK) {
+        lmb_probe_list_free(list);
+    }
+    return result;
 }
 
 void lmb_probe_list_free(lmb_probe_list *list)
 {
     free(list->probe);
+    free(list->local);
     list->probe = NULL;
+    list->local = NULL;
 }
 
 /* The point of a region that an element is, or NULL: it is a probe. */
 static const lmb_region_point *region_point(const lmb_probe_list *list, size_t element)
 {
     size_t count;
-    return element < list->probe_count ? NULL : &lmb_regions_points(list->regions, &count)[element - list->probe_count];
+    return element < list->probe_count || element >= list->local_first
+               ? NULL
+               : &lmb_regions_points(list->regions, &count)[element - list->probe_count];
 }
 
 static void element_site(const void *context, size_t element, lmb_gather_site *site)
@@ -57,6 +86,14 @@ static void element_site(const void *context, size_t element, lmb_gather_site *s
         site->brief = true; /* each value has several points, and several values each point */
         site->point[0] = (lmb_gather_point){.position = inside->position,
                                             .min_light_distance = LIGHT_DISTANCE_FOOTPRINTS * inside->spacing};
+        return;
+    }
+    if (element >= list->local_first) {
+        const lmb_list_local *const local = &list->local[element - list->local_first];
+        const lmb_local_frame *const frame = &list->probes->local[local->set].frame;
+        site->point[0] =
+            (lmb_gather_point){.position = lmb_probe_local_site(list->tracer, frame, local->probe, &site->rays),
+                               .min_light_distance = LIGHT_DISTANCE_FOOTPRINTS * lmb_probe_local_footprint(frame)};
         return;
     }
     const int32_t probe = list->probe[element];
@@ -100,6 +137,17 @@ static void probes_fill(const lmb_probe_list *list, const lmb_gathered *gathered
     }
 }
 
+static void locals_fill(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_probes *probes)
+{
+    for (size_t i = list->local_first; i < list->count; ++i) {
+        const lmb_list_local *const at = &list->local[i - list->local_first];
+        lmb_probe_local *const local = &probes->local[at->set];
+        local->radiance[at->probe] = gathered[i].moments;
+        memcpy(local->key_visibility[at->probe], gathered[i].key_visibility, sizeof gathered[i].key_visibility);
+    }
+    lmb_probes_dilate_locals(probes);
+}
+
 lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered *gathered, lmb_pool *pool,
                                  lmb_probes *probes)
 {
@@ -116,6 +164,9 @@ lmb_result lmb_probe_list_finish(const lmb_probe_list *list, const lmb_gathered 
     if (result == LMB_OK && list->regions) {
         probes_fill(list, gathered, probes); /* dilation takes a probe at a coarser cell's wall for one of its own */
         result = lmb_regions_fit(list->regions, gathered + list->probe_count, list->set, pool, probes);
+    }
+    if (result == LMB_OK && list->set == 0) {
+        locals_fill(list, gathered, probes);
     }
     return result;
 }

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/probe_locals.h>
+
 #include "base/clock.h"
 #include "run/bake_phases_levels.h"
 #include "run/parts.h"
@@ -66,11 +68,11 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
 }
 
 /* What placement made of the settings: the spacing that it chose, seeds rounded to where floats are. */
-static void record_placed(lmb_bake *bake)
+static void record_placed(lmb_bake *bake, bool has_levels)
 {
     lmb_bake_record *record = &bake->record;
     const lmb_scene *scene = bake->level->scene;
-    if (record->settings.min_spacing == 0.0f) {
+    if (!has_levels) {
         record->settings.spacing = bake->probes->level[0].lattice.spacing;
     }
     for (uint32_t i = 0; i < record->settings.seed_count; ++i) {
@@ -99,13 +101,14 @@ lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
                                              .max_probes = record->settings.max_probes,
                                              .seeds = record->settings.seeds,
                                              .seed_count = record->settings.seed_count,
+                                             .for_levels = plan.coarser + plan.finer > 0,
                                              .warnings = *warnings,
                                              .progress = bake->progress};
     lmb_result result =
         lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, &bake->probes, &record->placement, error);
     if (result == LMB_OK) {
-        record_placed(bake);
-        result = plan.coarser + plan.finer == 0 ? lmb_bake_regions(bake, LMB_PHASE_PLACE, error) : LMB_OK;
+        record_placed(bake, settings.for_levels);
+        result = !settings.for_levels ? lmb_bake_regions(bake, LMB_PHASE_PLACE, error) : LMB_OK;
     }
     record->seconds[LMB_PHASE_PLACE] = lmb_clock_seconds() - start;
     if (result != LMB_OK) {
@@ -238,6 +241,15 @@ static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list, lmb_
     return result;
 }
 
+static void record_locals(lmb_bake *bake)
+{
+    bake->record.local_sets = bake->probes->local_count;
+    bake->record.local_probes = 0;
+    for (uint32_t i = 0; i < bake->probes->local_count; ++i) {
+        bake->record.local_probes += lmb_local_frame_count(&bake->probes->local[i].frame);
+    }
+}
+
 lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
 {
     if (!bake->probes) {
@@ -246,7 +258,12 @@ lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error)
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     lmb_probe_list list;
-    lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, bake->level->transport.tracer, &list);
+    lmb_result result = lmb_probe_locals_place(bake->level->tracer, bake->probes, &record->rays[LMB_PHASE_PLACE]);
+    if (result != LMB_OK) {
+        return phase_result(LMB_PHASE_PROBES, result, error);
+    }
+    record_locals(bake);
+    result = lmb_probe_list_create(bake->probes, bake->regions, bake->level->transport.tracer, &list);
     if (result == LMB_OK) {
         result = probes_gather(bake, &list, error);
         lmb_probe_list_free(&list);

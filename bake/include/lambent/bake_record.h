@@ -58,6 +58,8 @@ typedef struct lmb_bake_record {
     lmb_level_record level[LMB_BAKE_LEVELS_MOST]; /* the finest first */
     lmb_placement_stats placement;
     lmb_regions_stats regions;
+    uint32_t local_sets;       /* of objects, */
+    uint64_t local_probes;     /* and all of their probes */
     lmb_gather_stats gathered; /* of probes */
     lmb_gather_stats lightmap; /* of texels */
     int32_t images;

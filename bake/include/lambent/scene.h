@@ -104,6 +104,9 @@ typedef struct lmb_instance {
     bool mirrored;              /* negative determinant: winding is the other way round */
     bool dynamic;               /* extras {"lambent": {"static": false}}: neither baked nor an occluder */
     bool no_lightmap;           /* extras "lightmap": false: a surface like others, but without texels */
+    bool has_local_set;         /* extras "local_set": probes of its own about its bounds (probe_locals.h) */
+    bool lit_locally;           /* extras "lightmap": "local": no texels, and they light it */
+    uint32_t local_size[3];     /* of these probes along each of its axes; 0: as its shape wants */
     float texels_per_m;         /* of its lightmap; 0: the level's */
     float texel_scale;          /* factor on that; 0 counts as 1 */
     float position_step;        /* metres between its positions that floats tell apart, the file's or the scene's: the

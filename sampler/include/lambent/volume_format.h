@@ -2,6 +2,7 @@
  * what every field means and what must hold; everything is little-endian, and the structs have no padding of their own.
  *
  *     header | directory | heads of bricks | probes, with what is seen of key lights | cut cells' offsets | cut cells
+ *     | local sets (lambent/local_set_format.h)
  *
  * each part from the next multiple of 64 on. A brick is 4 x 4 x 4 cells of one level. The directory has a word for each
  * 4 x 4 x 4 cells of the finest level, which names the brick that is there. A brick's head says which of its cells are
@@ -94,7 +95,8 @@ typedef struct lmb_volume_header {
     uint32_t cut_count;   /* cut cells */
     uint64_t cut_bytes;   /* of all of them */
     uint32_t probe_form;  /* lmb_volume_form */
-    uint32_t reserved[13];
+    uint32_t reserved[11];
+    uint64_t local_bytes;                         /* of local sets; 0: there are none */
     lmb_key_light key_light[LMB_KEY_LIGHTS_MOST]; /* those beyond the count are 0 */
 } lmb_volume_header;
 
@@ -151,7 +153,7 @@ typedef struct lmb_volume_layout {
     int32_t block_first[3]; /* 4 x 4 x 4 cells of the finest level, which begin at multiples of 4: the box's first, */
     uint32_t blocks[3];     /* how many along each axis */
     uint64_t entries;       /* of the directory: x + blocks[0] (y + blocks[1] z) */
-    uint64_t directory, bricks, probes, cut_offsets, cuts, end;
+    uint64_t directory, bricks, probes, cut_offsets, cuts, locals, end;
 } lmb_volume_layout;
 
 /* The quotient of a division by a positive number, rounded down. */
@@ -185,9 +187,10 @@ static inline bool lmb_volume_layout_find(const lmb_volume_header *header, lmb_v
                              (uint64_t)header->brick_count * sizeof(lmb_volume_brick),
                              (uint64_t)header->stored_count * header->probe_bytes + LMB_PROBE_READ_BYTES,
                              (uint64_t)header->cut_count * sizeof(uint32_t),
-                             header->cut_bytes};
-    uint64_t *const place[] = {&layout->directory,   &layout->bricks, &layout->probes,
-                               &layout->cut_offsets, &layout->cuts,   &layout->end};
+                             header->cut_bytes,
+                             header->local_bytes};
+    uint64_t *const place[] = {&layout->directory, &layout->bricks, &layout->probes, &layout->cut_offsets,
+                               &layout->cuts,      &layout->locals, &layout->end};
     uint64_t at = 0;
     for (size_t i = 0; i < sizeof size / sizeof size[0]; ++i) {
         at = (at + size[i] + LMB_VOLUME_ALIGNMENT - 1) / LMB_VOLUME_ALIGNMENT * LMB_VOLUME_ALIGNMENT;

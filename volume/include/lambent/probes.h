@@ -11,7 +11,9 @@
  * light is interpolated in are leaves. A probe of a finer level on a coarser level's leaf, on its faces, edges and
  * corners too, *hangs* on it, unless a wall is between: it has that leaf's interpolation, and no light of its own. Cut
  * cells (lambent/cell.h) have eight probes for each region of theirs: those at their corners, or ghosts, which stand
- * for a corner as a region that does not hold it needs it. Ghosts follow the levels' probes in the arrays. */
+ * for a corner as a region that does not hold it needs it. Ghosts follow the levels' probes in the arrays.
+ *
+ * Beside all that, objects may have local sets (lambent/probe_local.h): few probes each, in arrays of their own. */
 #ifndef LAMBENT_PROBES_H
 #define LAMBENT_PROBES_H
 
@@ -91,7 +93,9 @@ typedef struct lmb_probes {
     lmb_probe_level *level; /* the finest first, each next one of twice the spacing */
     int32_t ghost_count;    /* the last ones of all */
     lmb_cut_cells cut;
-    lmb_vec3d origin; /* world position that lmb_probes_position counts from; no file holds it */
+    uint32_t local_count;
+    struct lmb_probe_local *local; /* local sets */
+    lmb_vec3d origin;              /* world position that lmb_probes_position counts from; no file holds it */
 } lmb_probes;
 
 #define LMB_PROBES_MIN_VALIDITY 0.5f
