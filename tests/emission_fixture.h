@@ -93,6 +93,7 @@ static inline void panel_material(panel *made, const panel_case *wanted)
                                     .emissive = wanted->emissive,
                                     .emissive_texture = wanted->emission_even ? none : texture,
                                     .normal_texture = none,
+                                    .metallic_roughness_texture = none,
                                     .transmission = wanted->transmission,
                                     .alpha_mode = wanted->alpha_mode,
                                     .alpha_cutoff = wanted->cutoff};

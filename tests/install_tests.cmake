@@ -17,6 +17,10 @@ endif()
 
 # Sanitizers add symbols of their own.
 if(NOT LMB_SANITIZE)
-    add_test(NAME symbols COMMAND ${CMAKE_COMMAND} -D NM=${CMAKE_NM} -D LIBRARY=$<TARGET_FILE:lambent_sampler>
-        -P ${CMAKE_CURRENT_SOURCE_DIR}/symbols.cmake)
+    foreach(library sampler volume bake)
+        if(TARGET lambent_${library})
+            add_test(NAME symbols_${library} COMMAND ${CMAKE_COMMAND} -D NM=${CMAKE_NM}
+                -D LIBRARY=$<TARGET_FILE:lambent_${library}> -P ${CMAKE_CURRENT_SOURCE_DIR}/symbols.cmake)
+        endif()
+    endforeach()
 endif()

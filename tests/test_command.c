@@ -35,7 +35,7 @@ static void exit_statuses(void)
         {"bake --help", 0, "--spacing"},
         {"bench --help", 0, "--rays"},
         {"bench", 2, "--rays LEVEL"},
-        {"bench " OUTPUT " --spacing 1", 2, "unexpected argument"},
+        {"bench " OUTPUT " --spacing 1", 2, "unknown option --spacing"},
         {"bench " OUTPUT "/missing", 3, "missing/probes.lmb"},
         {"bench --rays", 2, "--rays"},
         {"bench --rays " OUTPUT "/missing.glb", 3, "missing.glb"},

@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 
 #include "command_fixture.h"
-#include "cube_map.h"
+#include "environment_maps.h"
 #include "level_builder.h"
 #include "level_fixture.h"
 
@@ -146,6 +146,21 @@ static bool text_replace(const char *path, const char *from, const char *to)
     return good && found;
 }
 
+/* The sky is as bright as its harmonics say: a map over them is about 1 there, at any roughness. */
+static void maps_are_read_back(void)
+{
+    lmb_error error = {""};
+    environment_maps maps;
+    CHECK(environment_maps_read(OUTPUT "/nowhere", &maps, &error) == LMB_ERROR_IO, "%s", error.message);
+    const lmb_result result = environment_maps_read(OUTPUT "/maps", &maps, &error);
+    CHECK(result == LMB_OK && maps.count == 2 && maps.map[1].position.y == 1.0, "%s", error.message);
+    for (int i = 0; i < 4 && result == LMB_OK; ++i) {
+        const lmb_rgb up = cube_map_look(&maps.map[1].map, (lmb_vec3){0.1f, 0.99f, 0.1f}, 0.04f * (float)(1 << 2 * i));
+        CHECK(up.c[1] > 0.8f && up.c[1] < 1.25f, "level %d: %g", i, (double)up.c[1]);
+    }
+    environment_maps_free(&maps);
+}
+
 /* The command takes the marked nodes, and --at. */
 static void command_writes_maps(void)
 {
@@ -185,6 +200,13 @@ static void command_writes_maps(void)
     CHECK_RUN(0, NULL,
               LMB_COMMAND " cube " LEVEL " " OUTPUT "/bake -o " OUTPUT "/maps1 --at 0,1,0 --samples 2 "
                           "--threads 1 --quiet && cmp " OUTPUT "/maps/cube_map_0.exr " OUTPUT "/maps1/cube_map_0.exr");
+    maps_are_read_back();
+    CHECK_RUN(0, NULL,
+              LMB_COMMAND " render " LEVEL " " OUTPUT "/bake -o " OUTPUT "/a.png --size 32x18 --specular materials "
+                          "--maps " OUTPUT "/maps --quiet");
+    CHECK_RUN(3, "cube_map.json",
+              LMB_COMMAND " render " LEVEL " " OUTPUT "/bake -o " OUTPUT "/a.png --maps " OUTPUT
+                          "/bake --specular materials --quiet");
     CHECK_RUN(2, "missing option", LMB_COMMAND " cube " LEVEL " " OUTPUT "/bake");
     if (text_replace(LEVEL, "cube_map", "cube_mop")) {
         CHECK_RUN(3, NULL, LMB_COMMAND " cube " LEVEL " " OUTPUT "/bake -o " OUTPUT "/maps --quiet");

@@ -361,6 +361,9 @@ static void test_materials(void)
           wide[1], wide[2], wide[3]);
     CHECK(b->alpha_mode == LMB_ALPHA_BLEND && b->unlit && b->transmission == 0.75f && b->alpha_cutoff == 0.5f, "b");
     CHECK(c->base_color[2] == 0.7f && c->base_color_texture.image == t->image, "specular-glossiness");
+    CHECK(a->metallic == 1.0f && a->roughness == 1.0f && a->metallic_roughness_texture.image == -1,
+          "metal unless told otherwise, whose map nobody asked for");
+    CHECK(c->metallic == 0.0f && c->roughness == 0.0f, "all gloss is no roughness");
     CHECK(!lmb_scene_has_light(s), "emissive materials that nothing static wears give no light");
     lmb_scene_destroy(s);
 }

@@ -193,8 +193,43 @@ static void test_priorities(void)
     lmb_scene_destroy(scene);
 }
 
+/* The cube from -1 to 1 of a node that stands at (10, 0, 0), turned by 45 degrees about Y and twice as wide along its
+ * X. */
+static void test_touching(void)
+{
+    warning_log log;
+    lmb_scene *const scene =
+        load(HEAD "'nodes':[{'translation':[10,0,0],'rotation':[0,0.3826834323650898,0,0.9238795325112867],"
+                  "'scale':[2,1,1],'extras':{'lambent':{'volume':{}}}}]}",
+             &log);
+    if (!scene) {
+        return;
+    }
+    /* Its corners lie at 10 + (x, z) with x = (+-2 +- 1) / sqrt 2 and z likewise: from -2.12 to 2.12, on the diagonal
+     * from (-, +) to (+, -). */
+    static const struct {
+        double low[3], high[3];
+        bool touches, held;
+    } cases[] = {
+        {{9.9, -0.1, -0.1}, {10.1, 0.1, 0.1}, true, true},
+        {{9.0, -1.0, -0.1}, {11.0, 1.0, 0.1}, true, true},   /* 1.1 / sqrt 2 across at most; faces may be shared */
+        {{5.0, -5.0, -5.0}, {15.0, 5.0, 5.0}, true, false},  /* all around it */
+        {{11.0, -0.1, 1.0}, {12.0, 0.1, 2.0}, false, false}, /* its bounds, but not it: beside a slanted face */
+        {{10.6, -0.1, 0.6}, {12.0, 0.1, 2.0}, true, false},  /* a corner pokes in: 1.2 / sqrt 2 < 1 */
+        {{10.0, 1.0, -0.1}, {10.5, 2.0, 0.1}, false, false}, /* on its lid */
+        {{10.0, 0.99, -0.1}, {10.5, 2.0, 0.1}, true, false},
+        {{12.2, -1.0, -3.0}, {13.0, 1.0, 3.0}, false, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const lmb_probe_box *const box = &scene->probe_boxes[0];
+        CHECK(lmb_probe_box_touches(box, cases[i].low, cases[i].high) == cases[i].touches, "case %zu", i);
+        CHECK(lmb_probe_box_holds(box, cases[i].low, cases[i].high) == cases[i].held, "case %zu", i);
+    }
+    lmb_scene_destroy(scene);
+}
+
 static const test_case cases[] = {
     {"places", test_places},     {"far from the origin", test_far}, {"values", test_values},
-    {"no boxes", test_no_boxes}, {"priorities", test_priorities},
+    {"no boxes", test_no_boxes}, {"priorities", test_priorities},   {"touching", test_touching},
 };
 TEST_MAIN(cases)

@@ -276,6 +276,26 @@ static void half_vectors_keep_what_the_lobe_keeps(void)
     CHECK_NEAR(dielectric_reflectance(0.04, 0.0), 1.0, 1e-9, "grazing");
 }
 
+/* What a direction is worth is what the half vector that leads there brings, over its density. */
+static void half_vectors_respond_as_they_are_picked(void)
+{
+    const lmb_vec3 normal = {0, 0, 1};
+    for (uint32_t k = 0; k < 64; ++k) {
+        const float cosine = 0.1f + 0.2f * (float)(k % 5), roughness = 0.1f + 0.2f * (float)(k / 16);
+        const lmb_vec3 view = {sqrtf(1.0f - cosine * cosine), 0, cosine};
+        float u[2];
+        half_vector_sample picked;
+        half_vector_response response;
+        lmb_sequence_2d(5, k, 0, u);
+        if (half_vector_pick(roughness, normal, view, u, &picked)) {
+            CHECK(half_vector_respond(roughness, normal, view, picked.towards, &response), "m %g", (double)roughness);
+            CHECK_NEAR(response.reflects / response.density / picked.arrives, 1.0, 1e-3, "m %g, N.V %g",
+                       (double)roughness, (double)cosine);
+            CHECK_NEAR(response.along, picked.along, 1e-5, "the cosine");
+        }
+    }
+}
+
 /* An object that also reflects shows that much more, by probes as by rays. */
 static void objects_reflect(void)
 {
@@ -312,6 +332,13 @@ static void objects_reflect(void)
     }
     const lmb_rgb wall = shade_ray(&shader, SOURCE_PROBES, (lmb_vec3){0, 1.5f, 1}, (lmb_vec3){0, 0, -1});
     CHECK_NEAR(wall.c[1], 2.0, 0.01, "surfaces do not");
+    lmb_shader all = shader;
+    all.by_materials = true;
+    const lmb_vec3 eye = {0, 1.5f, 1}, ahead = {0, 0, -1};
+    const double stored = (double)shade_ray(&all, SOURCE_PROBES, eye, ahead).c[1];
+    const double traced = (double)shade_ray(&all, SOURCE_REFERENCE, eye, ahead).c[1];
+    CHECK(stored > 2.02 && stored < 2.2, "by their materials they do: %g", stored);
+    CHECK_NEAR(stored / traced, 1.0, 0.03, "by probes as by rays");
     if (opened == LMB_OK) {
         render_object_close(&sphere);
     }
@@ -461,6 +488,7 @@ static const test_case cases[] = {
     {"axes_appear_where_they_should", axes_appear_where_they_should},
     {"furnace_looks_the_same_everywhere", furnace_looks_the_same_everywhere},
     {"half vectors keep what the lobe keeps", half_vectors_keep_what_the_lobe_keeps},
+    {"half vectors respond as they are picked", half_vectors_respond_as_they_are_picked},
     {"objects reflect", objects_reflect},
     {"density shows texels", density_shows_texels},
     {"mismatch is relative", mismatch_is_relative},

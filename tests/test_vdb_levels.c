@@ -95,12 +95,15 @@ static void test_round_trip(void)
     }
     lmb_probes_destroy(read);
     /* Saved by another tool, it is the same. */
-    CHECK(vdb_editor_save(PATH), "save");
-    read = read_probes();
-    if (read) {
-        check_equal(read, probes, 1000.0);
+    static const vdb_editor_compression saved[] = {VDB_EDITOR_BLOSC, VDB_EDITOR_ZIP, VDB_EDITOR_MASKS, VDB_EDITOR_NONE};
+    for (size_t i = 0; i < sizeof saved / sizeof saved[0]; ++i) {
+        CHECK(vdb_editor_save(PATH, saved[i]), "save");
+        read = read_probes();
+        if (read) {
+            check_equal(read, probes, 1000.0);
+        }
+        lmb_probes_destroy(read);
     }
-    lmb_probes_destroy(read);
     lmb_probes_destroy(probes);
 }
 

@@ -11,7 +11,8 @@ namespace {
 using openvdb::GridBase;
 
 // Reads all grids, lets `edit` see each, and writes those that it returns true for.
-bool edit_grids(const char *path, const std::function<bool(GridBase &)> &edit)
+bool edit_grids(const char *path, const std::function<bool(GridBase &)> &edit,
+                vdb_editor_compression compression = VDB_EDITOR_BLOSC)
 {
     try {
         openvdb::initialize();
@@ -26,7 +27,13 @@ bool edit_grids(const char *path, const std::function<bool(GridBase &)> &edit)
                 kept.push_back(grid);
             }
         }
-        openvdb::io::File(path).write(kept, *metadata);
+        openvdb::io::File file(path);
+        if (compression != VDB_EDITOR_BLOSC) {
+            file.setCompression(compression == VDB_EDITOR_ZIP     ? openvdb::io::COMPRESS_ZIP
+                                : compression == VDB_EDITOR_MASKS ? openvdb::io::COMPRESS_ACTIVE_MASK
+                                                                  : openvdb::io::COMPRESS_NONE);
+        }
+        file.write(kept, *metadata);
         return true;
     } catch (const std::exception &) {
         return false;
@@ -67,9 +74,10 @@ bool is_of_set(const std::string &name, const std::string &suffix)
 
 } // namespace
 
-bool vdb_editor_save(const char *path)
+bool vdb_editor_save(const char *path, vdb_editor_compression compression)
 {
-    return edit_grids(path, [](GridBase &) { return true; });
+    return edit_grids(
+        path, [](GridBase &) { return true; }, compression);
 }
 
 bool vdb_editor_remove(const char *path, const char *suffix, const int32_t voxel[3])

@@ -20,8 +20,15 @@ bool vdb_editor_drop_set(const char *path, const char *suffix);
 /* Multiplies the values of all active voxels of a grid of vectors. */
 bool vdb_editor_multiply(const char *path, const char *grid, float factor);
 
+typedef enum vdb_editor_compression {
+    VDB_EDITOR_BLOSC, /* and without inactive voxels, as OpenVDB does unless told otherwise */
+    VDB_EDITOR_ZIP,
+    VDB_EDITOR_MASKS, /* only without inactive voxels */
+    VDB_EDITOR_NONE,
+} vdb_editor_compression;
+
 /* Saves it again, as it is. */
-bool vdb_editor_save(const char *path);
+bool vdb_editor_save(const char *path, vdb_editor_compression compression);
 
 bool vdb_editor_drop_grid(const char *path, const char *grid);
 bool vdb_editor_drop_metadata(const char *path, const char *grid, const char *name);

@@ -154,6 +154,48 @@ lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option)
     return (lmb_vec3){(float)position.x, (float)position.y, (float)position.z};
 }
 
+/* Of the paths that are still to come, the first; none of a command with all of them. */
+static const char **next_path(lmb_shared_arguments *shared)
+{
+    for (int i = 0; i < ARGUMENTS_PATHS && shared->path_name[i]; ++i) {
+        if (!shared->path[i]) {
+            return &shared->path[i];
+        }
+    }
+    return NULL;
+}
+
+void arguments_shared(lmb_arguments *arguments, const char *argument, lmb_shared_arguments *shared)
+{
+    const char **const path = next_path(shared);
+    if (shared->output_name && strcmp(argument, "-o") == 0) {
+        shared->output = arguments_text(arguments, argument);
+    } else if ((shared->takes & ARGUMENTS_THREADS) && strcmp(argument, "--threads") == 0) {
+        shared->threads = (int)arguments_integer(arguments, argument, 1, 1024);
+    } else if ((shared->takes & ARGUMENTS_QUIET) && strcmp(argument, "--quiet") == 0) {
+        shared->quiet = true;
+    } else if (argument[0] == '-' && argument[1] != '\0') {
+        arguments_error(arguments, "unknown option", argument);
+    } else if (path) {
+        *path = argument;
+    } else {
+        arguments_error(arguments, "one argument too many:", argument);
+    }
+}
+
+bool arguments_complete(lmb_arguments *arguments, const lmb_shared_arguments *shared)
+{
+    for (int i = 0; i < ARGUMENTS_PATHS && !arguments->failed && !arguments->help; ++i) {
+        if (shared->path_name[i] && !shared->path[i]) {
+            arguments_error(arguments, "missing argument", shared->path_name[i]);
+        }
+    }
+    if (!arguments->failed && !arguments->help && shared->output_name && !shared->output) {
+        arguments_error(arguments, "missing option -o", shared->output_name);
+    }
+    return !arguments->failed && !arguments->help;
+}
+
 int exit_of_result(lmb_result result)
 {
     switch (result) {

@@ -20,6 +20,15 @@ static void probes_print(const lmb_bake_record *record)
     printf("%g m", (double)record->level[record->level_count > 0 ? record->level_count - 1 : 0].spacing);
 }
 
+static void levels_print(const lmb_bake_record *record)
+{
+    printf("levels  ");
+    for (uint32_t i = 0; i < record->level_count; ++i) {
+        printf("%s%d at %g m", i > 0 ? ", " : "", record->level[i].probes, (double)record->level[i].spacing);
+    }
+    printf("\n");
+}
+
 static void plan_print(const lmb_bake_record *record)
 {
     const lmb_bake_settings *settings = &record->settings;
@@ -31,6 +40,9 @@ static void plan_print(const lmb_bake_record *record)
             printf(", %d on coarser cells", record->placement.probes_hanging);
         }
         printf(")\n");
+        if (record->level_count > 1) {
+            levels_print(record);
+        }
     }
     if (settings->lightmaps) {
         printf("texels  %llu at %g a metre, in %d images, of which they are %.1f %%\n",
@@ -51,6 +63,13 @@ static cJSON *plan_json(const lmb_bake_record *record)
     cJSON_AddNumberToObject(json, "probes", record->probes);
     cJSON_AddNumberToObject(json, "probes_valid", record->placement.probes_valid);
     cJSON_AddNumberToObject(json, "spacing", (double)record->settings.spacing);
+    cJSON *levels = cJSON_AddArrayToObject(json, "levels");
+    for (uint32_t i = 0; i < record->level_count; ++i) {
+        cJSON *level = cJSON_CreateObject();
+        cJSON_AddNumberToObject(level, "spacing", (double)record->level[i].spacing);
+        cJSON_AddNumberToObject(level, "probes", record->level[i].probes);
+        cJSON_AddItemToArray(levels, level);
+    }
     cJSON_AddNumberToObject(json, "texels", (double)record->texels_covered);
     cJSON_AddNumberToObject(json, "images", record->images);
     cJSON_AddNumberToObject(json, "texels_used", record->texels_used);

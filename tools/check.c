@@ -10,6 +10,7 @@
 #include <lambent/surface.h>
 
 #include "check_points.h"
+#include "check_reference.h"
 #include "key_lights_seen.h"
 #include "replicates.h"
 
@@ -18,10 +19,7 @@ static const double missing = (double)NAN;
 /* Of a figure, its standard error at most, if the points suffice. */
 #define KNOWN_SHARE 0.1
 
-/* Of the light at a point, the reference's own noise there at most, if MORE_SAMPLES times the samples suffice. */
-#define REFERENCE_NOISE 0.02
-
-enum { NORMALS = 8, AMBIENT_RAYS = 256, COINCIDENT_SAMPLES_FACTOR = 16, MORE_SAMPLES = 16 };
+enum { NORMALS = CHECK_NORMALS, AMBIENT_RAYS = 256, COINCIDENT_SAMPLES_FACTOR = 16 };
 
 /* How many points, of how many samples, tell the level's mean light well enough to say what is dark. */
 enum { MEAN_POINTS = 64, MEAN_SAMPLES = 64 };
@@ -81,11 +79,6 @@ check_settings check_settings_default(void)
 {
     return (check_settings){.points = 1000, .max_points = 8000, .samples = 256, .seed = 0};
 }
-
-/* Irradiance on the normals of one point. */
-typedef struct irradiance_set {
-    lmb_rgb at[NORMALS];
-} irradiance_set;
 
 /* How well a coincident probe's SH3 is known. */
 typedef struct coincident_noise {
@@ -157,53 +150,12 @@ static void evaluate_unoccluded(const probe_light *light, const lmb_vec3 *normal
     }
 }
 
-/* Adds `count` samples after the first `done` to the means of both halves. */
-static void reference_add(const check_work *work, const lmb_gather_point *point, const lmb_vec3 *normals, uint32_t done,
-                          uint32_t count, irradiance_set half[2])
-{
-    const float share = (float)count / (float)(done + count);
-    uint64_t unused = 0;
-    for (uint32_t i = 0; i < 2; ++i) {
-        const lmb_gather_samples samples = {
-            .points = point, .point_count = 1, .replicate = REPLICATES_CHECK + i, .first = done, .count = count};
-        irradiance_set more;
-        lmb_gather_irradiance(&work->transport, &samples, normals, NORMALS, more.at, &unused);
-        for (int k = 0; k < NORMALS; ++k) {
-            for (int c = 0; c < 3; ++c) {
-                const float mean = done > 0 ? half[i].at[k].c[c] : 0.0f;
-                half[i].at[k].c[c] = mean + share * (more.at[k].c[c] - mean);
-            }
-        }
-    }
-}
-
-/* Whether the halves differ by less than their mean may err. */
-static bool reference_is_known(const check_work *work, const irradiance_set half[2])
-{
-    double noise = 0.0, light = 0.0;
-    for (int k = 0; k < NORMALS; ++k) {
-        for (int c = 0; c < 3; ++c) {
-            const double a = (double)half[0].at[k].c[c], b = (double)half[1].at[k].c[c];
-            noise += 0.25 * (a - b) * (a - b);
-            light += 0.25 * (a + b) * (a + b);
-        }
-    }
-    const double count = 3.0 * NORMALS;
-    const double own = fmax(sqrt(light / count), CHECK_DARK_SHARE * work->mean_light);
-    return sqrt(noise / count) <= REFERENCE_NOISE * own;
-}
-
-/* The reference at a point, as two independent halves. */
 static void gather_reference(const check_work *work, const lmb_gather_point *point, const lmb_vec3 *normals,
                              irradiance_set half[2])
 {
-    const uint64_t most = (uint64_t)MORE_SAMPLES * work->settings.samples;
-    uint32_t done = 0, count = work->settings.samples;
-    do {
-        reference_add(work, point, normals, done, count, half);
-        done += count;
-        count = done;
-    } while (done + (uint64_t)count <= most && !reference_is_known(work, half));
+    const check_reference reference = {
+        .transport = &work->transport, .samples = work->settings.samples, .mean_light = work->mean_light};
+    check_reference_gather(&reference, point, normals, half);
 }
 
 /* One surface point, with what is known there. */

@@ -55,6 +55,26 @@ int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t 
 lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option);    /* X,Y,Z: a direction */
 lmb_vec3d arguments_position(lmb_arguments *arguments, const char *option); /* X,Y,Z: a position in the world */
 
+/* What commands share, besides their own options: paths in their order, -o, --threads and --quiet. */
+enum { ARGUMENTS_PATHS = 2 };
+enum { ARGUMENTS_THREADS = 1, ARGUMENTS_QUIET = 2 };
+typedef struct lmb_shared_arguments {
+    const char *path_name[ARGUMENTS_PATHS]; /* of those that must be given; NULL: no more */
+    const char *output_name;                /* what must follow -o; NULL: there is no -o */
+    unsigned takes;                         /* ARGUMENTS_THREADS, ARGUMENTS_QUIET */
+    const char *path[ARGUMENTS_PATHS];
+    const char *output;
+    int threads; /* 0: all processors */
+    bool quiet;
+} lmb_shared_arguments;
+
+/* Takes an argument that is none of the command's own options; a usage error where it is none of these either. */
+void arguments_shared(lmb_arguments *arguments, const char *argument, lmb_shared_arguments *shared);
+
+/* Whether the command has something to do, with all that must be given: else a usage error, or there was one, or
+ * --help. */
+bool arguments_complete(lmb_arguments *arguments, const lmb_shared_arguments *shared);
+
 /* What a command says of itself: progress as a bar with time left on a terminal, or, when `json`, as records on
  * standard output, a JSON object a line. */
 struct cJSON;

@@ -242,7 +242,7 @@ static void volume_print(const lmb_bench_volume *bench, const char *machine)
 static int bench_folder(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "bench", usage);
-    const char *folder = NULL;
+    lmb_shared_arguments shared = {.path_name = {"DIR, or --rays LEVEL"}};
     size_t samples = 1 << 18;
     int repeats = 7;
     bool json = false;
@@ -253,21 +253,16 @@ static int bench_folder(int count, char **values)
             repeats = (int)arguments_integer(&arguments, argument, 1, BENCH_MAX_REPEATS);
         } else if (strcmp(argument, "--json") == 0) {
             json = true;
-        } else if (argument[0] != '-' && !folder) {
-            folder = argument;
         } else {
-            arguments_error(&arguments, "unexpected argument", argument);
+            arguments_shared(&arguments, argument, &shared);
         }
     }
-    if (!arguments.failed && !arguments.help && !folder) {
-        arguments_error(&arguments, "missing argument", "DIR, or --rays LEVEL");
-    }
-    if (arguments.failed || arguments.help) {
+    if (!arguments_complete(&arguments, &shared)) {
         return arguments_status(&arguments);
     }
     lmb_error error = {{0}};
     lmb_bench_volume bench;
-    const lmb_result result = bench_volume_measure(folder, samples, repeats, &bench, &error);
+    const lmb_result result = bench_volume_measure(shared.path[0], samples, repeats, &bench, &error);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }

@@ -49,17 +49,14 @@ static const char usage[] =
     "apart.\n";
 
 typedef struct check_options {
-    const char *level;
-    const char *directory;
+    lmb_shared_arguments shared; /* LEVEL and DIR */
     check_settings settings;
     check_limits limits;
     const lmb_model *model; /* NULL: the bake's own */
-    int threads;
     bool json;
-    bool quiet;
 } check_options;
 
-static void options_read(lmb_arguments *arguments, check_options *options)
+static bool options_read(lmb_arguments *arguments, check_options *options)
 {
     for (const char *next; (next = arguments_next(arguments));) {
         if (strcmp(next, "--points") == 0) {
@@ -71,27 +68,15 @@ static void options_read(lmb_arguments *arguments, check_options *options)
             options->settings.seed = (uint64_t)arguments_integer(arguments, next, 0, INT64_MAX);
         } else if (strcmp(next, "--model") == 0) {
             options->model = lightmap_model_argument(arguments, next);
-        } else if (strcmp(next, "--threads") == 0) {
-            options->threads = (int)arguments_integer(arguments, next, 1, 1024);
         } else if (strcmp(next, "--fail-above") == 0) {
             check_limits_read(&options->limits, arguments, next);
         } else if (strcmp(next, "--json") == 0) {
             options->json = true;
-        } else if (strcmp(next, "--quiet") == 0) {
-            options->quiet = true;
-        } else if (strncmp(next, "--", 2) == 0) {
-            arguments_error(arguments, "unknown option", next);
-        } else if (!options->level) {
-            options->level = next;
-        } else if (!options->directory) {
-            options->directory = next;
         } else {
-            arguments_error(arguments, "one argument too many:", next);
+            arguments_shared(arguments, next, &options->shared);
         }
     }
-    if (!arguments->failed && !arguments->help && !options->directory) {
-        arguments_error(arguments, "missing argument", options->level ? "DIR" : "LEVEL");
-    }
+    return arguments_complete(arguments, &options->shared);
 }
 
 /* Adds a number, or null for NaN. */
@@ -246,21 +231,24 @@ static void report_print_table(const check_options *options, const check_report 
 
 int command_check(int count, char **values)
 {
-    check_options options = {.settings = check_settings_default()};
+    check_options options = {
+        .settings = check_settings_default(),
+        .shared = {.path_name = {"LEVEL", "DIR"}, .takes = ARGUMENTS_THREADS | ARGUMENTS_QUIET},
+    };
     lmb_arguments arguments = arguments_begin(count, values, "check", usage);
-    options_read(&arguments, &options);
-    if (arguments.failed || arguments.help) {
+    if (!options_read(&arguments, &options)) {
         return arguments_status(&arguments);
     }
     lmb_error error = {""};
     lmb_baked baked;
-    lmb_result result = lmb_baked_open(options.level, options.directory, options.threads, NULL, &baked, &error);
+    lmb_result result =
+        lmb_baked_open(options.shared.path[0], options.shared.path[1], options.shared.threads, NULL, &baked, &error);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    result = lmb_baked_need_probes(&baked, options.directory, &error);
+    result = lmb_baked_need_probes(&baked, options.shared.path[1], &error);
     if (result == LMB_OK && options.model) {
-        result = lmb_baked_read_model(&baked, options.directory, options.model, &error);
+        result = lmb_baked_read_model(&baked, options.shared.path[1], options.model, &error);
     }
     if (result == LMB_OK) {
         result = check_limits_apply(&options.limits, baked.lightmap != NULL, &error);
@@ -270,7 +258,7 @@ int command_check(int count, char **values)
         return command_fail(result, &error);
     }
     lmb_console console;
-    const lmb_progress progress = console_progress(&console, options.quiet, false);
+    const lmb_progress progress = console_progress(&console, options.shared.quiet, false);
     result = lmb_level_solve(&baked.level, baked.settings.estimator, &progress, &error);
     if (result != LMB_OK) {
         console_finish(&console);

@@ -11,7 +11,7 @@
 #include <lambent/file.h>
 
 #include "command.h"
-#include "cube_map.h"
+#include "environment_maps.h"
 #include "query.h"
 
 static const char usage[] =
@@ -31,77 +31,41 @@ static const char usage[] =
 enum { MOST_PLACES = 64 };
 
 typedef struct cube_options {
-    const char *level;
-    const char *directory;
-    const char *folder;
+    lmb_shared_arguments shared; /* LEVEL, DIR, and the folder that is written */
     lmb_vec3d at[MOST_PLACES];
     int at_count;
     uint32_t samples;
-    int threads;
-    bool quiet;
 } cube_options;
 
-static void options_read(lmb_arguments *arguments, cube_options *options)
+static bool options_read(lmb_arguments *arguments, cube_options *options)
 {
     for (const char *next; (next = arguments_next(arguments));) {
-        if (strcmp(next, "-o") == 0) {
-            options->folder = arguments_text(arguments, next);
-        } else if (strcmp(next, "--at") == 0) {
-            if (options->at_count == MOST_PLACES) {
-                arguments_error(arguments, "too many", next);
-                return;
-            }
+        if (strcmp(next, "--at") == 0 && options->at_count < MOST_PLACES) {
             options->at[options->at_count++] = arguments_position(arguments, next);
+        } else if (strcmp(next, "--at") == 0) {
+            arguments_error(arguments, "too many", next);
         } else if (strcmp(next, "--samples") == 0) {
             options->samples = (uint32_t)arguments_integer(arguments, next, 1, 1000000);
-        } else if (strcmp(next, "--threads") == 0) {
-            options->threads = (int)arguments_integer(arguments, next, 1, 1024);
-        } else if (strcmp(next, "--quiet") == 0) {
-            options->quiet = true;
-        } else if (next[0] == '-' && next[1] != '\0') {
-            arguments_error(arguments, "unknown option", next);
-        } else if (!options->level) {
-            options->level = next;
-        } else if (!options->directory) {
-            options->directory = next;
         } else {
-            arguments_error(arguments, "one argument too many:", next);
+            arguments_shared(arguments, next, &options->shared);
         }
     }
-    if (!arguments->failed && !arguments->help && !options->directory) {
-        arguments_error(arguments, "missing argument", options->level ? "DIR" : "LEVEL");
-    } else if (!arguments->failed && !arguments->help && !options->folder) {
-        arguments_error(arguments, "missing option", "-o FOLDER");
-    }
-}
-
-/* Levels lie below each other, six faces beside each other. */
-static int picture_height(void)
-{
-    int height = 0;
-    for (int level = 0; level < CUBE_LEVELS; ++level) {
-        height += cube_side(level);
-    }
-    return height;
+    return arguments_complete(arguments, &options->shared);
 }
 
 static void planes_fill(const cube_map *map, float *plane[3])
 {
-    const int width = CUBE_FACES * CUBE_SIDE;
-    int top = 0;
     for (int level = 0; level < CUBE_LEVELS; ++level) {
         const int side = cube_side(level);
         for (int i = 0; i < CUBE_FACES * side * side * 3; ++i) {
-            const int x = i / 3 % side, row = i / 3 / side % side, face = i / 3 / side / side;
-            plane[i % 3][(top + row) * width + face * side + x] = map->rgb[level][i];
+            plane[i % 3][cube_picture_pixel(level, i)] = map->rgb[level][i];
         }
-        top += side;
     }
 }
 
 static lmb_result picture_write(const char *path, const cube_map *map, lmb_error *error)
 {
-    const size_t pixels = (size_t)(CUBE_FACES * CUBE_SIDE) * (size_t)picture_height();
+    const size_t pixels = (size_t)CUBE_PICTURE_WIDTH * (size_t)cube_picture_height();
     float *const values = calloc(3 * pixels, sizeof *values);
     if (!values) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
@@ -109,7 +73,7 @@ static lmb_result picture_write(const char *path, const cube_map *map, lmb_error
     float *plane[3] = {values, values + pixels, values + 2 * pixels};
     planes_fill(map, plane);
     const lmb_exr_channel channels[3] = {{"R", plane[0]}, {"G", plane[1]}, {"B", plane[2]}};
-    const lmb_exr_picture picture = {CUBE_FACES * CUBE_SIDE, picture_height(), channels, 3, NULL, 0};
+    const lmb_exr_picture picture = {CUBE_PICTURE_WIDTH, cube_picture_height(), channels, 3, NULL, 0};
     const lmb_result result = lmb_exr_write(path, &picture, NULL, error);
     free(values);
     return result;
@@ -132,11 +96,11 @@ static lmb_result place_make(const cube_run *run, int index, const char *name, l
     cube_map map;
     cube_place place = {.position = lmb_scene_from_world(level->scene, position)};
     snprintf(image, sizeof image, "cube_map_%d.exr", index);
-    snprintf(path, sizeof path, "%s/%s", options->folder, image);
+    snprintf(path, sizeof path, "%s/%s", options->shared.output, image);
     if (!lmb_volume_sample_at(run->baked->volume, position, &place.radiance)) {
         char line[LMB_ERROR_MESSAGE_SIZE];
         snprintf(line, sizeof line, "%s is outside of the baked volume: divided by the nearest probes", name);
-        console_warning(line, options->quiet);
+        console_warning(line, options->shared.quiet);
     }
     lmb_result result = cube_map_make(&level->transport, &place, options->samples, level->pool, run->progress, &map);
     if (result != LMB_OK) {
@@ -185,7 +149,7 @@ static lmb_result maps_make(const cube_options *options, lmb_baked *baked, lmb_e
                              scene->path);
     }
     lmb_console console;
-    const lmb_progress progress = console_progress(&console, options->quiet, false);
+    const lmb_progress progress = console_progress(&console, options->shared.quiet, false);
     const cube_run run = {options, baked, &progress, cJSON_CreateArray()};
     lmb_result result = lmb_level_solve(&baked->level, baked->settings.estimator, &progress, error);
     for (int i = 0; i < count && result == LMB_OK; ++i) {
@@ -198,30 +162,33 @@ static lmb_result maps_make(const cube_options *options, lmb_baked *baked, lmb_e
         cJSON_Delete(run.maps);
         return result;
     }
-    return list_write(options->folder, run.maps, error);
+    return list_write(options->shared.output, run.maps, error);
 }
 
 int command_cube(int count, char **values)
 {
-    cube_options options = {.samples = 16};
+    cube_options options = {.samples = 16,
+                            .shared = {.path_name = {"LEVEL", "DIR"},
+                                       .output_name = "FOLDER",
+                                       .takes = ARGUMENTS_THREADS | ARGUMENTS_QUIET}};
     lmb_arguments arguments = arguments_begin(count, values, "cube", usage);
-    options_read(&arguments, &options);
-    if (arguments.failed || arguments.help) {
+    if (!options_read(&arguments, &options)) {
         return arguments_status(&arguments);
     }
     lmb_error error = {""};
     lmb_baked baked;
     lmb_result result = LMB_OK;
-    if (mkdir(options.folder, 0777) != 0 && errno != EEXIST) {
-        result = lmb_error_set(&error, LMB_ERROR_WRITE, "%s: %s", options.folder, strerror(errno));
+    if (mkdir(options.shared.output, 0777) != 0 && errno != EEXIST) {
+        result = lmb_error_set(&error, LMB_ERROR_WRITE, "%s: %s", options.shared.output, strerror(errno));
     }
     if (result == LMB_OK) {
-        result = lmb_baked_open(options.level, options.directory, options.threads, NULL, &baked, &error);
+        result = lmb_baked_open(options.shared.path[0], options.shared.path[1], options.shared.threads, NULL, &baked,
+                                &error);
     }
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    result = lmb_baked_need_probes(&baked, options.directory, &error);
+    result = lmb_baked_need_probes(&baked, options.shared.path[1], &error);
     if (result == LMB_OK) {
         result = maps_make(&options, &baked, &error);
     }

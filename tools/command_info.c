@@ -30,7 +30,7 @@ static const char usage[] =
     "  --at M                where on that axis, metres (default: half way)\n";
 
 typedef struct info_options {
-    const char *path;
+    lmb_shared_arguments shared; /* of one path */
     bool json;
     const char *slices;
     lmb_slice slice;
@@ -176,15 +176,16 @@ static lmb_result vdb_info(const info_options *options, cJSON **json, lmb_error 
     lmb_probes *probes;
     char *settings;
     char *scene_hash;
-    lmb_result result = lmb_vdb_read(options->path, &probes, &settings, &scene_hash, error);
+    lmb_result result = lmb_vdb_read(options->shared.path[0], &probes, &settings, &scene_hash, error);
     if (result != LMB_OK) {
         return result;
     }
     lmb_slice_pictures pictures = {0};
     if (options->slices) {
         result = slice_draw(probes, &options->slice, &pictures);
-        result = result == LMB_OK ? slice_write(&pictures, options->slices, error)
-                                  : lmb_error_set(error, result, "%s: out of memory for pictures", options->path);
+        result = result == LMB_OK
+                     ? slice_write(&pictures, options->slices, error)
+                     : lmb_error_set(error, result, "%s: out of memory for pictures", options->shared.path[0]);
     }
     if (result == LMB_OK) {
         *json = vdb_describe(probes, settings, scene_hash);
@@ -303,7 +304,7 @@ static lmb_result texture_info(const char *path, cJSON **json, lmb_error *error)
  * judge. */
 static lmb_result file_info(const info_options *options, cJSON **json, lmb_error *error)
 {
-    const char *const path = options->path;
+    const char *const path = options->shared.path[0];
     unsigned char magic[4] = {0};
     FILE *file = fopen(path, "rb");
     if (!file) {
@@ -348,15 +349,11 @@ static void options_read(lmb_arguments *arguments, info_options *options)
         } else if (strcmp(argument, "--at") == 0) {
             options->slice.at = arguments_number(arguments, of_slices = argument, -1e9, 1e9);
             options->slice.has_at = true;
-        } else if (argument[0] != '-' && !options->path) {
-            options->path = argument;
         } else {
-            arguments_error(arguments, "unexpected argument", argument);
+            arguments_shared(arguments, argument, &options->shared);
         }
     }
-    if (!arguments->failed && !arguments->help && !options->path) {
-        arguments_error(arguments, "missing argument", "FILE");
-    } else if (!arguments->failed && !arguments->help && of_slices && !options->slices) {
+    if (arguments_complete(arguments, &options->shared) && of_slices && !options->slices) {
         arguments_error(arguments, "--slices DIR has to go with", of_slices);
     }
 }
@@ -377,7 +374,7 @@ static void text_print(const cJSON *object)
 int command_info(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "info", usage);
-    info_options options = {.slice = {.axis = 1}};
+    info_options options = {.shared = {.path_name = {"FILE"}}, .slice = {.axis = 1}};
     options_read(&arguments, &options);
     if (arguments.failed || arguments.help) {
         return arguments_status(&arguments);

@@ -60,10 +60,9 @@ typedef struct models_options {
     models_settings settings;
     const char **path; /* room for as many as there are arguments */
     size_t path_count;
-    const char *html; /* NULL: none */
-    int threads;
+    const char *html;            /* NULL: none */
+    lmb_shared_arguments shared; /* without paths */
     bool json;
-    bool quiet;
 } models_options;
 
 static void options_read(lmb_arguments *arguments, models_options *options)
@@ -73,16 +72,12 @@ static void options_read(lmb_arguments *arguments, models_options *options)
             options->settings.turns = (uint32_t)arguments_integer(arguments, next, 1, MOST_TURNS);
         } else if (strcmp(next, "--seed") == 0) {
             options->settings.seed = (uint64_t)arguments_integer(arguments, next, 0, INT64_MAX);
-        } else if (strcmp(next, "--threads") == 0) {
-            options->threads = (int)arguments_integer(arguments, next, 1, 1024);
         } else if (strcmp(next, "--html") == 0) {
             options->html = arguments_text(arguments, next);
         } else if (strcmp(next, "--json") == 0) {
             options->json = true;
-        } else if (strcmp(next, "--quiet") == 0) {
-            options->quiet = true;
-        } else if (strncmp(next, "--", 2) == 0) {
-            arguments_error(arguments, "unknown option", next);
+        } else if (next[0] == '-' && next[1] != '\0') {
+            arguments_shared(arguments, next, &options->shared);
         } else {
             options->path[options->path_count++] = next;
         }
@@ -248,7 +243,7 @@ static lmb_result all_measure(const models_options *options, const lmb_progress 
     lmb_pool *pool = NULL;
     lmb_result result = maps_read(options, &all->map, error);
     if (result == LMB_OK) {
-        result = lmb_pool_create(options->threads, &pool);
+        result = lmb_pool_create(options->shared.threads, &pool);
     }
     if (result == LMB_OK) {
         result = models_measure(&options->settings, all->map, options->path_count, pool, progress, &all->report);
@@ -275,7 +270,7 @@ static int models_run(const models_options *options)
     machine_text(machine);
     lmb_result result = options->html ? output_file_check(options->html, &error) : LMB_OK;
     lmb_console console;
-    const lmb_progress progress = console_progress(&console, options->quiet, false);
+    const lmb_progress progress = console_progress(&console, options->shared.quiet, false);
     if (result == LMB_OK) {
         result = all_measure(options, &progress, &all, &error);
     }
@@ -304,7 +299,8 @@ static int models_run(const models_options *options)
 int command_models(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "models", usage);
-    models_options options = {.settings = models_settings_default()};
+    models_options options = {.settings = models_settings_default(),
+                              .shared = {.takes = ARGUMENTS_THREADS | ARGUMENTS_QUIET}};
     options.path = malloc(((size_t)count + 1) * sizeof *options.path);
     if (!options.path) {
         return command_fail(LMB_ERROR_MEMORY, &(lmb_error){""});

@@ -21,10 +21,8 @@ static const char usage[] =
     "  --quiet               no closing line and no warnings\n";
 
 typedef struct pack_options {
-    const char *source;
-    const char *output;
+    lmb_shared_arguments shared; /* the .vdb, and the .lmb that is written */
     lmb_volume_form form;
-    bool quiet;
 } pack_options;
 
 static lmb_result pack_write(const pack_options *options, const lmb_probes *probes, lmb_pack_stats *stats,
@@ -35,12 +33,12 @@ static lmb_result pack_write(const pack_options *options, const lmb_probes *prob
     lmb_result result = lmb_pack_as(options->form, probes, &data, &size, stats);
     if (result == LMB_ERROR_ARGUMENT) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: no probe has light: validity is below %g everywhere",
-                             options->source, (double)LMB_PROBES_MIN_VALIDITY);
+                             options->shared.path[0], (double)LMB_PROBES_MIN_VALIDITY);
     }
     if (result != LMB_OK) {
-        return lmb_error_set(error, result, "%s: %s", options->source, lmb_result_text(result));
+        return lmb_error_set(error, result, "%s: %s", options->shared.path[0], lmb_result_text(result));
     }
-    result = lmb_file_write(options->output, data, size, error);
+    result = lmb_file_write(options->shared.output, data, size, error);
     free(data);
     return result;
 }
@@ -49,9 +47,9 @@ static lmb_result pack_run(const pack_options *options, lmb_error *error)
 {
     lmb_probes *probes = NULL;
     lmb_pack_stats stats;
-    lmb_result result = output_file_check(options->output, error);
+    lmb_result result = output_file_check(options->shared.output, error);
     if (result == LMB_OK) {
-        result = lmb_vdb_read(options->source, &probes, NULL, NULL, error);
+        result = lmb_vdb_read(options->shared.path[0], &probes, NULL, NULL, error);
     }
     if (result == LMB_OK) {
         result = pack_write(options, probes, &stats, error);
@@ -59,11 +57,11 @@ static lmb_result pack_run(const pack_options *options, lmb_error *error)
     if (result == LMB_OK && stats.overflow_count > 0) {
         char line[LMB_ERROR_MESSAGE_SIZE];
         snprintf(line, sizeof line, "%s: %llu coefficients are beyond half float; their probes were made darker",
-                 options->output, (unsigned long long)stats.overflow_count);
-        console_warning(line, options->quiet);
+                 options->shared.output, (unsigned long long)stats.overflow_count);
+        console_warning(line, options->shared.quiet);
     }
-    if (result == LMB_OK && !options->quiet) {
-        printf("written   %s (%d probes at %g m, %.1f kB)\n", options->output, probes->count,
+    if (result == LMB_OK && !options->shared.quiet) {
+        printf("written   %s (%d probes at %g m, %.1f kB)\n", options->shared.output, probes->count,
                (double)probes->level[0].lattice.spacing, 1e-3 * (double)stats.bytes);
     }
     lmb_probes_destroy(probes);
@@ -73,32 +71,19 @@ static lmb_result pack_run(const pack_options *options, lmb_error *error)
 int command_pack(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "pack", usage);
-    pack_options options = {0};
+    pack_options options = {.shared = {.path_name = {"FILE.vdb"}, .output_name = "FILE.lmb", .takes = ARGUMENTS_QUIET}};
     for (const char *argument; (argument = arguments_next(&arguments));) {
-        if (strcmp(argument, "-o") == 0) {
-            options.output = arguments_text(&arguments, argument);
-        } else if (strcmp(argument, "--compact") == 0) {
+        if (strcmp(argument, "--compact") == 0) {
             options.form = LMB_VOLUME_COMPACT;
-        } else if (strcmp(argument, "--quiet") == 0) {
-            options.quiet = true;
-        } else if (argument[0] != '-' && !options.source) {
-            options.source = argument;
         } else {
-            arguments_error(&arguments, "unexpected argument", argument);
+            arguments_shared(&arguments, argument, &options.shared);
         }
+    }
+    if (arguments_complete(&arguments, &options.shared) && !output_file_ends_in(options.shared.output, ".lmb")) {
+        arguments_error(&arguments, "-o takes a .lmb, not", options.shared.output); /* not over the .vdb by mistake */
     }
     if (arguments.failed || arguments.help) {
         return arguments_status(&arguments);
-    }
-    if (!options.source) {
-        arguments_error(&arguments, "missing argument", "FILE.vdb");
-    } else if (!options.output) {
-        arguments_error(&arguments, "missing option", "-o FILE.lmb");
-    } else if (!output_file_ends_in(options.output, ".lmb")) {
-        arguments_error(&arguments, "-o takes a .lmb, not", options.output); /* not over the .vdb by mistake */
-    }
-    if (arguments.failed) {
-        return EXIT_USAGE;
     }
     lmb_error error = {{0}};
     const lmb_result result = pack_run(&options, &error);

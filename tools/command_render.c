@@ -41,7 +41,9 @@ static const char usage[] =
     "  --object FILE         add a glTF object, lit by the level's probes (repeatable)\n"
     "  --object-at X,Y,Z     where its origin goes (default: in front of the camera); without --object, a white\n"
     "                        sphere is put there\n"
-    "  --specular M[,F0]     objects also reflect: roughness M from 0 to 1, F0 of it along the normal (default 0.04)\n"
+    "  --specular M[,F0]     objects also reflect: facets' slopes M from 0 to 1, F0 along the normal (default 0.04)\n"
+    "  --specular materials  everything reflects, by the metalness and roughness of its material\n"
+    "  --maps FOLDER         what `lambent cube` wrote: reflections by the map that is nearest, of smooth surfaces\n"
     "  --samples N           light samples a pixel of reference and difference (default 32)\n"
     "  --exposure EV         brighten by 2^EV (default: by the picture's log-average)\n"
     "  --threads N           default: all processors\n"
@@ -61,9 +63,7 @@ typedef struct object_option {
 } object_option;
 
 typedef struct render_options {
-    const char *level;
-    const char *directory;
-    const char *output;
+    lmb_shared_arguments shared; /* LEVEL, DIR, and the picture that is written */
     bool has_camera, has_look, has_exposure;
     lmb_vec3d camera, look;
     const char *camera_node;
@@ -75,11 +75,10 @@ typedef struct render_options {
     uint32_t samples;
     object_option objects[MAX_OBJECTS];
     int object_count;
-    bool has_specular;
+    bool has_specular, by_materials;
     lmb_specular specular;
+    const char *maps;
     bool probes;
-    int threads;
-    bool quiet;
 } render_options;
 
 static const char *const mode_names[] = {
@@ -123,14 +122,15 @@ static void size_read(lmb_arguments *arguments, const char *option, render_optio
 static void specular_read(lmb_arguments *arguments, const char *option, render_options *options)
 {
     const char *text = arguments_text(arguments, option);
-    if (arguments->failed) {
+    options->by_materials = strcmp(text, "materials") == 0;
+    if (arguments->failed || options->by_materials) {
         return;
     }
     char *end;
     const float roughness = strtof(text, &end);
     const float f0 = end != text && *end == ',' ? strtof(end + 1, &end) : 0.04f;
     if (end == text || *end != '\0' || !(roughness >= 0.0f && roughness <= 1.0f && f0 >= 0.0f && f0 <= 1.0f)) {
-        arguments_error(arguments, "--specular takes ROUGHNESS[,F0], both from 0 to 1, not", text);
+        arguments_error(arguments, "--specular takes materials, or ROUGHNESS[,F0], both from 0 to 1, not", text);
         return;
     }
     options->has_specular = true;
@@ -182,6 +182,8 @@ static bool view_option(lmb_arguments *arguments, const char *option, render_opt
         options->has_exposure = true;
     } else if (strcmp(option, "--specular") == 0) {
         specular_read(arguments, option, options);
+    } else if (strcmp(option, "--maps") == 0) {
+        options->maps = arguments_text(arguments, option);
     } else if (strcmp(option, "--object") == 0 || strcmp(option, "--object-at") == 0) {
         object_read(arguments, option, options);
     } else if (strcmp(option, "--probes") == 0) {
@@ -192,46 +194,32 @@ static bool view_option(lmb_arguments *arguments, const char *option, render_opt
     return true;
 }
 
-static void options_read(lmb_arguments *arguments, render_options *options)
+static bool options_read(lmb_arguments *arguments, render_options *options)
 {
     for (const char *next; (next = arguments_next(arguments));) {
         if (view_option(arguments, next, options)) {
             continue;
         }
-        if (strcmp(next, "-o") == 0) {
-            options->output = arguments_text(arguments, next);
-        } else if (strcmp(next, "--model") == 0) {
+        if (strcmp(next, "--model") == 0) {
             options->model = lightmap_model_argument(arguments, next);
         } else if (strcmp(next, "--samples") == 0) {
             options->samples = (uint32_t)arguments_integer(arguments, next, 1, 100000000);
-        } else if (strcmp(next, "--threads") == 0) {
-            options->threads = (int)arguments_integer(arguments, next, 1, 1024);
-        } else if (strcmp(next, "--quiet") == 0) {
-            options->quiet = true;
-        } else if (next[0] == '-' && next[1] != '\0') {
-            arguments_error(arguments, "unknown option", next);
-        } else if (!options->level) {
-            options->level = next;
-        } else if (!options->directory) {
-            options->directory = next;
         } else {
-            arguments_error(arguments, "one argument too many:", next);
+            arguments_shared(arguments, next, &options->shared);
         }
     }
-    if (arguments->failed || arguments->help) {
-        return;
+    if (!arguments_complete(arguments, &options->shared)) {
+        return false;
     }
-    if (!options->directory) {
-        arguments_error(arguments, "missing argument", options->level ? "DIR" : "LEVEL");
-    } else if (!options->output) {
-        arguments_error(arguments, "missing option", "-o FILE.png|FILE.exr");
-    } else if (options->camera_node && (options->has_camera || options->has_look)) {
+    const char *const output = options->shared.output;
+    if (options->camera_node && (options->has_camera || options->has_look)) {
         arguments_error(arguments, "--camera-node does not go with", options->has_camera ? "--camera" : "--look");
     } else if (options->probes && (options->mode == RENDER_DIFFERENCE || options->mode == RENDER_MISMATCH)) {
         arguments_error(arguments, "--probes does not go with --mode", mode_names[options->mode]);
-    } else if (!output_file_ends_in(options->output, ".png") && !output_file_ends_in(options->output, ".exr")) {
-        arguments_error(arguments, "-o takes a .png or .exr, not", options->output);
+    } else if (!output_file_ends_in(output, ".png") && !output_file_ends_in(output, ".exr")) {
+        arguments_error(arguments, "-o takes a .png or .exr, not", output);
     }
+    return !arguments->failed;
 }
 
 /* The first that is a camera, else the first of that name. */
@@ -343,11 +331,12 @@ static lmb_result exr_write(const render_options *options, const float *rgb, siz
     const lmb_exr_channel channels[3] = {{"R", plane}, {"G", plane + pixel_count}, {"B", plane + 2 * pixel_count}};
     const lmb_exr_picture picture = {options->width, options->height, channels, 3, NULL, 0};
     size_t overflow_count = 0;
-    const lmb_result result = lmb_exr_write(options->output, &picture, &overflow_count, error);
+    const lmb_result result = lmb_exr_write(options->shared.output, &picture, &overflow_count, error);
     if (result == LMB_OK && overflow_count > 0) {
         char line[LMB_ERROR_MESSAGE_SIZE];
-        snprintf(line, sizeof line, "%s: %zu values beyond half float were clamped", options->output, overflow_count);
-        console_warning(line, options->quiet);
+        snprintf(line, sizeof line, "%s: %zu values beyond half float were clamped", options->shared.output,
+                 overflow_count);
+        console_warning(line, options->shared.quiet);
     }
     free(plane);
     return result;
@@ -363,25 +352,25 @@ static lmb_result png_write(const render_options *options, const float *rgb, siz
     if (options->mode == RENDER_DIFFERENCE) {
         const float full = DIFFERENCE_FULL_SHARE * (float)reference_mean;
         picture_difference_colour(rgb, pixel_count, full, srgb);
-        if (!options->quiet) {
+        if (!options->shared.quiet) {
             printf("final - reference: red +%g or more, white 0, blue -%g or less (%g %% of the reference's mean "
                    "luminance, %g)\n",
                    (double)full, (double)full, 100.0 * (double)DIFFERENCE_FULL_SHARE, reference_mean);
         }
     } else if (options->mode == RENDER_MISMATCH) {
         picture_difference_colour(rgb, pixel_count, DIFFERENCE_FULL_SHARE, srgb);
-        if (!options->quiet) {
+        if (!options->shared.quiet) {
             printf("probes - lightmaps: red +%g %% of the lightmap's light or more, white 0, blue as much less\n",
                    100.0 * (double)DIFFERENCE_FULL_SHARE);
         }
     } else {
         const float exposure_ev = options->has_exposure ? options->exposure_ev : exposure_of_picture(rgb, pixel_count);
         picture_tonemap(rgb, pixel_count, exposure_ev, srgb);
-        if (!options->quiet) {
+        if (!options->shared.quiet) {
             printf("--exposure %.3f\n", (double)exposure_ev);
         }
     }
-    const lmb_result result = lmb_png_write(options->output, options->width, options->height, srgb, error);
+    const lmb_result result = lmb_png_write(options->shared.output, options->width, options->height, srgb, error);
     free(srgb);
     return result;
 }
@@ -416,13 +405,13 @@ static lmb_result picture_make(const render_options *options, const lmb_shader *
                                           .height = options->height,
                                           .samples = options->samples};
     lmb_console console;
-    const lmb_progress progress = console_progress(&console, options->quiet, false);
+    const lmb_progress progress = console_progress(&console, options->shared.quiet, false);
     double reference_mean = 0.0;
     lmb_result result = render_picture(shader, &settings, pool, &progress, rgb, &reference_mean);
     console_finish(&console);
     if (result != LMB_OK) {
         lmb_error_set(error, result, "render: %s", lmb_result_text(result));
-    } else if (output_file_ends_in(options->output, ".exr")) {
+    } else if (output_file_ends_in(options->shared.output, ".exr")) {
         result = exr_write(options, rgb, pixel_count, error);
     } else {
         result = png_write(options, rgb, pixel_count, reference_mean, error);
@@ -443,7 +432,7 @@ static lmb_result shown_open(const render_options *options, shown_probes *shown,
     if (!options->probes) {
         return LMB_OK;
     }
-    char *const path = lmb_file_in(options->directory, "probes.vdb");
+    char *const path = lmb_file_in(options->shared.path[1], "probes.vdb");
     lmb_result result = path ? lmb_vdb_read(path, &shown->probes, NULL, NULL, error)
                              : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     free(path);
@@ -469,25 +458,32 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
     lmb_result result = camera_of_options(options, tracer, &camera, error);
     if (result == LMB_OK && (options->probes || options->object_count > 0 || options->mode == RENDER_PROBES ||
                              options->mode == RENDER_MISMATCH)) {
-        result = lmb_baked_need_probes(baked, options->directory, error);
+        result = lmb_baked_need_probes(baked, options->shared.path[1], error);
     }
     if (result != LMB_OK) {
         return result;
     }
-    if (!options->quiet) {
+    if (!options->shared.quiet) {
         camera_print(&camera, options->camera_node, baked->level.scene);
         if (!baked->lightmap && options->mode != RENDER_PROBES && options->mode != RENDER_REFERENCE) {
             printf("this bake has no lightmaps: surfaces are lit by probes\n");
+        } else if (options->by_materials && baked->lightmap && !baked->lightmap->model->radiance) {
+            printf("lightmaps of '%s' hold no radiance: surfaces reflect by probes (--model sh3, of bake --models)\n",
+                   baked->lightmap->model->name);
         }
     }
     lmb_render_object objects[MAX_OBJECTS];
     int object_count = 0;
     shown_probes shown;
+    environment_maps maps = {NULL, 0};
     local_light local;
     if (local_light_open(baked->volume, baked->level.scene, &local) != LMB_OK) {
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory for local sets");
     }
     result = shown_open(options, &shown, error);
+    if (result == LMB_OK && options->maps) {
+        result = environment_maps_read(options->maps, &maps, error);
+    }
     if (result == LMB_OK) {
         result = objects_open(options, &camera, tracer, objects, &object_count, error);
     }
@@ -500,6 +496,8 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
             .objects = objects,
             .object_count = object_count,
             .specular = options->has_specular ? &options->specular : NULL,
+            .by_materials = options->by_materials,
+            .maps = options->maps ? &maps : NULL,
             .spheres = options->probes ? &shown.spheres : NULL,
             .default_texel = 1.0f / lmb_lightmap_settings_default(baked->level.scene).texels_per_m,
         };
@@ -508,6 +506,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
     for (int i = 0; i < object_count; ++i) {
         render_object_close(&objects[i]);
     }
+    environment_maps_free(&maps);
     shown_close(&shown);
     local_light_close(&local);
     return result;
@@ -515,26 +514,33 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
 
 int command_render(int count, char **values)
 {
-    render_options options = {.width = 960, .height = 540, .samples = 32, .mode = RENDER_FINAL};
+    render_options options = {.width = 960,
+                              .height = 540,
+                              .samples = 32,
+                              .mode = RENDER_FINAL,
+                              .shared = {.path_name = {"LEVEL", "DIR"},
+                                         .output_name = "FILE.png|FILE.exr",
+                                         .takes = ARGUMENTS_THREADS | ARGUMENTS_QUIET}};
     lmb_arguments arguments = arguments_begin(count, values, "render", usage);
-    options_read(&arguments, &options);
-    if (arguments.failed || arguments.help) {
+    if (!options_read(&arguments, &options)) {
         return arguments_status(&arguments);
     }
     if (options.mode == RENDER_REFERENCE || options.mode == RENDER_DIFFERENCE) {
-        samples_say_rounded(options.samples, RENDER_RAYS_PER_PIXEL, options.quiet);
+        samples_say_rounded(options.samples, RENDER_RAYS_PER_PIXEL, options.shared.quiet);
     }
+    const lmb_baked_view view = {options.camera_node, options.by_materials};
     lmb_error error = {""};
     lmb_baked baked;
-    lmb_result result = output_file_check(options.output, &error);
+    lmb_result result = output_file_check(options.shared.output, &error);
     if (result == LMB_OK) {
-        result = lmb_baked_open(options.level, options.directory, options.threads, options.camera_node, &baked, &error);
+        result = lmb_baked_open(options.shared.path[0], options.shared.path[1], options.shared.threads, &view, &baked,
+                                &error);
     }
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
     if (options.model) {
-        result = lmb_baked_read_model(&baked, options.directory, options.model, &error);
+        result = lmb_baked_read_model(&baked, options.shared.path[1], options.model, &error);
     }
     if (result == LMB_OK) {
         result = render_run(&options, &baked, &error);

@@ -115,7 +115,7 @@ int command_sample(int count, char **values)
     lmb_arguments arguments = arguments_begin(count, values, "sample", usage());
     lmb_query_arguments query_arguments = {0};
     static sampled from;
-    const char *path = NULL;
+    lmb_shared_arguments shared = {.path_name = {"FILE.lmb"}};
     const lmb_model *model = lmb_model_default(LMB_MODEL_FOR_SURFACE);
     bool json = false;
     for (const char *argument; (argument = arguments_next(&arguments));) {
@@ -133,19 +133,15 @@ int command_sample(int count, char **values)
             from.local_set = arguments_text(&arguments, argument);
         } else if (strcmp(argument, "--json") == 0) {
             json = true;
-        } else if (argument[0] != '-' && !path) {
-            path = argument;
         } else {
-            arguments_error(&arguments, "unexpected argument", argument);
+            arguments_shared(&arguments, argument, &shared);
         }
     }
-    if (arguments.failed || arguments.help) {
+    if (!arguments_complete(&arguments, &shared)) {
         return arguments_status(&arguments);
     }
-    if (!path) {
-        arguments_error(&arguments, "missing argument", "FILE.lmb");
-    }
-    if (arguments.failed || !query_finish(&query_arguments, &arguments)) {
+    const char *const path = shared.path[0];
+    if (!query_finish(&query_arguments, &arguments)) {
         return EXIT_USAGE;
     }
 

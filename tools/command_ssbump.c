@@ -20,59 +20,40 @@ static const char usage[] =
     "  --quiet       no progress\n";
 
 typedef struct ssbump_options {
-    const char *input;
-    const char *output;
+    lmb_shared_arguments shared; /* of one path, the height map's */
     lmb_ssbump_settings settings;
-    int threads;
-    bool quiet;
 } ssbump_options;
 
-static void options_read(lmb_arguments *arguments, ssbump_options *options)
+static bool options_read(lmb_arguments *arguments, ssbump_options *options)
 {
     for (const char *next; (next = arguments_next(arguments));) {
-        if (strcmp(next, "-o") == 0) {
-            options->output = arguments_text(arguments, next);
-        } else if (strcmp(next, "--scale") == 0) {
+        if (strcmp(next, "--scale") == 0) {
             options->settings.scale_texels = (float)arguments_number(arguments, next, 0.0, 65536.0);
         } else if (strcmp(next, "--wrap") == 0) {
             options->settings.wrap = true;
-        } else if (strcmp(next, "--threads") == 0) {
-            options->threads = (int)arguments_integer(arguments, next, 1, 1024);
-        } else if (strcmp(next, "--quiet") == 0) {
-            options->quiet = true;
-        } else if (next[0] == '-' && next[1] != '\0') {
-            arguments_error(arguments, "unknown option", next);
-        } else if (!options->input) {
-            options->input = next;
         } else {
-            arguments_error(arguments, "one argument too many:", next);
+            arguments_shared(arguments, next, &options->shared);
         }
     }
-    if (arguments->failed || arguments->help) {
-        return;
+    if (arguments_complete(arguments, &options->shared) && !output_file_ends_in(options->shared.output, ".png")) {
+        arguments_error(arguments, "-o takes a .png, not", options->shared.output);
     }
-    if (!options->input) {
-        arguments_error(arguments, "missing argument", "HEIGHT.png");
-    } else if (!options->output) {
-        arguments_error(arguments, "missing option", "-o OUT.png");
-    } else if (!output_file_ends_in(options->output, ".png")) {
-        arguments_error(arguments, "-o takes a .png, not", options->output);
-    }
+    return !arguments->failed && !arguments->help;
 }
 
 static lmb_result bump_make(const ssbump_options *options, const lmb_height_map *map, lmb_error *error)
 {
     uint8_t *rgb = malloc(3 * (size_t)map->width * (size_t)map->height);
     lmb_pool *pool = NULL;
-    lmb_result result = rgb ? lmb_pool_create(options->threads, &pool) : LMB_ERROR_MEMORY;
+    lmb_result result = rgb ? lmb_pool_create(options->shared.threads, &pool) : LMB_ERROR_MEMORY;
     lmb_console console;
-    const lmb_progress progress = console_progress(&console, options->quiet, false);
+    const lmb_progress progress = console_progress(&console, options->shared.quiet, false);
     if (result == LMB_OK) {
         result = lmb_ssbump_make(map, &options->settings, pool, &progress, rgb);
     }
     console_finish(&console);
-    result = result == LMB_OK ? lmb_png_write(options->output, map->width, map->height, rgb, error)
-                              : lmb_error_set(error, result, "%s: %s", options->output, lmb_result_text(result));
+    result = result == LMB_OK ? lmb_png_write(options->shared.output, map->width, map->height, rgb, error)
+                              : lmb_error_set(error, result, "%s: %s", options->shared.output, lmb_result_text(result));
     lmb_pool_destroy(pool);
     free(rgb);
     return result;
@@ -81,16 +62,18 @@ static lmb_result bump_make(const ssbump_options *options, const lmb_height_map 
 int command_ssbump(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "ssbump", usage);
-    ssbump_options options = {.settings = lmb_ssbump_settings_default()};
-    options_read(&arguments, &options);
-    if (arguments.failed || arguments.help) {
+    ssbump_options options = {.settings = lmb_ssbump_settings_default(),
+                              .shared = {.path_name = {"HEIGHT.png"},
+                                         .output_name = "OUT.png",
+                                         .takes = ARGUMENTS_THREADS | ARGUMENTS_QUIET}};
+    if (!options_read(&arguments, &options)) {
         return arguments_status(&arguments);
     }
     lmb_error error = {""};
     lmb_height_map map = {0, 0, NULL};
-    lmb_result result = output_file_check(options.output, &error);
+    lmb_result result = output_file_check(options.shared.output, &error);
     if (result == LMB_OK) {
-        result = lmb_height_map_read(options.input, &map, &error);
+        result = lmb_height_map_read(options.shared.path[0], &map, &error);
     }
     if (result == LMB_OK) {
         result = bump_make(&options, &map, &error);

@@ -33,13 +33,13 @@ lmb_vec3 cube_direction(int face, float s, float t)
     return lmb_vec3_unit_or(directions[face], directions[face]);
 }
 
-static int clamped_index(float coordinate, int side)
-{
-    const int index = (int)(0.5f * (coordinate + 1.0f) * (float)side);
-    return index < 0 ? 0 : index < side ? index : side - 1;
-}
+/* Where a direction goes through the cube. */
+typedef struct cube_place_on_face {
+    int face;
+    float s, t; /* in [0, 1] */
+} cube_place_on_face;
 
-size_t cube_texel(int side, lmb_vec3 d)
+static cube_place_on_face face_of(lmb_vec3 d)
 {
     const float ax = fabsf(d.x), ay = fabsf(d.y), az = fabsf(d.z);
     float across, down, along;
@@ -54,8 +54,58 @@ size_t cube_texel(int side, lmb_vec3 d)
         face = d.z > 0.0f ? 4 : 5;
         along = az, across = d.z > 0.0f ? d.x : -d.x, down = -d.y;
     }
-    const size_t row = (size_t)clamped_index(down / along, side), column = (size_t)clamped_index(across / along, side);
-    return 3 * (((size_t)face * (size_t)side + row) * (size_t)side + column);
+    return (cube_place_on_face){face, 0.5f * (across / along + 1.0f), 0.5f * (down / along + 1.0f)};
+}
+
+static int clamped_index(float coordinate, int side)
+{
+    const int index = (int)(coordinate * (float)side);
+    return index < 0 ? 0 : index < side ? index : side - 1;
+}
+
+static size_t texel_at(int side, int face, int row, int column)
+{
+    return 3 * (((size_t)face * (size_t)side + (size_t)row) * (size_t)side + (size_t)column);
+}
+
+size_t cube_texel(int side, lmb_vec3 direction)
+{
+    const cube_place_on_face at = face_of(direction);
+    return texel_at(side, at.face, clamped_index(at.t, side), clamped_index(at.s, side));
+}
+
+/* The two texels that a coordinate lies between, within the face, and the share of the second. */
+static float between(float coordinate, int side, int index[2])
+{
+    const float at = lmb_larger(lmb_smaller(coordinate * (float)side - 0.5f, (float)(side - 1)), 0.0f);
+    index[0] = (int)at;
+    index[1] = index[0] + 1 < side ? index[0] + 1 : index[0];
+    return at - (float)index[0];
+}
+
+static lmb_rgb level_look(const cube_map *map, int level, const cube_place_on_face *at)
+{
+    const int side = cube_side(level);
+    int column[2], row[2];
+    const float right = between(at->s, side, column), below = between(at->t, side, row);
+    lmb_rgb sum = {{0.0f, 0.0f, 0.0f}};
+    for (int i = 0; i < 4; ++i) {
+        const float *const rgb = map->rgb[level] + texel_at(side, at->face, row[i / 2], column[i % 2]);
+        const float weight = (i % 2 ? right : 1.0f - right) * (i / 2 ? below : 1.0f - below);
+        sum = lmb_rgb_add(sum, lmb_rgb_scale(lmb_rgb_of(rgb[0], rgb[1], rgb[2]), weight));
+    }
+    return sum;
+}
+
+lmb_rgb cube_map_look(const cube_map *map, lmb_vec3 direction, float roughness)
+{
+    const cube_place_on_face at = face_of(direction);
+    const float least = lmb_larger(roughness, CUBE_LEAST_ROUGHNESS);
+    const float level = lmb_smaller(log2f(least / CUBE_LEAST_ROUGHNESS), (float)(CUBE_LEVELS - 1));
+    const int first = (int)level, second = first + 1 < CUBE_LEVELS ? first + 1 : first;
+    const float share = level - (float)first;
+    return lmb_rgb_add(lmb_rgb_scale(level_look(map, first, &at), 1.0f - share),
+                       lmb_rgb_scale(level_look(map, second, &at), share));
 }
 
 /* A row of the first level. */
@@ -151,12 +201,12 @@ static void halve(const float *from, int side, float *to)
     }
 }
 
-static bool levels_allocate(float *level[CUBE_LEVELS])
+bool cube_map_allocate(cube_map *map)
 {
     bool all = true;
     for (int i = 0; i < CUBE_LEVELS; ++i) {
-        level[i] = malloc(level_floats(i) * sizeof *level[i]);
-        all = all && level[i];
+        map->rgb[i] = malloc(level_floats(i) * sizeof *map->rgb[i]);
+        all = all && map->rgb[i];
     }
     return all;
 }
@@ -174,7 +224,7 @@ lmb_result cube_map_make(const lmb_transport *transport, const cube_place *place
 {
     cube_map seen;
     cube_work work = {transport, place, samples, {NULL}, &seen};
-    const bool first = levels_allocate(seen.rgb), second = levels_allocate(made->rgb);
+    const bool first = cube_map_allocate(&seen), second = cube_map_allocate(made);
     lmb_result result = first && second ? LMB_OK : LMB_ERROR_MEMORY;
     if (result == LMB_OK) {
         result = lmb_pool_run(pool, (size_t)CUBE_FACES * CUBE_SIDE, trace_task, &work, "trace", progress);

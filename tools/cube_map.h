@@ -28,6 +28,10 @@ float cube_roughness(int level);
 /* Unit direction of a place on a face, both coordinates in [0, 1]. */
 lmb_vec3 cube_direction(int face, float s, float t);
 
+/* What a map shows in a direction at a roughness: filtered within a face, and between the two levels that are about as
+ * rough, of equal steps where roughness doubles. */
+lmb_rgb cube_map_look(const cube_map *map, lmb_vec3 direction, float roughness);
+
 /* Index of the texel of a level that a direction goes through, times 3. */
 size_t cube_texel(int side, lmb_vec3 direction);
 
@@ -41,5 +45,8 @@ typedef struct cube_place {
 lmb_result cube_map_make(const lmb_transport *transport, const cube_place *place, uint32_t samples, lmb_pool *pool,
                          const lmb_progress *progress, cube_map *made);
 void cube_map_free(cube_map *freed);
+
+/* Room for all levels. @return false without memory; then, too, it is to be freed */
+bool cube_map_allocate(cube_map *map);
 
 #endif

@@ -31,3 +31,21 @@ bool half_vector_pick(float roughness, lmb_vec3 normal, lmb_vec3 view, const flo
     picked->arrives = fmin(2.0, fmin(along / (nv * up), 2.0 * nl / nv));
     return along > 0.0 && nl > 0.0;
 }
+
+bool half_vector_respond(float roughness, lmb_vec3 normal, lmb_vec3 view, lmb_vec3 towards,
+                         half_vector_response *response)
+{
+    const lmb_vec3 half_vector = lmb_vec3_unit_or(lmb_vec3_add(view, towards), normal);
+    const double m2 = (double)roughness * (double)roughness;
+    const double nv = fmax((double)lmb_vec3_dot(normal, view), 1e-6), nl = (double)lmb_vec3_dot(normal, towards);
+    const double up = (double)lmb_vec3_dot(normal, half_vector), along = (double)lmb_vec3_dot(view, half_vector);
+    if (!(nl > 0.0 && up > 0.0 && along > 0.0)) {
+        return false;
+    }
+    const double up2 = up * up;
+    const double slopes = exp((up2 - 1.0) / (up2 * m2)) / (LMB_PI * m2 * up2 * up2);
+    response->reflects = slopes * fmin(1.0, 2.0 * up * fmin(nv, nl) / along) / (4.0 * nv);
+    response->along = fmin(along, 1.0);
+    response->density = slopes * up / (4.0 * along);
+    return true;
+}

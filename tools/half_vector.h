@@ -20,4 +20,15 @@ typedef struct half_vector_sample {
 /* Picks a facet in proportion to D (N.H) by u in [0, 1)^2. @return false where no light can come from */
 bool half_vector_pick(float roughness, lmb_vec3 normal, lmb_vec3 view, const float u[2], half_vector_sample *picked);
 
+/* What a lobe does with light from a direction. */
+typedef struct half_vector_response {
+    double reflects; /* of radiance from there, for each solid angle, but for the Fresnel factor: f/F (N.L) */
+    double along;    /* the cosine that that takes */
+    double density;  /* per solid angle, with which half_vector_pick finds the direction */
+} half_vector_response;
+
+/* @return false where nothing is reflected. `roughness` > 0 */
+bool half_vector_respond(float roughness, lmb_vec3 normal, lmb_vec3 view, lmb_vec3 towards,
+                         half_vector_response *response);
+
 #endif

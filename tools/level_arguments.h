@@ -14,6 +14,8 @@ bool level_argument(lmb_level_settings *settings, lmb_arguments *arguments, cons
     "  --env preetham:sun=AZIMUTH/ELEVATION[,turbidity=T][,ground=ALBEDO]\n"                                           \
     "  --env preetham:time=HOURS,latitude=DEG[,day=N]...\n"                                                            \
     "                        a clear sky and its sun, in kcd/m2\n"                                                     \
+    "  --env sky-basis:K[,strength=X][,set=NAME]\n"                                                                    \
+    "                        one of the 9 skies, K from 0, that changing ones are blended of\n"                        \
     "  --exclude PATTERN     leave out nodes by name, with their children (* and ?; repeatable)\n"                     \
     "  --light-scale X       multiply lamps (KHR_lights_punctual) by this\n"                                           \
     "  --emission-scale X    multiply what materials emit by this\n"                                                   \

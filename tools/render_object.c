@@ -77,7 +77,9 @@ static lmb_scene *sphere_make(float radius)
                                          .base_color_texture = no_texture(),
                                          .emissive_texture = no_texture(),
                                          .normal_texture = no_texture(),
-                                         .normal_scale = 1.0f};
+                                         .normal_scale = 1.0f,
+                                         .roughness = 1.0f,
+                                         .metallic_roughness_texture = no_texture()};
     scene->instances[0] = (lmb_instance){.to_world = identity(), .normal_to_world = identity()};
     scene->bounds_min = (lmb_vec3){-radius, -radius, -radius};
     scene->bounds_max = (lmb_vec3){radius, radius, radius};
@@ -98,7 +100,8 @@ lmb_result render_object_open(const char *path, float radius, lmb_vec3d position
     lmb_render_object opened = {.tracer = NULL};
     lmb_result result = LMB_OK;
     if (path) {
-        result = lmb_gltf_load(path, NULL, &opened.scene, error);
+        const lmb_gltf_options options = {.reflection = true};
+        result = lmb_gltf_load(path, &options, &opened.scene, error);
     } else {
         opened.scene = sphere_make(radius);
         result = opened.scene ? LMB_OK : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");

@@ -187,16 +187,40 @@ static bool seen_unlit_colour(const seen_surface *seen, lmb_rgb *colour)
     return true;
 }
 
-/* What an object shows beside its diffuse light. */
-static lmb_rgb seen_specular(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen,
-                             lmb_vec3 direction)
+/* How it reflects, if it does: `*diffuse` gets the share of its base colour that is left of it. */
+static bool seen_reflects(const lmb_shader *shader, const seen_surface *seen, lmb_specular *specular, float *diffuse)
 {
-    if (!shader->specular || !seen->object) {
+    *diffuse = 1.0f;
+    if (shader->by_materials) {
+        const lmb_mesh_point point = lmb_trace_mesh_point(seen->tracer, &seen->hit);
+        const lmb_reflection reflection = lmb_material_reflection(&point);
+        *specular = (lmb_specular){reflection.slope, reflection.f0};
+        *diffuse = reflection.diffuse;
+        return true;
+    }
+    if (shader->specular && seen->object) {
+        *specular = *shader->specular;
+        return true;
+    }
+    return false;
+}
+
+/* By the light that is stored: a lightmap's harmonics, or those of probes. */
+static lmb_rgb stored_specular(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen,
+                               const specular_place *place)
+{
+    const lmb_tracer *tracer = shader->transport->tracer;
+    specular_light_here light;
+    if (source == SOURCE_STORED && has_texels(shader, seen) && shader->lightmap->model->radiance) {
+        light = specular_light_of_lightmap(shader->lightmap, &seen->hit, place->point.normal);
+    } else if (shader->volume) {
+        light = specular_light_of_volume(shader->volume,
+                                         lmb_scene_to_world(lmb_tracer_scene(tracer), place->point.position));
+    } else {
         return black;
     }
-    const specular_place place = {seen_point(shader, seen), seen->normal, lmb_vec3_scale(direction, -1.0f)};
-    return source == SOURCE_REFERENCE ? shade_specular_of_reference(shader, &place)
-                                      : shade_specular_of_probes(shader, &place);
+    const cube_map *map = shader->maps ? environment_maps_find(shader->maps, tracer, place->point.position) : NULL;
+    return specular_reflected(LAYERS_ALL, &light, place, map);
 }
 
 static arriving_light seen_light(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen)
@@ -225,10 +249,20 @@ static lmb_rgb seen_radiance(const lmb_shader *shader, lmb_light_source source, 
     if (shader->irradiance_only) {
         return light.irradiance;
     }
-    const lmb_rgb bounce =
-        lmb_self_bounce(seen->surface.albedo, light.irradiance_z, seen->place.shading_normal, seen->normal);
-    const lmb_rgb own = lmb_rgb_add(seen->emission, seen_specular(shader, source, seen, direction));
-    return lmb_rgb_add(lmb_rgb_mul(seen->surface.albedo, lmb_rgb_add(light.irradiance, bounce)), own);
+    specular_place place;
+    float diffuse;
+    lmb_rgb own = seen->emission;
+    if (seen_reflects(shader, seen, &place.specular, &diffuse)) {
+        place.point = seen_point(shader, seen);
+        place.normal = seen->normal;
+        place.view = lmb_vec3_scale(direction, -1.0f);
+        own = lmb_rgb_add(own, source == SOURCE_REFERENCE
+                                   ? glossy_radiance(shader->transport, &place, shader->reference_samples, 0)
+                                   : stored_specular(shader, source, seen, &place));
+    }
+    const lmb_rgb albedo = lmb_rgb_scale(seen->surface.albedo, diffuse);
+    const lmb_rgb bounce = lmb_self_bounce(albedo, light.irradiance_z, seen->place.shading_normal, seen->normal);
+    return lmb_rgb_add(lmb_rgb_mul(albedo, lmb_rgb_add(light.irradiance, bounce)), own);
 }
 
 /* Whether a probe's sphere is nearer than a surface. */

@@ -6,6 +6,7 @@
 #include <lambent/specular.h>
 #include <lambent/volume.h>
 
+#include "environment_maps.h"
 #include "local_light.h"
 #include "probe_spheres.h"
 #include "render_object.h"
@@ -29,7 +30,9 @@ typedef struct lmb_shader {
     const probe_spheres *spheres; /* NULL: none */
     float default_texel;          /* metres: a texel's size where there are no lightmaps */
     bool irradiance_only;         /* show irradiance as on white paper: no albedo, emission or self-bounce */
-    const lmb_specular *specular; /* what objects reflect beside their diffuse light; NULL: nothing */
+    const lmb_specular *specular; /* how objects reflect beside their diffuse light; NULL: not at all */
+    bool by_materials;            /* everything reflects, as its material says */
+    const environment_maps *maps; /* of reflections; NULL: none */
     uint32_t reference_samples;   /* of SOURCE_REFERENCE, for each surface seen */
 } lmb_shader;
 

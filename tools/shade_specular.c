@@ -1,41 +1,82 @@
 #include "shade_specular.h"
 
 #include <float.h>
+#include <string.h>
 
-#include <lambent/key_lights.h>
-#include <lambent/sequence.h>
 #include <lambent/vector.h>
 
-#include "half_vector.h"
-#include "key_lights_seen.h"
-
-/* Streams of half vectors are none of the paths'. */
-#define HALF_VECTOR_STREAM UINT64_C(0x5bec01a7)
-
-static lmb_rgb highlights_add(const lmb_shader *shader, const specular_place *place, const key_lights_seen *keys,
-                              lmb_rgb rest)
+specular_light_here specular_light_of_volume(const lmb_volume *volume, lmb_vec3d position)
 {
-    for (uint32_t i = 0; i < keys->count; ++i) {
-        const lmb_rgb highlight = lmb_specular_light(&keys->light[i], keys->visibility[i], shader->specular,
-                                                     place->point.normal, place->normal, place->view);
-        rest = lmb_rgb_add(rest, highlight);
-    }
-    return rest;
+    specular_light_here light;
+    light.keys.count = lmb_volume_key_lights(volume, light.keys.light);
+    lmb_volume_sample_with_keys(volume, position, &light.radiance, light.keys.visibility);
+    return light;
 }
 
-lmb_rgb shade_specular_of_probes(const lmb_shader *shader, const specular_place *place)
+specular_light_here specular_light_of_lightmap(const lmb_lightmap *lightmap, const lmb_hit *hit, lmb_vec3 vertex_normal)
 {
-    if (!shader->volume) {
+    float channel[LMB_MODEL_MOST_CHANNELS];
+    specular_light_here light;
+    light.keys.count = lmb_scene_key_lights(lightmap->scene, light.keys.light);
+    lmb_lightmap_sample(lightmap, hit, channel);
+    lmb_lightmap_sample_keys(lightmap, hit, light.keys.visibility);
+    lightmap->model->radiance(channel, vertex_normal, &light.radiance);
+    return light;
+}
+
+/* The highlight of the dominant light, which is taken out of the harmonics. */
+static lmb_rgb dominant_highlight(const specular_place *place, lmb_sh3_rgb *radiance)
+{
+    const lmb_key_light dominant = lmb_sh3_rgb_dominant_light(radiance);
+    lmb_key_light_add_to_sh3(&dominant, -1.0f, radiance);
+    return lmb_specular_light(&dominant, 1.0f, &place->specular, place->point.normal, place->normal, place->view);
+}
+
+static lmb_rgb key_highlights(const specular_place *place, const specular_light_here *light)
+{
+    lmb_rgb sum = {{0.0f, 0.0f, 0.0f}};
+    for (uint32_t i = 0; i < light->keys.count; ++i) {
+        sum = lmb_rgb_add(sum, lmb_specular_light(&light->keys.light[i], light->keys.visibility[i], &place->specular,
+                                                  place->point.normal, place->normal, place->view));
+    }
+    return sum;
+}
+
+static lmb_rgb mapped(const lmb_sh3_rgb *radiance, const specular_place *place, const cube_map *map)
+{
+    const lmb_vec3 view = place->view, normal = place->normal;
+    const lmb_vec3 mirrored = lmb_vec3_mad(lmb_vec3_scale(view, -1.0f), normal, 2.0f * lmb_vec3_dot(normal, view));
+    const lmb_rgb texel = cube_map_look(map, mirrored, place->specular.roughness);
+    return lmb_specular_environment(texel, radiance, &place->specular, normal, view);
+}
+
+/* How much of the environment map is taken in place of the area layer. */
+static float map_share(specular_layers layers, float roughness)
+{
+    const float share = (SPECULAR_AREA_FROM - roughness) / (SPECULAR_AREA_FROM - SPECULAR_MAP_UP_TO);
+    return layers == LAYERS_ENVIRONMENT ? 1.0f : layers == LAYERS_ALL ? lmb_saturate(share) : 0.0f;
+}
+
+lmb_rgb specular_reflected(specular_layers layers, const specular_light_here *light, const specular_place *place,
+                           const cube_map *map)
+{
+    if (layers == LAYERS_NONE) {
         return (lmb_rgb){{0.0f, 0.0f, 0.0f}};
     }
-    const lmb_scene *scene = lmb_tracer_scene(shader->transport->tracer);
-    lmb_sh3_rgb radiance;
-    key_lights_seen keys;
-    keys.count = lmb_volume_key_lights(shader->volume, keys.light);
-    lmb_volume_sample_with_keys(shader->volume, lmb_scene_to_world(scene, place->point.position), &radiance,
-                                keys.visibility);
-    return highlights_add(shader, place, &keys,
-                          lmb_specular_area(&radiance, shader->specular, place->normal, place->view));
+    specular_light_here rest = *light;
+    lmb_rgb sum = key_highlights(place, &rest);
+    if (layers == LAYERS_DOMINANT || rest.keys.count == 0) {
+        sum = lmb_rgb_add(sum, dominant_highlight(place, &rest.radiance));
+    }
+    const float share = map ? map_share(layers, place->specular.roughness) : 0.0f;
+    if (layers != LAYERS_ANALYTIC && share < 1.0f) {
+        const lmb_rgb area = lmb_specular_area(&rest.radiance, &place->specular, place->normal, place->view);
+        sum = lmb_rgb_add(sum, lmb_rgb_scale(area, 1.0f - share));
+    }
+    if (share > 0.0f) {
+        sum = lmb_rgb_add(sum, lmb_rgb_scale(mapped(&light->radiance, place, map), share));
+    }
+    return sum;
 }
 
 lmb_rgb radiance_without_keys(const lmb_transport *transport, lmb_vec3 origin, lmb_vec3 direction, uint64_t stream,
@@ -50,35 +91,4 @@ lmb_rgb radiance_without_keys(const lmb_transport *transport, lmb_vec3 origin, l
     const float *const axes[3] = {&direction.x, &direction.y, &direction.z};
     lmb_emitters_environment_look(transport->emitters, axes, 1, &seen);
     return seen.radiance;
-}
-
-lmb_rgb shade_specular_of_reference(const lmb_shader *shader, const specular_place *place)
-{
-    const lmb_transport *transport = shader->transport;
-    const lmb_specular *specular = shader->specular;
-    const uint64_t stream = lmb_stream_of_position(transport->seed ^ HALF_VECTOR_STREAM, place->point.position);
-    const lmb_vec3 view = place->view, normal = place->normal;
-    double sum[3] = {0.0, 0.0, 0.0};
-    for (uint32_t i = 0; i < shader->reference_samples; ++i) {
-        float u[2];
-        half_vector_sample picked;
-        lmb_sequence_2d(stream, i, 0, u);
-        if (!half_vector_pick(specular->roughness, normal, view, u, &picked) ||
-            !(lmb_vec3_dot(picked.towards, place->point.normal) > 0.0f)) {
-            continue;
-        }
-        const lmb_rgb seen = radiance_without_keys(transport, place->point.position,
-                                                   lmb_vec3_unit_or(picked.towards, normal), ~stream, i);
-        for (int c = 0; c < 3; ++c) {
-            const double f0 = (double)specular->f0.c[c];
-            sum[c] += picked.arrives * dielectric_reflectance(f0, picked.along) * (double)seen.c[c];
-        }
-    }
-    const double share = 1.0 / shader->reference_samples;
-    uint64_t rays = 0;
-    key_lights_seen keys;
-    keys.count = lmb_scene_key_lights(lmb_tracer_scene(transport->tracer), keys.light);
-    lmb_gather_keys(transport, &place->point, 1, keys.visibility, &rays);
-    return highlights_add(shader, place, &keys,
-                          lmb_rgb_of((float)(sum[0] * share), (float)(sum[1] * share), (float)(sum[2] * share)));
 }

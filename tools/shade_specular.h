@@ -1,22 +1,46 @@
-/* What an object in a picture reflects of the level as in a mirror, rough or not. */
+/* What surfaces of a picture reflect beside their diffuse light, of what a bake stored. */
 #ifndef LMB_TOOLS_SHADE_SPECULAR_H
 #define LMB_TOOLS_SHADE_SPECULAR_H
 
-#include <lambent/gather.h>
+#include <lambent/lightmap.h>
+#include <lambent/volume.h>
 
-#include "shade.h"
+#include "environment_maps.h"
+#include "glossy.h"
+#include "key_lights_seen.h"
 
-typedef struct specular_place {
-    lmb_gather_point point; /* with the vertex normal */
-    lmb_vec3 normal;        /* by the normal map */
-    lmb_vec3 view;          /* unit, towards the eye */
-} specular_place;
+/* The layers of lambent/specular.h together. */
+typedef enum specular_layers {
+    LAYERS_NONE,
+    LAYERS_ANALYTIC,    /* key lights, or, where the bake has none, the dominant light */
+    LAYERS_AREA,        /* and the area layer */
+    LAYERS_DOMINANT,    /* beside key lights the dominant light too, and the area layer of what remains */
+    LAYERS_ENVIRONMENT, /* environment maps in its place */
+    LAYERS_ALL, /* either by the roughness: the map up to SPECULAR_MAP_UP_TO, the area layer from SPECULAR_AREA_FROM
+                   on, and something of both between */
+    LAYERS_COUNT
+} specular_layers;
 
-/* Of shader->specular: by the probes' harmonics and key lights. */
-lmb_rgb shade_specular_of_probes(const lmb_shader *shader, const specular_place *place);
+#define SPECULAR_MAP_UP_TO 0.1f
+#define SPECULAR_AREA_FROM 0.2f
 
-/* By rays, and key lights as they are seen from there. */
-lmb_rgb shade_specular_of_reference(const lmb_shader *shader, const specular_place *place);
+/* The light at a place that layers are made of. */
+typedef struct specular_light_here {
+    lmb_sh3_rgb radiance; /* without the key lights */
+    key_lights_seen keys;
+} specular_light_here;
+
+/* By probes at a position in the world. */
+specular_light_here specular_light_of_volume(const lmb_volume *volume, lmb_vec3d position);
+
+/* By the texels at a hit, of a lightmap whose model has the radiance. */
+specular_light_here specular_light_of_lightmap(const lmb_lightmap *lightmap, const lmb_hit *hit,
+                                               lmb_vec3 vertex_normal);
+
+/* What is reflected by those layers. `map` is the place's environment map; without (NULL) the area layer stands for it.
+ */
+lmb_rgb specular_reflected(specular_layers layers, const specular_light_here *light, const specular_place *place,
+                           const cube_map *map);
 
 /* Radiance from a direction, without a sun that was taken out of the environment's picture. */
 lmb_rgb radiance_without_keys(const lmb_transport *transport, lmb_vec3 origin, lmb_vec3 direction, uint64_t stream,

@@ -23,8 +23,8 @@ enum { MOST_LIGHTS = 16, NORMALS = 96 };
 
 static const float ROUGHNESS[] = {0.05f, 0.1f, 0.2f, 0.3f, 0.4f, 0.6f, 0.8f, 1.0f};
 static const float VIEW_COSINE[] = {1.0f, 0.8f, 0.5f, 0.2f};
-static const char *const LAYER_NAME[SPECULAR_LAYERS] = {"area",          "env. map",      "env. split", "key+area",
-                                                        "dominant+rest", "dominant+area", "area"};
+static const char *const LAYER_NAME[SPECULAR_LAYERS] = {
+    "area", "env. map", "env. split", "key", "key+area", "key+env. map", "dominant+rest", "dominant+area", "area"};
 
 enum {
     ROUGHNESSES = sizeof ROUGHNESS / sizeof ROUGHNESS[0],
@@ -152,7 +152,7 @@ static void row_print(const char *name, float value, pooled *sum)
 static void tables_print(const specular_light *lights, const specular_options *options)
 {
     static pooled sum;
-    printf("f0 %g; rel. RMSE and median: three of the picture without its sun, four of all light\n%-14s",
+    printf("f0 %g; rel. RMSE and median: three of the picture without its sun, the rest of all light\n%-14s",
            (double)options->f0, "");
     for (int layer = 0; layer < SPECULAR_LAYERS; ++layer) {
         printf("%16s", LAYER_NAME[layer]);

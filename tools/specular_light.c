@@ -202,10 +202,18 @@ lmb_rgb specular_layer_of(const specular_light *light, specular_layer layer, con
         return picture_layer(light, layer, surface, samples, stream);
     }
     const lmb_vec3 normal = surface->normal, view = surface->view;
+    const lmb_rgb sun = lmb_specular_light(&light->sun, 1.0f, &surface->specular, normal, normal, view);
+    if (layer == SPECULAR_SUN) {
+        return sun;
+    }
+    if (layer == SPECULAR_KEY_MAP) {
+        return lmb_rgb_add(sun, picture_layer(light, SPECULAR_ENVIRONMENT, surface, samples, stream));
+    }
     const lmb_rgb area = lmb_specular_area(harmonics, &surface->specular, normal, view);
     if (layer == SPECULAR_AREA || layer == SPECULAR_ALL_AREA) {
         return area;
     }
-    const lmb_key_light *apart = layer == SPECULAR_KEY ? &light->sun : &light->dominant;
-    return lmb_rgb_add(area, lmb_specular_light(apart, 1.0f, &surface->specular, normal, normal, view));
+    return lmb_rgb_add(area, layer == SPECULAR_KEY ? sun
+                                                   : lmb_specular_light(&light->dominant, 1.0f, &surface->specular,
+                                                                        normal, normal, view));
 }

@@ -45,7 +45,9 @@ typedef enum specular_layer {
     SPECULAR_ENVIRONMENT, /* of it, by a picture: as rough, in the mirrored direction, over its area layer, times that
                            */
     SPECULAR_SPLIT,       /* that picture times what a white sky sends on */
-    SPECULAR_KEY,         /* of all light: the sun's highlight and the area layer */
+    SPECULAR_SUN,         /* of all light: the sun's highlight alone */
+    SPECULAR_KEY,         /* that and the area layer */
+    SPECULAR_KEY_MAP,     /* that and the environment map */
     SPECULAR_DOMINANT,    /* the highlight of the dominant light, and the area layer of what remains */
     SPECULAR_PAPER,       /* the same, and the area layer of all, as the paper adds them */
     SPECULAR_ALL_AREA,    /* the area layer alone */

@@ -1,12 +1,13 @@
 /* What storing a lightmap in few bytes costs:
  *
- *     textures LEVEL -o DIR [level options] [--texels-per-m N] [--samples N] [--points N]
+ *     textures LEVEL -o DIR [level options] [--texels-per-m N] [--samples N] [--points N] [--reference N]
  *
  * Gathers the level's texels once, denoises them, and stores them in each way: as halfs, in 8 bits a channel, and
  * compressed, by files in DIR that are read back. What comes back is filtered and evaluated at random points of the
  * level's surfaces on 8 normals each, beside the same texels in floats, the figures of `lambent check`, of all points
- * and of those at the borders of charts; and beside SH3 of each texel, filtered, which knows its colours and all of its
- * directions. One line for each way, tabs between. */
+ * and of those at the borders of charts; beside SH3 of each texel, filtered, which knows its colours and all of its
+ * directions; and beside the path tracer, free of its noise. The direct light of key lights is in none. One line for
+ * each way, tabs between. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdio.h>
@@ -18,15 +19,14 @@
 #include <lambent/file.h>
 #include <lambent/lightmap.h>
 #include <lambent/opaque_surface.h>
-#include <lambent/sequence.h>
 #include <lambent/surface.h>
 
-#include "check_points.h"
 #include "check_statistics.h"
 #include "command.h"
 #include "level_arguments.h"
 #include "lightmap/lightmap_textures.h"
 #include "textures_eight_bits.h"
+#include "textures_reference.h"
 
 static const char usage[] =
     "usage: textures LEVEL -o DIR [options]\n"
@@ -35,9 +35,10 @@ static const char usage[] =
     "  --texels-per-m N      lightmap density (default: from the level's size)\n"
     "  --samples N           at each texel at most (default 512)\n"
     "  --points N            on surfaces (default 8000)\n"
+    "  --reference N         samples of each half of the path tracer's light (default 256)\n"
     "  --model NAME          measure this one too, in textures if they hold it (repeatable)\n" LEVEL_USAGE;
 
-enum { NORMALS = 8, STREAM_POINTS = 1, STREAM_NORMALS };
+enum { NORMALS = CHECK_NORMALS };
 
 /* Which of the lightmap's models a way stores: its own, the format's, SH3 to compare with. */
 enum { OWN = -1, DISC, TRUTH, OTHERS };
@@ -47,7 +48,8 @@ typedef struct textures {
     lmb_lightmap *lightmap;
     const char *directory;
     float texels_per_m;
-    uint32_t samples, points;
+    uint32_t samples, points, reference;
+    textures_point *point;
     const lmb_model *asked[LMB_LIGHTMAP_MOST_MODELS - OTHERS];
     int asked_count;
     lmb_rgb (*own)[NORMALS];   /* [point] by floats of the lightmap's own model */
@@ -199,19 +201,13 @@ static void light_evaluate(textures *work, const lmb_model *model, float *const 
         lightmap->image[i].plane = planes[i];
     }
     lightmap->model = model;
-    lmb_opaque_surface surface;
-    if (lmb_opaque_surface_create(work->level.tracer, &surface) == LMB_OK) {
-        for (uint32_t p = 0; p < work->points; ++p) {
-            const lmb_hit hit = lmb_opaque_surface_point(&surface, STREAM_POINTS, p, work->points);
-            const lmb_vec3 n_v = lmb_trace_place(work->level.tracer, &hit).shading_normal;
-            float channel[LMB_MODEL_MOST_CHANNELS];
-            lmb_vec3 normals[NORMALS];
-            work->mapped[p] = lmb_lightmap_sample(lightmap, &hit, channel);
-            work->border[p] = work->mapped[p] && reads_dilated(lightmap, &hit);
-            shading_normals(n_v, lmb_mix(STREAM_NORMALS, p), NORMALS, normals);
-            model->evaluate(channel, n_v, normals, NORMALS, light[p]);
-        }
-        lmb_opaque_surface_free(&surface);
+    for (uint32_t p = 0; p < work->points; ++p) {
+        const lmb_hit *hit = &work->point[p].hit;
+        const lmb_vec3 n_v = lmb_trace_place(work->level.tracer, hit).shading_normal;
+        float channel[LMB_MODEL_MOST_CHANNELS];
+        work->mapped[p] = lmb_lightmap_sample(lightmap, hit, channel);
+        work->border[p] = work->mapped[p] && reads_dilated(lightmap, hit);
+        model->evaluate(channel, n_v, work->point[p].normal, NORMALS, light[p]);
     }
     lightmap->model = own_model;
     for (int32_t i = 0; i < lightmap->image_count; ++i) {
@@ -219,13 +215,16 @@ static void light_evaluate(textures *work, const lmb_model *model, float *const 
     }
 }
 
+/* `reference` NULL: the path tracer. */
 static void summary_print(const textures *work, const bool *has, lmb_rgb (*light)[NORMALS],
                           lmb_rgb (*reference)[NORMALS])
 {
     point_error *const errors = calloc(work->points, sizeof *errors);
     error_summary summary = {0};
     for (uint32_t p = 0; errors && p < work->points; ++p) {
-        errors[p] = point_error_of(light[p], reference[p], reference[p], NORMALS);
+        const textures_point *at = &work->point[p];
+        errors[p] = reference ? point_error_of(light[p], reference[p], reference[p], NORMALS)
+                              : point_error_of(light[p], at->half[0].at, at->half[1].at, NORMALS);
     }
     if (errors && error_summarize(errors, has, work->points, &summary) == LMB_OK) {
         printf("\t%.3f\t%.3f\t%.3f\t%.3f", 100.0 * summary.rel_rmse, 100.0 * summary.median, 100.0 * summary.p95,
@@ -266,6 +265,7 @@ static lmb_result way_measure(textures *work, const storing_way *way, lmb_error 
         summary_print(work, work->mapped, light, work->own);
         summary_print(work, work->border, light, work->own);
         summary_print(work, work->mapped, light, work->truth);
+        summary_print(work, work->mapped, light, NULL);
         putchar('\n');
         fflush(stdout);
     }
@@ -312,6 +312,35 @@ static lmb_result texels_bake(textures *work, lmb_error *error)
     return result;
 }
 
+static lmb_result points_make(textures *work)
+{
+    lmb_opaque_surface surface;
+    const lmb_result result = lmb_opaque_surface_create(work->level.tracer, &surface);
+    if (result != LMB_OK) {
+        return result;
+    }
+    for (uint32_t p = 0; p < work->points; ++p) {
+        textures_point_make(&surface, p, work->points, &work->point[p]);
+    }
+    lmb_opaque_surface_free(&surface);
+    return LMB_OK;
+}
+
+/* Once `truth` is known, whose mean says what is dark. */
+static lmb_result reference_make(textures *work)
+{
+    double mean = 0.0;
+    for (uint32_t p = 0; p < work->points; ++p) {
+        const lmb_rgb light = work->truth[p][0];
+        mean += (double)(light.c[0] + light.c[1] + light.c[2]) / (3.0 * work->points);
+    }
+    lmb_transport transport = work->level.transport;
+    transport.surface = NULL;
+    const check_reference reference = {
+        .transport = &transport, .samples = work->reference, .mean_light = mean, .without_keys = true};
+    return textures_reference_gather(work->lightmap, &reference, work->level.pool, work->point, work->points);
+}
+
 static lmb_result run(textures *work, const lmb_level_settings *settings, lmb_error *error)
 {
     lmb_result result = lmb_level_open(settings, NULL, NULL, &work->level, error);
@@ -323,6 +352,10 @@ static lmb_result run(textures *work, const lmb_level_settings *settings, lmb_er
     if (result == LMB_OK) {
         result = texels_bake(work, error);
     }
+    const double gathered = seconds_used() - start;
+    if (result == LMB_OK) {
+        result = points_make(work);
+    }
     if (result == LMB_OK) {
         const lmb_lightmap *lightmap = work->lightmap;
         float *own[64], *truth[64];
@@ -332,16 +365,18 @@ static lmb_result run(textures *work, const lmb_level_settings *settings, lmb_er
         }
         printf("%s: %llu texels covered, %.1f %% of %d images, gathered in %.1f CPU s\n", settings->path,
                (unsigned long long)lightmap->covered_texel_count, 100.0 * lmb_lightmap_texels_used(lightmap),
-               (int)lightmap->image_count, seconds_used() - start);
+               (int)lightmap->image_count, gathered);
         size_t at_borders = 0;
         light_evaluate(work, lightmap->model, own, work->own);
         light_evaluate(work, lightmap->settings.other[TRUTH], truth, work->truth);
+        result = reference_make(work);
         for (uint32_t p = 0; p < work->points; ++p) {
             at_borders += work->border[p];
         }
         printf("%zu of %u points at borders of charts\n", at_borders, work->points);
         printf("way\tbytes a texel\tCPU s\tMtexel/s\trel_rmse %%\tmedian\tp95\tover 10 %%\tat borders: rel_rmse "
-               "%%\tmedian\tp95\tover 10 %%\tbeside SH3: rel_rmse %%\tmedian\tp95\tover 10 %%\n");
+               "%%\tmedian\tp95\tover 10 %%\tbeside SH3: rel_rmse %%\tmedian\tp95\tover 10 %%\t"
+               "beside the path tracer: rel_rmse %%\tmedian\tp95\tover 10 %%\n");
     }
     for (size_t i = 0; i < sizeof ways / sizeof ways[0] && result == LMB_OK; ++i) {
         result = lmb_lightmap_textures_are_here(ways[i].format) ? way_measure(work, &ways[i], error) : LMB_OK;
@@ -376,7 +411,7 @@ int main(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count - 1, values + 1, "textures", usage);
     lmb_level_settings settings = lmb_level_settings_default();
-    textures work = {.samples = 512, .points = 8000};
+    textures work = {.samples = 512, .points = 8000, .reference = 256};
     for (const char *next; (next = arguments_next(&arguments));) {
         if (strcmp(next, "-o") == 0) {
             work.directory = arguments_text(&arguments, next);
@@ -386,6 +421,8 @@ int main(int count, char **values)
             work.samples = (uint32_t)arguments_integer(&arguments, next, 64, 1 << 20);
         } else if (strcmp(next, "--points") == 0) {
             work.points = (uint32_t)arguments_integer(&arguments, next, 1, 1000000);
+        } else if (strcmp(next, "--reference") == 0) {
+            work.reference = (uint32_t)arguments_integer(&arguments, next, 2, 1 << 20);
         } else if (strcmp(next, "--model") == 0) {
             model_add(&work, &arguments, arguments_text(&arguments, next));
         } else if (next[0] != '-' && !settings.path) {
@@ -400,13 +437,16 @@ int main(int count, char **values)
     if (arguments.failed || arguments.help) {
         return arguments_status(&arguments);
     }
+    work.point = calloc(work.points, sizeof *work.point);
     work.own = calloc(work.points, sizeof *work.own);
     work.truth = calloc(work.points, sizeof *work.truth);
     work.mapped = calloc(work.points, sizeof *work.mapped);
     work.border = calloc(work.points, sizeof *work.border);
     lmb_error error = {""};
-    const lmb_result result =
-        work.own && work.truth && work.mapped && work.border ? run(&work, &settings, &error) : LMB_ERROR_MEMORY;
+    const lmb_result result = work.point && work.own && work.truth && work.mapped && work.border
+                                  ? run(&work, &settings, &error)
+                                  : LMB_ERROR_MEMORY;
+    free(work.point);
     free(work.own);
     free(work.truth);
     free(work.mapped);

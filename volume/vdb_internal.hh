@@ -126,6 +126,12 @@ void overwrite_uuid(const std::string &path);
 // A file that still carries its content hash must match it. One that another tool saved has a UUID of that tool's.
 void check_uuid(const std::string &path);
 
+// Letters of a UUID in the header.
+constexpr size_t kUuidLength = 36;
+
+// Whatever the file says of lengths and counts is so, and OpenVDB may read it.
+void check_structure(const std::string &path);
+
 } // namespace lmb_vdb
 
 #endif

@@ -205,6 +205,7 @@ Contents read_contents(const std::string &path)
         fail(LMB_ERROR_FORMAT, "not a .vdb file");
     }
     check_uuid(path);
+    check_structure(path);
     check_descriptors(path);
 
     // OpenVDB does not look whether a read succeeded: the stream throws instead.

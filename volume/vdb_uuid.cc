@@ -13,7 +13,6 @@ namespace {
 
 // Magic, file version, library version and one flag come before the UUID.
 constexpr std::streamoff kUuidOffset = 21;
-constexpr size_t kUuidLength = 36;
 
 // Of version 8 (free form, RFC 9562) from the file's bytes outside the UUID: two 64-bit FNV-1a hashes with different
 // seeds. OpenVDB's own are random and of version 4.

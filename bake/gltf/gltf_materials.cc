@@ -33,13 +33,30 @@ texture_use read_base_color(const tinygltf::Material &source, float factor[4])
     return describe_texture(pbr.baseColorTexture);
 }
 
+/* Gloss is one minus roughness, and no metal. */
+texture_use read_metallic_roughness(const tinygltf::Material &source, lmb_material &material)
+{
+    const Value &glossiness = find_extension(source.extensions, "KHR_materials_pbrSpecularGlossiness");
+    if (glossiness.IsObject()) {
+        material.roughness = 1.0f - lmb_saturate(to_float(number(member(glossiness, "glossinessFactor"), 1.0)));
+        return {-1, 0, no_texture};
+    }
+    const tinygltf::PbrMetallicRoughness &pbr = source.pbrMetallicRoughness;
+    material.metallic = lmb_saturate(to_float(pbr.metallicFactor));
+    material.roughness = lmb_saturate(to_float(pbr.roughnessFactor));
+    return describe_texture(pbr.metallicRoughnessTexture);
+}
+
 } // namespace
 
 materials::textures materials::read(uint32_t index, lmb_material &material) const
 {
     const tinygltf::Material &source = document_.model.materials[index];
     textures uses = {read_base_color(source, material.base_color), describe_texture(source.emissiveTexture),
-                     describe_texture(source.normalTexture), false};
+                     describe_texture(source.normalTexture), read_metallic_roughness(source, material), false};
+    if (!document_.options.reflection) {
+        uses.metallic_roughness.index = -1;
+    }
     const auto extension = [&](const char *name, const char *property, double missing) {
         return number(member(find_extension(source.extensions, name), property), missing);
     };
@@ -54,6 +71,7 @@ materials::textures materials::read(uint32_t index, lmb_material &material) cons
     material.base_color_texture = uses.base_color.texture;
     material.emissive_texture = uses.emissive.texture;
     material.normal_texture = uses.normal.texture;
+    material.metallic_roughness_texture = uses.metallic_roughness.texture;
     material.normal_scale = to_float(source.normalTexture.scale);
     material.transmission = lmb_saturate(to_float(extension("KHR_materials_transmission", "transmissionFactor", 0.0)));
     material.alpha_mode = alpha_mode_of(source.alphaMode);
@@ -76,7 +94,8 @@ materials::materials(const document &document, lmb_scene &scene) : document_(doc
     lmb_material &fallback = append(scene.materials, scene.material_count);
     std::fill(fallback.base_color, fallback.base_color + 4, 1.0f);
     fallback.base_color_texture = fallback.emissive_texture = fallback.normal_texture = no_texture;
-    fallback.normal_scale = 1.0f;
+    fallback.metallic_roughness_texture = no_texture;
+    fallback.normal_scale = fallback.metallic = fallback.roughness = 1.0f;
     fallback.alpha_cutoff = 0.5f;
     fallback.name = copy_string("default");
 }
@@ -116,6 +135,7 @@ void materials::use(uint32_t index)
     material.base_color_texture.uv_set = uv_slot(uses.base_color, index);
     material.emissive_texture.uv_set = uv_slot(uses.emissive, index);
     material.normal_texture.uv_set = uv_slot(uses.normal, index);
+    material.metallic_roughness_texture.uv_set = uv_slot(uses.metallic_roughness, index);
 }
 
 /* TEXCOORD_0 and _1 always. */
@@ -123,27 +143,29 @@ int materials::uv_set(uint32_t index, int32_t slot) const
 {
     const lmb_material &material = scene_.materials[index];
     const bool needed = slot < 2 || material.base_color_texture.uv_set == slot ||
-                        material.emissive_texture.uv_set == slot || material.normal_texture.uv_set == slot;
+                        material.emissive_texture.uv_set == slot || material.normal_texture.uv_set == slot ||
+                        material.metallic_roughness_texture.uv_set == slot;
     return needed ? uv_sets_[size_t(slot)] : -1;
 }
 
 /* The bake does not need it, so what is wrong with it stops nothing. Of one image it is said once. */
-void materials::read_normal_map(uint32_t material, texture_reader &reader, std::set<int> &unreadable)
+void materials::read_unneeded(uint32_t material, texture_reader &reader, const texture_use &use, lmb_texture &texture,
+                              const char *what)
 {
-    const int index = textures_[material].normal.index, image = reader.image_of(index);
-    if (unreadable.count(image) > 0) {
+    const int image = reader.image_of(use.index);
+    if (unreadable_.count(image) > 0) {
         return;
     }
     lmb_error reason;
-    const lmb_result result = reader.read(index, scene_.materials[material].normal_texture, reason);
+    const lmb_result result = reader.read(use.index, texture, reason);
     if (result == LMB_ERROR_MEMORY) {
         throw std::bad_alloc();
     }
     if (result != LMB_OK) {
-        lmb_warn(&document_.options.warnings, "%s; %s goes without its normal map", reason.message,
-                 name_of(material).c_str());
+        lmb_warn(&document_.options.warnings, "%s; %s goes without its %s", reason.message, name_of(material).c_str(),
+                 what);
         if (image >= 0) {
-            unreadable.insert(image);
+            unreadable_.insert(image);
         }
     }
 }
@@ -151,15 +173,24 @@ void materials::read_normal_map(uint32_t material, texture_reader &reader, std::
 void materials::read_images()
 {
     texture_reader reader(document_, scene_);
-    std::set<int> unreadable; /* images of the file */
     for (uint32_t i = 0; i < textures_.size(); ++i) {
-        if (textures_[i].used) {
+        const textures &uses = textures_[i];
+        lmb_material &material = scene_.materials[i];
+        if (uses.used) {
             lmb_error error;
-            check(reader.read(textures_[i].base_color.index, scene_.materials[i].base_color_texture, error), error);
-            check(reader.read(textures_[i].emissive.index, scene_.materials[i].emissive_texture, error), error);
-            read_normal_map(i, reader, unreadable);
+            check(reader.read(uses.base_color.index, material.base_color_texture, error), error);
+            check(reader.read(uses.emissive.index, material.emissive_texture, error), error);
+            read_unneeded(i, reader, uses.normal, material.normal_texture, "normal map");
         }
     }
+    const uint64_t hash = document_.file->hash; /* of what a bake is made of, whoever looks at it */
+    for (uint32_t i = 0; i < textures_.size(); ++i) {
+        if (textures_[i].used) {
+            read_unneeded(i, reader, textures_[i].metallic_roughness, scene_.materials[i].metallic_roughness_texture,
+                          "map of metalness and roughness");
+        }
+    }
+    document_.file->hash = hash;
 }
 
 } // namespace lmb_gltf

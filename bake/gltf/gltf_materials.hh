@@ -25,18 +25,20 @@ class materials {
 
   private:
     struct textures {
-        texture_use base_color, emissive, normal;
+        texture_use base_color, emissive, normal, metallic_roughness;
         bool used;
     };
 
     std::string name_of(uint32_t material) const;
     textures read(uint32_t index, lmb_material &material) const;
     int32_t uv_slot(const texture_use &use, uint32_t material);
-    void read_normal_map(uint32_t material, texture_reader &reader, std::set<int> &unreadable);
+    void read_unneeded(uint32_t material, texture_reader &reader, const texture_use &use, lmb_texture &texture,
+                       const char *what);
 
     const document &document_;
     lmb_scene &scene_;
     std::vector<textures> textures_; /* [material], without the default one */
+    std::set<int> unreadable_;       /* images of the file */
     std::vector<int> uv_sets_{0, 1}; /* the TEXCOORD that each of lmb_mesh.uv is */
 };
 

@@ -286,45 +286,12 @@ static exr_result_t tiles_decode(exr_const_context_t context, const lmb_exr_targ
     return code;
 }
 
-/* The place behind the NUL that ends a text at `at`; the file's size where there is none. */
-static size_t text_end(const lmb_image_bytes *file, size_t at)
-{
-    const unsigned char *const end = at < file->size ? memchr(file->data + at, '\0', file->size - at) : NULL;
-    return end ? (size_t)(end - file->data) + 1 : file->size;
-}
-
-/* Whether every attribute of the headers is as long as it says: name, type, 32 bits of size, and so many bytes. */
-static bool attributes_fit(const lmb_image_bytes *file)
-{
-    const bool many_parts = file->size > 8 && (file->data[5] & 0x10) != 0; /* headers until an empty one */
-    size_t at = 8;
-    while (at < file->size) {
-        if (file->data[at] == '\0') {
-            ++at;
-            if (!many_parts || at >= file->size || file->data[at] == '\0') {
-                return true;
-            }
-        }
-        at = text_end(file, text_end(file, at));
-        if (file->size - at < 4) {
-            return false;
-        }
-        const unsigned char *const size = file->data + at;
-        const uint32_t length = size[0] | (uint32_t)size[1] << 8 | (uint32_t)size[2] << 16 | (uint32_t)size[3] << 24;
-        at += 4;
-        if (length > file->size - at) {
-            return false;
-        }
-        at += length;
-    }
-    return false;
-}
-
-/* DWAA and DWAB need OpenEXR's C++ library, which takes memory for an attribute before it looks how much there is. */
+/* DWAA and DWAB need OpenEXR's C++ library. */
 static lmb_result dwa_decode(const exr_source *source, const lmb_exr_targets *targets, lmb_error *error)
 {
-    if (!attributes_fit(&source->file)) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: an attribute of the EXR's header is longer than the file",
+    if (!lmb_exr_attributes_fit(&source->file)) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT,
+                             "%s: an attribute of the EXR's header is of another length than it says",
                              source->file.name);
     }
     const lmb_result result = lmb_exr_decode_dwa(&source->file, targets, error);

@@ -35,8 +35,11 @@ typedef struct lmb_exr_targets {
     int32_t width, height; /* of the picture */
 } lmb_exr_targets;
 
-/* The pixels of a file's first part, whose header is known to be good. @return LMB_ERROR_FORMAT, or LMB_ERROR_MEMORY,
- * which a broken file may also bring about */
+/* Whether the attributes of all headers lie within the file, and are as long as their types. */
+bool lmb_exr_attributes_fit(const lmb_image_bytes *file);
+
+/* The pixels of a file's first part, whose header is known to be good and whose attributes fit. @return
+ * LMB_ERROR_FORMAT, or LMB_ERROR_MEMORY, which a broken file may also bring about */
 lmb_result lmb_exr_decode_dwa(const lmb_image_bytes *file, const lmb_exr_targets *targets, lmb_error *error);
 
 #ifdef __cplusplus

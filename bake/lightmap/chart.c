@@ -51,7 +51,7 @@ typedef struct grower {
 
 static void grower_free(grower *g)
 {
-    chart_mesh_free(&g->faces);
+    lmb_chart_mesh_free(&g->faces);
     free(g->chart);
     free(g->visit);
     free(g->members);
@@ -85,7 +85,7 @@ static lmb_result grower_make(const lmb_mesh *mesh, float texels_per_m, grower *
         return LMB_ERROR_MEMORY;
     }
     memset(g->chart, 0xff, count * sizeof *g->chart);
-    return chart_mesh_make(mesh, &g->faces);
+    return lmb_chart_mesh_make(mesh, &g->faces);
 }
 
 static double dot(const double a[3], const double b[3])
@@ -259,7 +259,7 @@ static bool edge_separates(const chart_vec2 *a, const chart_vec2 *b, double slac
 }
 
 /* Separating axes: in the plane, one of the six edges separates two triangles that do not overlap. */
-bool chart_triangles_overlap(const chart_vec2 *a, const chart_vec2 *b, double slack)
+bool lmb_chart_triangles_overlap(const chart_vec2 *a, const chart_vec2 *b, double slack)
 {
     return !edge_separates(a, b, slack) && !edge_separates(b, a, slack);
 }
@@ -284,7 +284,8 @@ static bool accepted_overlap(const grower *g, uint32_t member)
         const uint32_t first = (node - g->leaf_count) * LEAF_SIZE;
         for (uint32_t i = first; i < first + LEAF_SIZE && i < g->member_count; ++i) {
             const uint32_t other = g->order[i].member;
-            if (g->state[other] == MEMBER_ACCEPTED && chart_triangles_overlap(own->p, g->flat[other].p, g->overlap)) {
+            if (g->state[other] == MEMBER_ACCEPTED &&
+                lmb_chart_triangles_overlap(own->p, g->flat[other].p, g->overlap)) {
                 return true;
             }
         }
@@ -461,10 +462,10 @@ lmb_result lmb_charts_make(const lmb_mesh *mesh, float texels_per_m, int32_t gut
         result = layout_make(&g, (double)texels_per_m, &flat);
     }
     if (result == LMB_OK) {
-        result = chart_join(&g.faces, &flat, g.chart);
+        result = lmb_chart_join(&g.faces, &flat, g.chart);
     }
     if (result == LMB_OK) {
-        result = chart_pack(flat.charts, flat.chart_count, flat.corners, gutter_texels, pool, &resolution);
+        result = lmb_chart_pack(flat.charts, flat.chart_count, flat.corners, gutter_texels, pool, &resolution);
     }
     if (result == LMB_OK) {
         result = charts_fill(&g, &flat, resolution, charts);

@@ -31,7 +31,7 @@ static bool shape_alloc(int32_t width, int32_t height, chart_shape *shape)
     return shape->bits && shape->bottom && shape->run && shape->alike;
 }
 
-void chart_shape_free(chart_shape *shape)
+void lmb_chart_shape_free(chart_shape *shape)
 {
     free(shape->bits);
     free(shape->bottom);
@@ -165,7 +165,7 @@ static void triangle_draw(chart_shape *shape, const chart_vec2 corner[3])
     }
 }
 
-bool chart_shape_make(const chart_vec2 *corners, size_t count, int32_t width, int32_t height, chart_shape *shape)
+bool lmb_chart_shape_make(const chart_vec2 *corners, size_t count, int32_t width, int32_t height, chart_shape *shape)
 {
     if (!shape_alloc(width, height, shape)) {
         return false;
@@ -177,7 +177,7 @@ bool chart_shape_make(const chart_vec2 *corners, size_t count, int32_t width, in
     return true;
 }
 
-bool chart_shape_make_box(int32_t width, int32_t height, chart_shape *shape)
+bool lmb_chart_shape_make_box(int32_t width, int32_t height, chart_shape *shape)
 {
     if (!shape_alloc(width, height, shape)) {
         return false;
@@ -189,7 +189,7 @@ bool chart_shape_make_box(int32_t width, int32_t height, chart_shape *shape)
     return true;
 }
 
-bool chart_shape_turn(const chart_shape *shape, chart_shape *turned)
+bool lmb_chart_shape_turn(const chart_shape *shape, chart_shape *turned)
 {
     if (!shape_alloc(shape->height, shape->width, turned)) {
         return false;
@@ -206,7 +206,7 @@ bool chart_shape_turn(const chart_shape *shape, chart_shape *turned)
     return true;
 }
 
-bool chart_canvas_make(int32_t width, int32_t gutter, chart_canvas *canvas)
+bool lmb_chart_canvas_make(int32_t width, int32_t gutter, chart_canvas *canvas)
 {
     *canvas = (chart_canvas){.width = width, .gutter = gutter, .words = words_of(width)};
     canvas->top = malloc((size_t)width * sizeof *canvas->top);
@@ -219,7 +219,7 @@ bool chart_canvas_make(int32_t width, int32_t gutter, chart_canvas *canvas)
     return canvas->top && canvas->lowest && canvas->hit && canvas->row;
 }
 
-void chart_canvas_free(chart_canvas *canvas)
+void lmb_chart_canvas_free(chart_canvas *canvas)
 {
     free(canvas->blocked);
     free(canvas->room);
@@ -458,8 +458,8 @@ static bool canvas_place(chart_canvas *canvas, const chart_shape *shape, int32_t
     return true;
 }
 
-bool chart_canvas_add(chart_canvas *canvas, const chart_shape *shape, int turns, int32_t most_height,
-                      chart_place *place)
+bool lmb_chart_canvas_add(chart_canvas *canvas, const chart_shape *shape, int turns, int32_t most_height,
+                          chart_place *place)
 {
     int32_t limit = most_height - canvas->gutter + 1;
     place->turn = -1;

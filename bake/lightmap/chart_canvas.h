@@ -24,15 +24,15 @@ typedef struct chart_shape {
 
 /* The texels of a width x height box that its triangles (three corners each, count corners) reach into.
  * @return false: out of memory */
-bool chart_shape_make(const chart_vec2 *corners, size_t count, int32_t width, int32_t height, chart_shape *shape);
+bool lmb_chart_shape_make(const chart_vec2 *corners, size_t count, int32_t width, int32_t height, chart_shape *shape);
 
 /* A whole box. @return false: out of memory */
-bool chart_shape_make_box(int32_t width, int32_t height, chart_shape *shape);
+bool lmb_chart_shape_make_box(int32_t width, int32_t height, chart_shape *shape);
 
 /* The same, turned by a quarter: what was at (x, y) is at (height - y, x). @return false: out of memory */
-bool chart_shape_turn(const chart_shape *shape, chart_shape *turned);
+bool lmb_chart_shape_turn(const chart_shape *shape, chart_shape *turned);
 
-void chart_shape_free(chart_shape *shape);
+void lmb_chart_shape_free(chart_shape *shape);
 
 /* How many looks of shapes are remembered. */
 enum { CHART_SEEN = 1024 };
@@ -63,12 +63,12 @@ typedef struct chart_place {
 } chart_place;
 
 /* @return false: out of memory; then, too, chart_canvas_free is to be called */
-bool chart_canvas_make(int32_t width, int32_t gutter, chart_canvas *canvas);
-void chart_canvas_free(chart_canvas *canvas);
+bool lmb_chart_canvas_make(int32_t width, int32_t gutter, chart_canvas *canvas);
+void lmb_chart_canvas_free(chart_canvas *canvas);
 
 /* Stands a shape on the canvas, in the turn (of `turns` that follow each other) that keeps it lowest, no higher than
  * `most_height` with the gutter beyond. `place->turn` is -1 where it does not fit. @return false: out of memory */
-bool chart_canvas_add(chart_canvas *canvas, const chart_shape *shape, int turns, int32_t most_height,
-                      chart_place *place);
+bool lmb_chart_canvas_add(chart_canvas *canvas, const chart_shape *shape, int turns, int32_t most_height,
+                          chart_place *place);
 
 #endif

@@ -22,8 +22,8 @@ typedef struct chart_mesh {
 } chart_mesh;
 
 /* @return LMB_ERROR_MEMORY; then, too, chart_mesh_free is to be called */
-lmb_result chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out);
-void chart_mesh_free(chart_mesh *mesh);
+lmb_result lmb_chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out);
+void lmb_chart_mesh_free(chart_mesh *mesh);
 
 /* One chart, laid flat: its corners are corners[first] .. corners[first + count - 1], in texels. */
 typedef struct chart_flat {
@@ -45,15 +45,15 @@ typedef struct chart_layout {
 #define CHART_OVERLAP_TEXELS 1e-4
 
 /* Whether two counter-clockwise triangles (three corners each) reach into each other by more than `slack`. */
-bool chart_triangles_overlap(const chart_vec2 *a, const chart_vec2 *b, double slack);
+bool lmb_chart_triangles_overlap(const chart_vec2 *a, const chart_vec2 *b, double slack);
 
 /* Joins charts of a few texels to neighbours, unfolded over their common edge. `chart` is [triangle] of the mesh.
  * @return LMB_ERROR_MEMORY */
-lmb_result chart_join(const chart_mesh *mesh, chart_layout *layout, uint32_t *chart);
+lmb_result lmb_chart_join(const chart_mesh *mesh, chart_layout *layout, uint32_t *chart);
 
 /* Turns each chart to its smallest bounding box, packs the boxes, and moves `corners` to where they are in the packed
  * square, in texels. @return LMB_ERROR_MEMORY, or LMB_ERROR_ARGUMENT when the square would be too large */
-lmb_result chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *corners, int32_t gutter_texels,
-                      lmb_pool *pool, int32_t *resolution);
+lmb_result lmb_chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *corners, int32_t gutter_texels,
+                          lmb_pool *pool, int32_t *resolution);
 
 #endif

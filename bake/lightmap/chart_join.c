@@ -274,7 +274,7 @@ static bool boxed_hits(const boxed *own, const chart_vec2 *p)
 {
     return fmin(p[0].x, fmin(p[1].x, p[2].x)) < own->high.x && fmax(p[0].x, fmax(p[1].x, p[2].x)) > own->low.x &&
            fmin(p[0].y, fmin(p[1].y, p[2].y)) < own->high.y && fmax(p[0].y, fmax(p[1].y, p[2].y)) > own->low.y &&
-           chart_triangles_overlap(own->p, p, CHART_OVERLAP_TEXELS);
+           lmb_chart_triangles_overlap(own->p, p, CHART_OVERLAP_TEXELS);
 }
 
 static bool boxed_hits_chart(joiner *j, const boxed *own, uint32_t chart)
@@ -421,7 +421,7 @@ static lmb_result layout_rebuild(joiner *j, uint32_t *chart)
     return LMB_OK;
 }
 
-lmb_result chart_join(const chart_mesh *mesh, chart_layout *layout, uint32_t *chart)
+lmb_result lmb_chart_join(const chart_mesh *mesh, chart_layout *layout, uint32_t *chart)
 {
     const size_t charts = layout->chart_count;
     joiner j = {.mesh = mesh,

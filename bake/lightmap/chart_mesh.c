@@ -145,7 +145,7 @@ static size_t half_edges_sort(const lmb_mesh *mesh, const chart_mesh *out, size_
     return count;
 }
 
-lmb_result chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out)
+lmb_result lmb_chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out)
 {
     const size_t triangles = mesh->triangle_count;
     *out = (chart_mesh){.triangle_count = mesh->triangle_count};
@@ -182,7 +182,7 @@ lmb_result chart_mesh_make(const lmb_mesh *mesh, chart_mesh *out)
     return LMB_OK;
 }
 
-void chart_mesh_free(chart_mesh *mesh)
+void lmb_chart_mesh_free(chart_mesh *mesh)
 {
     free(mesh->weld);
     free(mesh->neighbour);

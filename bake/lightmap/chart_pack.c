@@ -115,10 +115,10 @@ static bool chart_fit(const chart_flat *chart, chart_vec2 *corners, chart_vec2 *
 /* The bitmaps of a chart in all its turns: two of a full rectangle, which looks the same from the other side. */
 static bool item_make(const chart_flat *chart, const chart_vec2 *corners, const int32_t size[2], chart_item *item)
 {
-    bool enough = chart_shape_make(corners + chart->first, chart->count, size[0], size[1], &item->shape[0]);
+    bool enough = lmb_chart_shape_make(corners + chart->first, chart->count, size[0], size[1], &item->shape[0]);
     item->turns = item->shape[0].solid ? CHART_TURNS / 2 : CHART_TURNS;
     for (int k = 1; enough && k < item->turns; ++k) {
-        enough = chart_shape_turn(&item->shape[k - 1], &item->shape[k]);
+        enough = lmb_chart_shape_turn(&item->shape[k - 1], &item->shape[k]);
     }
     return enough;
 }
@@ -157,8 +157,8 @@ static void corners_move(const chart_flat *chart, const chart_item *item, const 
     }
 }
 
-lmb_result chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *corners, int32_t gutter_texels,
-                      lmb_pool *pool, int32_t *resolution)
+lmb_result lmb_chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *corners, int32_t gutter_texels,
+                          lmb_pool *pool, int32_t *resolution)
 {
     int32_t(*const sizes)[2] = malloc(chart_count * sizeof *sizes);
     chart_item *const items = calloc(chart_count, sizeof *items);
@@ -169,14 +169,14 @@ lmb_result chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *
         result = item_make(&charts[i], corners, sizes[i], &items[i]) ? LMB_OK : LMB_ERROR_MEMORY;
     }
     if (result == LMB_OK) {
-        chart_items_sort(items, chart_count);
+        lmb_chart_items_sort(items, chart_count);
         chart_widths job = {.items = items,
                             .count = chart_count,
                             .gutter = gutter_texels,
                             .most = MAX_RESOLUTION,
                             .pool = pool,
                             .place = places};
-        result = chart_widths_pack(&job);
+        result = lmb_chart_widths_pack(&job);
         const int32_t side = job.width > job.height ? job.width : job.height;
         *resolution = result == LMB_OK ? (side + RESOLUTION_STEP - 1) / RESOLUTION_STEP * RESOLUTION_STEP : *resolution;
     }
@@ -184,7 +184,7 @@ lmb_result chart_pack(const chart_flat *charts, size_t chart_count, chart_vec2 *
         corners_move(&charts[items[i].id], &items[i], &places[i], corners);
     }
     free(sizes);
-    chart_items_free(items, chart_count);
+    lmb_chart_items_free(items, chart_count);
     free(places);
     return result;
 }

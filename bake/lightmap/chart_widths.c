@@ -43,16 +43,16 @@ static int item_compare(const void *a, const void *b)
     return (p->id > q->id) - (p->id < q->id);
 }
 
-void chart_items_sort(chart_item *items, size_t count)
+void lmb_chart_items_sort(chart_item *items, size_t count)
 {
     qsort(items, count, sizeof *items, item_compare);
 }
 
-void chart_items_free(chart_item *items, size_t count)
+void lmb_chart_items_free(chart_item *items, size_t count)
 {
     for (size_t i = 0; items && i < count; ++i) {
         for (int turn = 0; turn < CHART_TURNS; ++turn) {
-            chart_shape_free(&items[i].shape[turn]);
+            lmb_chart_shape_free(&items[i].shape[turn]);
         }
     }
     free(items);
@@ -91,7 +91,7 @@ static lmb_result canvas_fill(const chart_widths *job, chart_canvas *canvas, boo
 {
     for (size_t i = 0; i < job->count; ++i) {
         const chart_item *const item = &job->items[i];
-        if (!chart_canvas_add(canvas, item->shape, item->turns, job->most, &place[i])) {
+        if (!lmb_chart_canvas_add(canvas, item->shape, item->turns, job->most, &place[i])) {
             return LMB_ERROR_MEMORY;
         }
         if (all && place[i].turn < 0) {
@@ -108,7 +108,7 @@ static void width_try(void *context, size_t task, int worker)
     const chart_widths *job = all->job;
     width_trial *const at = &all->at_once[task];
     chart_canvas canvas;
-    at->result = chart_canvas_make(at->width, job->gutter, &canvas) ? LMB_OK : LMB_ERROR_MEMORY;
+    at->result = lmb_chart_canvas_make(at->width, job->gutter, &canvas) ? LMB_OK : LMB_ERROR_MEMORY;
     if (at->result == LMB_OK) {
         at->result = canvas_fill(job, &canvas, true, at->place);
     }
@@ -116,7 +116,7 @@ static void width_try(void *context, size_t task, int worker)
     at->cost = at->result == LMB_OK ? canvas_cost(&canvas) : HUGE_VAL;
     at->used_width = canvas.used_width;
     at->used_height = canvas.used_height;
-    chart_canvas_free(&canvas);
+    lmb_chart_canvas_free(&canvas);
 }
 
 /* Tries the widths at hand, and keeps the best, the first of those that are as good. */
@@ -202,7 +202,7 @@ static lmb_result trials_run(trials *all)
     return result;
 }
 
-lmb_result chart_widths_pack(chart_widths *job)
+lmb_result lmb_chart_widths_pack(chart_widths *job)
 {
     if (boxes_exceed(job)) {
         return LMB_ERROR_ARGUMENT;
@@ -217,15 +217,15 @@ lmb_result chart_widths_pack(chart_widths *job)
     return result == LMB_OK && all.best_cost == HUGE_VAL ? LMB_ERROR_ARGUMENT : result;
 }
 
-lmb_result chart_widths_fill(chart_widths *job)
+lmb_result lmb_chart_widths_fill(chart_widths *job)
 {
     chart_canvas canvas;
-    lmb_result result = chart_canvas_make(job->most, job->gutter, &canvas) ? LMB_OK : LMB_ERROR_MEMORY;
+    lmb_result result = lmb_chart_canvas_make(job->most, job->gutter, &canvas) ? LMB_OK : LMB_ERROR_MEMORY;
     if (result == LMB_OK) {
         result = canvas_fill(job, &canvas, false, job->place);
     }
     job->width = canvas.used_width;
     job->height = canvas.used_height;
-    chart_canvas_free(&canvas);
+    lmb_chart_canvas_free(&canvas);
     return result;
 }

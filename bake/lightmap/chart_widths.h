@@ -16,8 +16,8 @@ typedef struct chart_item {
 } chart_item;
 
 /* Sorts tall before low, then wide before narrow, then by id: low ones fill what tall ones leave. */
-void chart_items_sort(chart_item *items, size_t count);
-void chart_items_free(chart_item *items, size_t count);
+void lmb_chart_items_sort(chart_item *items, size_t count);
+void lmb_chart_items_free(chart_item *items, size_t count);
 
 typedef struct chart_widths {
     const chart_item *items;
@@ -32,9 +32,9 @@ typedef struct chart_widths {
 /* Packs at several widths, as many as the time allows, and keeps the smallest. The same items give the same places,
  * for any number of threads.
  * @return LMB_ERROR_MEMORY, or LMB_ERROR_ARGUMENT when they do not fit */
-lmb_result chart_widths_pack(chart_widths *job);
+lmb_result lmb_chart_widths_pack(chart_widths *job);
 
 /* Packs what fits into the largest image; what does not has the turn -1. @return LMB_ERROR_MEMORY */
-lmb_result chart_widths_fill(chart_widths *job);
+lmb_result lmb_chart_widths_fill(chart_widths *job);
 
 #endif

@@ -18,11 +18,11 @@ static size_t items_collect(const lmb_lightmap *lightmap, chart_item *items, boo
         if (region->width > 0) {
             items[count].id = i;
             items[count].turns = 1;
-            *enough = chart_shape_make_box(region->width, region->height, items[count].shape);
+            *enough = lmb_chart_shape_make_box(region->width, region->height, items[count].shape);
             ++count;
         }
     }
-    chart_items_sort(items, count);
+    lmb_chart_items_sort(items, count);
     return count;
 }
 
@@ -111,16 +111,16 @@ lmb_result lmb_lightmap_pack(lmb_lightmap *lightmap)
                             .most = lightmap->settings.max_image_size + 2 * lightmap->settings.padding,
                             .pool = lightmap->settings.pool,
                             .place = places};
-        result = chart_widths_pack(&job);
+        result = lmb_chart_widths_pack(&job);
         if (result == LMB_ERROR_ARGUMENT) { /* more than one image: as much as goes into this one */
-            result = chart_widths_fill(&job);
+            result = lmb_chart_widths_fill(&job);
         }
         left = result == LMB_OK ? image_take(lightmap, images, items, &job) : left;
     }
     if (result == LMB_OK) {
         result = images_make(lightmap, images);
     }
-    chart_items_free(items, count);
+    lmb_chart_items_free(items, count);
     free(places);
     return result;
 }

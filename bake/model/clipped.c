@@ -87,3 +87,12 @@ void lmb_clipped_irradiance(const lmb_sh3_rgb *radiance, const lmb_vec3 axes[3],
         }
     }
 }
+
+lmb_sh3_rgb lmb_unclipped_sh3_rgb(const lmb_sh3_rgb *clipped, lmb_vec3 normal)
+{
+    lmb_sh3_rgb radiance;
+    for (int c = 0; c < 3; ++c) {
+        radiance.channel[c] = lmb_sh3_fit_hemisphere(&clipped->channel[c], normal);
+    }
+    return radiance;
+}

@@ -44,6 +44,9 @@ lmb_sh3 lmb_clipped_sh3(const lmb_sh3 *local, float cone_cos);
 /* The same in the world, about any axis. */
 lmb_sh3_rgb lmb_clipped_sh3_rgb(const lmb_sh3_rgb *radiance, lmb_vec3 axis, float cone_cos);
 
+/* Of SH3 of what the hemisphere lets through, those whose radiance they are, by least squares over it. */
+lmb_sh3_rgb lmb_unclipped_sh3_rgb(const lmb_sh3_rgb *clipped, lmb_vec3 normal);
+
 /* SH3 of the normalised irradiance of it, in the axes of `axis`. */
 void lmb_clipped_irradiance(const lmb_sh3_rgb *radiance, const lmb_vec3 axes[3], float cone_cos, lmb_sh3 irradiance[3]);
 

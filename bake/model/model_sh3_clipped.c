@@ -40,6 +40,12 @@ static void gram_evaluate(const float *channel, lmb_vec3 vertex_normal, const lm
     }
 }
 
+static void gram_radiance(const float *channel, lmb_vec3 vertex_normal, lmb_sh3_rgb *radiance)
+{
+    const lmb_sh3_rgb clipped = stored(channel);
+    *radiance = lmb_unclipped_sh3_rgb(&clipped, vertex_normal);
+}
+
 const lmb_model lmb_model_sh3_gram = {
     .name = "sh3.gram",
     .title = "SH3, quadratic multiply",
@@ -49,6 +55,7 @@ const lmb_model lmb_model_sh3_gram = {
     .cone = true,
     .encode = gram_encode,
     .evaluate = gram_evaluate,
+    .radiance = gram_radiance,
 };
 
 /* Cosine-weighted visibility at the axis. */

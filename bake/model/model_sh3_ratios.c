@@ -56,8 +56,7 @@ static void shared_encode(const lmb_sh3_rgb *radiance, lmb_vec3 vertex_normal, f
 }
 
 /* Colour c's ratio i lies `each` (i - 1) + `colour` c behind l0. */
-static void ratios_evaluate(const float *channel, int each, int colour, const lmb_vec3 *normal, int count,
-                            lmb_rgb *irradiance)
+static lmb_sh3_rgb ratios_decode(const float *channel, int each, int colour)
 {
     lmb_sh3_rgb sh3;
     for (int c = 0; c < COLOURS; ++c) {
@@ -67,6 +66,13 @@ static void ratios_evaluate(const float *channel, int each, int colour, const lm
             sh3.channel[c].c[i] = l0 * channel[COLOURS + each * (i - 1) + c * colour];
         }
     }
+    return sh3;
+}
+
+static void ratios_evaluate(const float *channel, int each, int colour, const lmb_vec3 *normal, int count,
+                            lmb_rgb *irradiance)
+{
+    const lmb_sh3_rgb sh3 = ratios_decode(channel, each, colour);
     for (int i = 0; i < count; ++i) {
         irradiance[i] = lmb_sh3_rgb_irradiance(&sh3, normal[i]);
     }
@@ -84,6 +90,18 @@ static void shared_evaluate(const float *channel, lmb_vec3 vertex_normal, const 
 {
     (void)vertex_normal;
     ratios_evaluate(channel, 1, 0, normal, count, irradiance);
+}
+
+static void own_radiance(const float *channel, lmb_vec3 vertex_normal, lmb_sh3_rgb *radiance)
+{
+    const lmb_sh3_rgb clipped = ratios_decode(channel, COLOURS, 1);
+    *radiance = lmb_unclipped_sh3_rgb(&clipped, vertex_normal);
+}
+
+static void shared_radiance(const float *channel, lmb_vec3 vertex_normal, lmb_sh3_rgb *radiance)
+{
+    const lmb_sh3_rgb clipped = ratios_decode(channel, 1, 0);
+    *radiance = lmb_unclipped_sh3_rgb(&clipped, vertex_normal);
 }
 
 static const lmb_model_part own_parts[] = {
@@ -111,6 +129,7 @@ const lmb_model lmb_model_sh3_ratios = {
     .convention = "l0 of SH3 radiance above the horizon, red, green and blue; then each other coefficient over it",
     .encode = own_encode,
     .evaluate = own_evaluate,
+    .radiance = own_radiance,
 };
 
 const lmb_model lmb_model_sh3_shared_ratios = {
@@ -127,4 +146,5 @@ const lmb_model lmb_model_sh3_shared_ratios = {
         "l0 of SH3 radiance above the horizon, red, green and blue; then luminance's other coefficients over its",
     .encode = shared_encode,
     .evaluate = shared_evaluate,
+    .radiance = shared_radiance,
 };

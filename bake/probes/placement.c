@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/probe_boxes.h>
+
 #define DEFAULT_POINTS 32768.0
 /* A probe count over the limit is approached in this many steps at most. */
 #define MAX_SPACING_STEPS 12
@@ -96,13 +98,21 @@ static lmb_result points_widen(const lmb_lattice *box, int axis, lmb_point_set *
     return result;
 }
 
-/* The corners of every cell that has a free corner: every point that is, or is next to, a free one, found along one
- * axis after the other. A box has at least one cell along each. */
-static lmb_result wanted_find(const lmb_survey *survey, lmb_point_set *wanted)
+/* Whether probes are wanted around a point, that a box keeps from having them or not. */
+static bool point_is_wanted(const lmb_survey *survey, int32_t i, bool despite_boxes)
+{
+    return survey->free[i] &&
+           (despite_boxes || !lmb_scene_probes_excluded(lmb_tracer_scene(survey->tracer),
+                                                        survey_position(survey, survey->points.point[i])));
+}
+
+/* The corners of every cell that has a wanted corner: every point that is, or is next to, one, found along one axis
+ * after the other. A box has at least one cell along each. */
+static lmb_result wanted_find(const lmb_survey *survey, bool despite_boxes, lmb_point_set *wanted)
 {
     lmb_result result = LMB_OK;
     for (int32_t i = 0; i < survey->points.count && result == LMB_OK; ++i) {
-        if (survey->free[i]) {
+        if (point_is_wanted(survey, i, despite_boxes)) {
             result = lmb_point_set_add(wanted, survey->points.point[i]);
         }
     }
@@ -291,9 +301,13 @@ static lmb_result survey_fit(lmb_survey *survey, lmb_point_set *wanted, const lm
         if (result != LMB_OK) {
             return result;
         }
-        result = wanted_find(survey, wanted);
+        result = wanted_find(survey, false, wanted);
         if (result != LMB_OK) {
             return survey_fail(survey, spacing, result, error);
+        }
+        if (wanted->count == 0) {
+            return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: all free space lies in boxes without probes",
+                                 lmb_tracer_scene(survey->tracer)->path);
         }
         if (wanted->count <= settings->max_probes || step == MAX_SPACING_STEPS) {
             return LMB_OK;
@@ -338,6 +352,9 @@ lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_sett
         return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
     }
     lmb_result result = survey_fit(&survey, &wanted, settings, &seeds, stats, error);
+    if (result == LMB_OK && settings->for_levels) {
+        result = wanted_find(&survey, true, &wanted);
+    }
     if (result == LMB_OK) {
         result = probes_place(&survey, &wanted, probes, stats);
         if (result != LMB_OK) {

@@ -4,15 +4,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Points that a cube adds at most when it gives way to 4 x 4 x 4 cells. */
-enum { CUBE_POINTS = 125, LEVELS_MOST = 24 };
+enum { LEVELS_MOST = 24 };
+
+/* Tolerances are raised by this much at once. */
+#define RAISE 1.04
 
 typedef struct level_tree {
     const lmb_levels_settings *settings;
+    lmb_level_rules rules;
     lmb_sites sites;
     uint32_t count;
     lmb_level_cubes level[LEVELS_MOST]; /* the finest first */
-    int64_t kept;                       /* probes of levels that are decided */
+    double raised;                      /* all tolerances, by this factor */
+    uint32_t levels_lost;               /* finest ones that boxes want and do not get */
 } level_tree;
 
 static int32_t halved(int64_t value)
@@ -54,44 +58,13 @@ static lmb_result coarsest_add(level_tree *tree)
     return result;
 }
 
-typedef struct cube_rank {
-    float error;
-    int32_t cube;
-} cube_rank;
-
-/* The worst first; the order of the cubes where they are alike. */
-static int ranks_compare(const void *a, const void *b)
+/* Whether a cube gives way: a finer level has eight times as many probes in the same space, and takes away almost all
+ * of the error. So many times as much it has to be. */
+static bool cube_gives_way(const level_tree *tree, const lmb_level_cubes *cubes, int32_t cube)
 {
-    const cube_rank *const p = a, *const q = b;
-    return p->error != q->error ? (p->error < q->error ? 1 : -1) : p->cube < q->cube ? -1 : p->cube > q->cube;
-}
-
-/* Marks the cubes that give way. */
-static lmb_result cubes_choose(level_tree *tree, lmb_level_cubes *cubes)
-{
-    /* A finer level has eight times as many probes in the same space, and takes away almost all of the error: so many
-     * times as much it has to be. */
     const double coarser = (double)(UINT64_C(1) << 3 * (tree->count - 1 - cubes->level));
-    const float most = (float)(coarser * tree->settings->tolerance * tree->settings->tolerance);
-    cube_rank *const rank = malloc(((size_t)cubes->cubes.count + 1) * sizeof *rank);
-    if (!rank) {
-        return LMB_ERROR_MEMORY;
-    }
-    int32_t count = 0;
-    for (int32_t cube = 0; cube < cubes->cubes.count; ++cube) {
-        if (cubes->error[cube] > most) {
-            rank[count++] = (cube_rank){cubes->error[cube], cube};
-        }
-    }
-    if (count > 0) {
-        qsort(rank, (size_t)count, sizeof *rank, ranks_compare);
-    }
-    const int64_t room = (tree->settings->max_probes - tree->kept - cubes->corner_count) / CUBE_POINTS;
-    for (int32_t i = 0; i < count && i < room; ++i) {
-        cubes->split[rank[i].cube] = true;
-    }
-    free(rank);
-    return LMB_OK;
+    return (cubes->forced[cube] && cubes->level > tree->levels_lost) ||
+           (cubes->tried[cube] && (double)cubes->error[cube] > coarser * tree->raised * tree->raised);
 }
 
 /* The eight cubes that each split one gives way to. */
@@ -108,7 +81,82 @@ static lmb_result children_add(const lmb_level_cubes *cubes, lmb_level_cubes *fi
     return result;
 }
 
-/* Decides one level and begins the next. */
+/* Probes of all levels down to this one, whose cubes are all whole yet. */
+static lmb_result probes_count(const level_tree *tree, uint32_t level, int64_t *count)
+{
+    lmb_result result = LMB_OK;
+    *count = 0;
+    for (uint32_t at = level; at < tree->count && result == LMB_OK; ++at) {
+        lmb_point_set corners = {0};
+        result = lmb_cubes_corners(&tree->level[at], LMB_CUBES_WHOLE, &corners);
+        *count += corners.count;
+        lmb_point_set_free(&corners);
+    }
+    return result;
+}
+
+/* Takes back what gives way no more, and what came of it. @return whether there was any */
+static bool levels_prune(level_tree *tree, uint32_t level)
+{
+    bool any = false;
+    for (uint32_t at = tree->count - 1; at > level; --at) {
+        lmb_level_cubes *const cubes = &tree->level[at], *const finer = &tree->level[at - 1];
+        for (int32_t cube = 0; cube < cubes->cubes.count; ++cube) {
+            if (cubes->split[cube] && (!cubes->open[cube] || !cube_gives_way(tree, cubes, cube))) {
+                cubes->split[cube] = false;
+                any = true;
+            }
+        }
+        for (int32_t cube = 0; cube < finer->cubes.count; ++cube) {
+            int32_t parent[3];
+            for (int axis = 0; axis < 3; ++axis) {
+                parent[axis] = halved(finer->cubes.point[cube][axis]);
+            }
+            if (!cubes->split[lmb_probe_index_find(&cubes->cubes.index, parent)]) {
+                finer->open[cube] = 0;
+            }
+        }
+    }
+    return any;
+}
+
+static bool any_tried_is_split(const level_tree *tree)
+{
+    for (uint32_t level = 1; level < tree->count; ++level) {
+        const lmb_level_cubes *const cubes = &tree->level[level];
+        for (int32_t cube = 0; cube < cubes->cubes.count; ++cube) {
+            if (cubes->split[cube] && cubes->tried[cube]) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* While there are too many probes, raises the tolerances, and when that saves none, leaves out the finest levels that
+ * boxes want. */
+static lmb_result levels_limit(level_tree *tree, uint32_t level)
+{
+    for (;;) {
+        int64_t count;
+        const lmb_result result = probes_count(tree, level, &count);
+        if (result != LMB_OK || count <= tree->settings->max_probes) {
+            return result;
+        }
+        for (bool any = false; !any;) {
+            if (any_tried_is_split(tree)) {
+                tree->raised *= RAISE;
+            } else if (tree->levels_lost + 1 < tree->count) {
+                ++tree->levels_lost;
+            } else {
+                return LMB_OK;
+            }
+            any = levels_prune(tree, level);
+        }
+    }
+}
+
+/* Begins one level, decides it, and adds the next one's cubes. */
 static lmb_result level_divide(level_tree *tree, uint32_t level)
 {
     lmb_level_cubes *const cubes = &tree->level[level];
@@ -117,29 +165,25 @@ static lmb_result level_divide(level_tree *tree, uint32_t level)
     tree->sites.share = 0.5 / tree->count;
     tree->sites.done = 2.0 * tree->sites.share * (tree->count - 1 - level);
     lmb_result result = lmb_cubes_open(&tree->sites, cubes);
+    if (result == LMB_OK) {
+        result = levels_limit(tree, level);
+    }
     if (result != LMB_OK || level == 0) {
         return result;
     }
-    result = lmb_cubes_try(&tree->sites, tree->settings->dark, cubes);
-    if (result == LMB_OK) {
-        result = cubes_choose(tree, cubes);
+    if (lmb_cubes_rule(&tree->sites, &tree->rules, cubes)) {
+        result = lmb_cubes_try(&tree->sites, &tree->rules, tree->settings->dark, cubes);
     }
-    if (result == LMB_OK) {
-        result = children_add(cubes, &tree->level[level - 1]);
+    for (int32_t cube = 0; cube < cubes->cubes.count && result == LMB_OK; ++cube) {
+        cubes->split[cube] = cube_gives_way(tree, cubes, cube);
     }
-    lmb_point_set corners = {0};
-    if (result == LMB_OK) {
-        result = lmb_cubes_corners(cubes, false, &corners);
-    }
-    tree->kept += corners.count;
-    lmb_point_set_free(&corners);
-    return result;
+    return result == LMB_OK ? children_add(cubes, &tree->level[level - 1]) : result;
 }
 
 static lmb_result level_make(const level_tree *tree, uint32_t level, lmb_probes *probes)
 {
     lmb_point_set corners = {0};
-    lmb_result result = lmb_cubes_corners(&tree->level[level], false, &corners);
+    lmb_result result = lmb_cubes_corners(&tree->level[level], LMB_CUBES_WHOLE, &corners);
     if (result == LMB_OK) {
         lmb_point_set_sort(&corners);
         const lmb_lattice lattice = lmb_point_set_box(&corners, lmb_sites_spacing(&tree->sites, level));
@@ -230,6 +274,8 @@ lmb_result lmb_placement_levels(const lmb_transport *transport, const lmb_levels
         return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "levels: the finest spacing is too fine");
     }
     level_tree tree = {.settings = settings,
+                       .rules = {lmb_tracer_scene(transport->tracer), settings->rule, settings->tolerance},
+                       .raised = 1.0,
                        .sites = {.transport = transport,
                                  .pool = pool,
                                  .even = *probes,
@@ -251,6 +297,8 @@ lmb_result lmb_placement_levels(const lmb_transport *transport, const lmb_levels
         result = lmb_placement_hang(transport->tracer, pool, made, stats);
     }
     stats->rays += tree.sites.rays;
+    stats->tolerance_scale = tree.raised;
+    stats->levels_lost = tree.levels_lost;
     tree_free(&tree);
     if (result != LMB_OK) {
         lmb_probes_destroy(made);

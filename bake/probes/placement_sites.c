@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/probe_boxes.h>
 #include <lambent/vector.h>
 
 enum { SITES_PER_TASK = 64, SITES_AT_ONCE = 256 * LMB_GATHER_GROUP };
@@ -157,6 +158,7 @@ static void site_look(const lmb_sites *sites, int32_t number, uint64_t *rays)
         site->free = site->free && (!sites->has_seeds || site_is_reached(sites, number, rays));
     }
     site->validity = site->free ? site->validity : 0.0f;
+    site->wanted = site->free && !lmb_scene_probes_excluded(lmb_tracer_scene(tracer), site_position(sites, number));
 }
 
 typedef struct look_work {

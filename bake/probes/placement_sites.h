@@ -10,6 +10,7 @@
 typedef struct lmb_site {
     uint8_t level; /* the coarsest that asked for it: so far apart are its neighbours */
     bool free;     /* an object can be here */
+    bool wanted;   /* likewise, and no box says that there are no probes */
     bool lit;      /* what follows is known */
     float validity;
     lmb_vec3 position; /* in the scene, where it was gathered */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <lambent/key_lights.h>
+#include <lambent/probe_boxes.h>
 #include <lambent/probes_bake.h>
 #include <lambent/vector.h>
 
@@ -20,6 +21,8 @@ void lmb_level_cubes_free(lmb_level_cubes *cubes)
 {
     lmb_point_set_free(&cubes->cubes);
     free(cubes->open);
+    free(cubes->forced);
+    free(cubes->tried);
     free(cubes->error);
     free(cubes->split);
     *cubes = (lmb_level_cubes){0};
@@ -32,16 +35,23 @@ static void cell_corner(const int32_t cell[3], int corner, int32_t point[3])
     }
 }
 
-/* Whether a point of the even lattice in a cell that is not finer is free. */
-static bool cell_has_free_point(const lmb_sites *sites, uint32_t level, const int32_t cell[3])
+/* Whether probes are wanted at a point of the even lattice. */
+static bool even_point_is_wanted(const lmb_sites *sites, int32_t x, int32_t y, int32_t z)
+{
+    const lmb_probes *even = sites->even;
+    const int32_t probe = lmb_probes_find(even, 0, x, y, z);
+    return probe >= 0 && even->validity[probe] >= LMB_PROBES_MIN_VALIDITY &&
+           !lmb_scene_probes_excluded(lmb_tracer_scene(sites->transport->tracer), lmb_probes_position(even, probe));
+}
+
+/* Whether probes are wanted at a point of the even lattice in a cell that is not finer. */
+static bool cell_has_wanted_point(const lmb_sites *sites, uint32_t level, const int32_t cell[3])
 {
     const int32_t step = (int32_t)(UINT32_C(1) << (level - sites->even_level));
     for (int32_t z = 0; z <= step; ++z) {
         for (int32_t y = 0; y <= step; ++y) {
             for (int32_t x = 0; x <= step; ++x) {
-                const int32_t probe =
-                    lmb_probes_find(sites->even, 0, cell[0] * step + x, cell[1] * step + y, cell[2] * step + z);
-                if (probe >= 0 && sites->even->validity[probe] >= LMB_PROBES_MIN_VALIDITY) {
+                if (even_point_is_wanted(sites, cell[0] * step + x, cell[1] * step + y, cell[2] * step + z)) {
                     return true;
                 }
             }
@@ -50,14 +60,14 @@ static bool cell_has_free_point(const lmb_sites *sites, uint32_t level, const in
     return false;
 }
 
-static bool cell_has_free_corner(const lmb_sites *sites, uint32_t level, const int32_t cell[3])
+static bool cell_has_wanted_corner(const lmb_sites *sites, uint32_t level, const int32_t cell[3])
 {
     bool has = false;
     for (int corner = 0; corner < 8 && !has; ++corner) {
         int32_t point[3];
         cell_corner(cell, corner, point);
         const lmb_site *const site = lmb_sites_find(sites, level, point);
-        has = site && site->free;
+        has = site && site->wanted;
     }
     return has;
 }
@@ -81,7 +91,7 @@ static lmb_result cube_begin(lmb_sites *sites, lmb_level_cubes *cubes, int32_t c
         int32_t cell[3];
         lmb_cube_cell(cubes->cubes.point[cube], i, cell);
         const bool counts = lmb_sites_cell_counts(sites, cubes->level, cell);
-        if (counts && (cubes->level < sites->even_level || cell_has_free_point(sites, cubes->level, cell))) {
+        if (counts && (cubes->level < sites->even_level || cell_has_wanted_point(sites, cubes->level, cell))) {
             cubes->open[cube] |= (uint8_t)(1 << i);
             result = cell_add_sites(sites, cubes->level, cell);
         }
@@ -94,17 +104,24 @@ static void cube_close_cells(const lmb_sites *sites, lmb_level_cubes *cubes, int
     for (int i = 0; i < 8; ++i) {
         int32_t cell[3];
         lmb_cube_cell(cubes->cubes.point[cube], i, cell);
-        if (!cell_has_free_corner(sites, cubes->level, cell)) {
+        if (!cell_has_wanted_corner(sites, cubes->level, cell)) {
             cubes->open[cube] &= (uint8_t) ~(1 << i);
         }
     }
 }
 
-lmb_result lmb_cubes_corners(const lmb_level_cubes *cubes, bool all, lmb_point_set *corners)
+static bool cell_is_tried(const lmb_level_cubes *cubes, int32_t cube, int i)
+{
+    return cubes->tried[cube] && (cubes->open[cube] >> i & 1) != 0;
+}
+
+lmb_result lmb_cubes_corners(const lmb_level_cubes *cubes, lmb_cubes_which which, lmb_point_set *corners)
 {
     lmb_result result = LMB_OK;
     for (int32_t cube = 0; cube < cubes->cubes.count; ++cube) {
-        for (int i = 0; i < 64 && result == LMB_OK && (all || !cubes->split[cube]); ++i) {
+        const bool is_one = which == LMB_CUBES_ALL || (which == LMB_CUBES_WHOLE && !cubes->split[cube]) ||
+                            (which == LMB_CUBES_TRIED && cubes->tried[cube]);
+        for (int i = 0; i < 64 && result == LMB_OK && is_one; ++i) {
             int32_t cell[3], point[3];
             lmb_cube_cell(cubes->cubes.point[cube], i / 8, cell);
             cell_corner(cell, i % 8, point);
@@ -116,22 +133,16 @@ lmb_result lmb_cubes_corners(const lmb_level_cubes *cubes, bool all, lmb_point_s
     return result;
 }
 
-static lmb_result corners_count(lmb_level_cubes *cubes)
-{
-    lmb_point_set corners = {0};
-    const lmb_result result = lmb_cubes_corners(cubes, true, &corners);
-    cubes->corner_count = corners.count;
-    lmb_point_set_free(&corners);
-    return result;
-}
-
 lmb_result lmb_cubes_open(lmb_sites *sites, lmb_level_cubes *cubes)
 {
     const size_t count = (size_t)cubes->cubes.count + 1;
     cubes->open = calloc(count, sizeof *cubes->open);
+    cubes->forced = calloc(count, sizeof *cubes->forced);
+    cubes->tried = calloc(count, sizeof *cubes->tried);
     cubes->error = calloc(count, sizeof *cubes->error);
     cubes->split = calloc(count, sizeof *cubes->split);
-    lmb_result result = cubes->open && cubes->error && cubes->split ? LMB_OK : LMB_ERROR_MEMORY;
+    const bool has = cubes->open && cubes->forced && cubes->tried && cubes->error && cubes->split;
+    lmb_result result = has ? LMB_OK : LMB_ERROR_MEMORY;
     for (int32_t cube = 0; cube < cubes->cubes.count && result == LMB_OK; ++cube) {
         result = cube_begin(sites, cubes, cube);
     }
@@ -139,7 +150,40 @@ lmb_result lmb_cubes_open(lmb_sites *sites, lmb_level_cubes *cubes)
     for (int32_t cube = 0; cube < cubes->cubes.count && result == LMB_OK && cubes->level < sites->even_level; ++cube) {
         cube_close_cells(sites, cubes, cube);
     }
-    return result == LMB_OK ? corners_count(cubes) : result;
+    return result;
+}
+
+/* What cells first .. first + count - 1 of a level take up in the scene, and in the level's bounds where they reach
+ * into them. */
+static void cells_box(const lmb_sites *sites, uint32_t level, const int32_t first[3], int count, double low[3],
+                      double high[3])
+{
+    const lmb_scene *scene = lmb_tracer_scene(sites->transport->tracer);
+    const double from[3] = {scene->origin.x, scene->origin.y, scene->origin.z};
+    const float least[3] = {scene->bounds_min.x, scene->bounds_min.y, scene->bounds_min.z};
+    const float most[3] = {scene->bounds_max.x, scene->bounds_max.y, scene->bounds_max.z};
+    const double spacing = (double)lmb_sites_spacing(sites, level);
+    for (int axis = 0; axis < 3; ++axis) {
+        const double begin = spacing * first[axis] - from[axis], end = begin + spacing * count;
+        low[axis] = fmax(begin, fmin((double)least[axis], end));
+        high[axis] = fmin(end, fmax((double)most[axis], begin));
+    }
+}
+
+bool lmb_cubes_rule(const lmb_sites *sites, const lmb_level_rules *rules, lmb_level_cubes *cubes)
+{
+    bool any = false;
+    for (int32_t cube = 0; cube < cubes->cubes.count; ++cube) {
+        int32_t first[3];
+        double low[3], high[3];
+        lmb_cube_cell(cubes->cubes.point[cube], 0, first);
+        cells_box(sites, cubes->level, first, 2, low, high);
+        cubes->forced[cube] = cubes->open[cube] && lmb_rules_force(rules, low, high, cubes->level);
+        cubes->tried[cube] =
+            cubes->open[cube] && !cubes->forced[cube] && lmb_rules_allow(rules, low, high, cubes->level);
+        any = any || cubes->tried[cube];
+    }
+    return any;
 }
 
 /* ------------------------------------------------------------------------------------------------- errors */
@@ -249,7 +293,7 @@ static double cell_error(const lmb_sites *sites, const trial_level *trial, uint3
         trial_site_point(cell, i, point);
         const lmb_site *const site = lmb_sites_find(sites, level - 1, point);
         const bool counts = lmb_sites_point_counts(sites, level - 1, point);
-        if (counts && site && site->free && trial_corners(sites, trial->corners, cell, site, corner, weight)) {
+        if (counts && site && site->wanted && trial_corners(sites, trial->corners, cell, site, corner, weight)) {
             sum += site_error(trial, site, corner, weight);
             ++places;
         }
@@ -268,7 +312,7 @@ static lmb_result trial_points_add(lmb_sites *sites, const lmb_level_cubes *cube
             int32_t cell[3], point[3];
             lmb_cube_cell(cubes->cubes.point[cube], i / TRIAL_POINTS, cell);
             trial_site_point(cell, i % TRIAL_POINTS, point);
-            if ((cubes->open[cube] >> (i / TRIAL_POINTS) & 1) != 0 &&
+            if (cell_is_tried(cubes, cube, i / TRIAL_POINTS) &&
                 lmb_sites_point_counts(sites, cubes->level - 1, point)) {
                 result = lmb_sites_add(sites, cubes->level - 1, point);
             }
@@ -294,7 +338,7 @@ static int32_t *numbers_list(const lmb_sites *sites, const lmb_level_cubes *cube
             } else {
                 trial_site_point(cell, place - 8, point);
             }
-            const lmb_site *const site = (cubes->open[cube] >> (i % 8) & 1) != 0
+            const lmb_site *const site = cell_is_tried(cubes, cube, i % 8)
                                              ? lmb_sites_find(sites, cubes->level - (place < 8 ? 0 : 1), point)
                                              : NULL;
             if (site) {
@@ -371,7 +415,7 @@ static lmb_result corners_make(lmb_sites *sites, const lmb_level_cubes *cubes, l
     lmb_point_set points = {0};
     lmb_probes *corners = NULL;
     uint32_t noise;
-    lmb_result result = lmb_cubes_corners(cubes, true, &points);
+    lmb_result result = lmb_cubes_corners(cubes, LMB_CUBES_TRIED, &points);
     if (result == LMB_OK) {
         result = lmb_probes_create(&corners);
     }
@@ -400,7 +444,19 @@ static lmb_result corners_make(lmb_sites *sites, const lmb_level_cubes *cubes, l
     return LMB_OK;
 }
 
-lmb_result lmb_cubes_try(lmb_sites *sites, double dark, lmb_level_cubes *cubes)
+/* In tolerances at its centre. */
+static double cell_error_in_tolerances(const lmb_sites *sites, const lmb_level_rules *rules, const trial_level *trial,
+                                       uint32_t level, const int32_t cell[3])
+{
+    double low[3], high[3];
+    cells_box(sites, level, cell, 1, low, high);
+    const lmb_vec3 centre = lmb_vec3_of((float)(0.5 * (low[0] + high[0])), (float)(0.5 * (low[1] + high[1])),
+                                        (float)(0.5 * (low[2] + high[2])));
+    const double tolerance = lmb_rules_tolerance(rules, centre);
+    return fmin(cell_error(sites, trial, level, cell), 1.0) / (tolerance * tolerance);
+}
+
+lmb_result lmb_cubes_try(lmb_sites *sites, const lmb_level_rules *rules, double dark, lmb_level_cubes *cubes)
 {
     trial_level trial = {.floor_squared = 3.0 * dark * dark};
     lmb_result result = light_gather(sites, cubes);
@@ -419,8 +475,8 @@ lmb_result lmb_cubes_try(lmb_sites *sites, double dark, lmb_level_cubes *cubes)
         for (int i = 0; i < 8; ++i) {
             int32_t cell[3];
             lmb_cube_cell(cubes->cubes.point[cube], i, cell);
-            if ((cubes->open[cube] >> i & 1) != 0) {
-                sum += fmin(cell_error(sites, &trial, cubes->level, cell), 1.0);
+            if (cell_is_tried(cubes, cube, i)) {
+                sum += cell_error_in_tolerances(sites, rules, &trial, cubes->level, cell);
             }
         }
         cubes->error[cube] = (float)(sum / 8.0);

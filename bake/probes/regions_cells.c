@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/probe_boxes.h>
 #include <lambent/surface.h>
 
 #include "probes/placement_internal.h"
@@ -80,6 +81,25 @@ static bool range_has(const cell_range *range, const int32_t point[3])
     return has;
 }
 
+/* Whether boxes without probes have all of a cell's corners. */
+static bool cell_is_excluded(const lmb_region_work *work, uint32_t level, const int32_t cell[3])
+{
+    const lmb_scene *const scene = lmb_tracer_scene(work->tracer);
+    const lmb_lattice *const lattice = &work->probes->level[level].lattice;
+    bool excluded = scene->probe_box_count > 0;
+    for (int i = 0; i < 8 && excluded; ++i) {
+        const int32_t point[3] = {cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)};
+        excluded = lmb_scene_probes_excluded(scene, lmb_scene_from_world(scene, lmb_lattice_position(lattice, point)));
+    }
+    return excluded;
+}
+
+static bool cell_counts(const lmb_region_work *work, uint32_t level, const cell_range *bounds, const int32_t cell[3])
+{
+    return range_has(bounds, cell) && lmb_probes_level_has(work->probes, level, cell) &&
+           !cell_is_excluded(work, level, cell);
+}
+
 /* All cells that have a probe at a corner. */
 static lmb_result cells_add(lmb_region_work *work, uint32_t level, const cell_range *bounds)
 {
@@ -89,7 +109,7 @@ static lmb_result cells_add(lmb_region_work *work, uint32_t level, const cell_ra
         for (int i = 0; i < 8 && result == LMB_OK; ++i) {
             const int32_t *const at = work->probes->point[probe];
             const int32_t point[3] = {at[0] - (i & 1), at[1] - (i >> 1 & 1), at[2] - (i >> 2)};
-            if (range_has(bounds, point) && lmb_probes_level_has(work->probes, level, point)) {
+            if (cell_counts(work, level, bounds, point)) {
                 result = cell_add(work, level, point);
             }
         }
@@ -106,7 +126,7 @@ static lmb_result cells_around(lmb_region_work *work, uint32_t level, uint32_t f
         for (int n = 0; work->cell[i].look != UINT32_MAX && n < 27 && result == LMB_OK; ++n) {
             const int32_t *const at = work->cell[i].point;
             const int32_t point[3] = {at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1};
-            if (range_has(bounds, point) && lmb_probes_level_has(work->probes, level, point)) {
+            if (cell_counts(work, level, bounds, point)) {
                 result = cell_add(work, level, point);
             }
         }

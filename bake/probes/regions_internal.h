@@ -39,6 +39,7 @@ static inline int lmb_region_line_node(int axis, int line, int i)
 /* Where a ray from a node ends at a surface. */
 typedef struct lmb_region_end {
     uint8_t node, axis;
+    bool unseen; /* the surface's back, which its material does not show */
     uint16_t at; /* along the axis, in 65535ths of the cell */
 } lmb_region_end;
 

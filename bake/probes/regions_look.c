@@ -13,6 +13,11 @@
 static const float node_at[LMB_REGION_SIDE] = {LMB_REGION_INSET, 0.2113f, 0.4057f,
                                                0.6019f,          0.7931f, 1.0f - LMB_REGION_INSET};
 
+/* Of what a region meets, the share that is unseen backs: beyond the first it is the inside of something; beyond the
+ * second it may be. */
+#define HOLLOW_SHARE 0.6f
+#define DOUBTFUL_SHARE 0.25f
+
 float lmb_region_node(int i)
 {
     return node_at[i];
@@ -82,19 +87,32 @@ void lmb_region_line_trace(const lmb_tracer *tracer, const lmb_region_frame *fra
 /* In a cell: two for each part of a line that something stands in. */
 enum { MOST_ENDS = 3 * LMB_REGION_LINES * 2 * (LMB_REGION_SIDE - 1) };
 
-static void ends_find(int axis, int line, const lmb_region_line *found, lmb_region_end *end, uint32_t *count)
+/* Whether a ray along the axis, or against it, meets a side that is not there to be seen. */
+static bool is_unseen(const lmb_tracer *tracer, const lmb_hit *hit, bool against)
+{
+    const lmb_scene *const scene = lmb_tracer_scene(tracer);
+    const lmb_mesh *const mesh = &scene->meshes[scene->instances[hit->instance].mesh];
+    return hit->front == against && !scene->materials[mesh->material[hit->triangle]].double_sided;
+}
+
+static void ends_find(const lmb_tracer *tracer, int axis, int line, const lmb_region_line *found, lmb_region_end *end,
+                      uint32_t *count)
 {
     for (int i = 0; i < found->count; ++i) {
         const int node = lmb_region_node_before(found->at[i]);
-        const uint16_t at = (uint16_t)(lmb_saturate(found->at[i]) * 65535.0f + 0.5f);
+        lmb_region_end one = {.axis = (uint8_t)axis, .at = (uint16_t)(lmb_saturate(found->at[i]) * 65535.0f + 0.5f)};
         if (node < 0 || node + 1 >= LMB_REGION_SIDE) {
             continue;
         }
         if (i == 0 || lmb_region_node_before(found->at[i - 1]) != node) {
-            end[(*count)++] = (lmb_region_end){(uint8_t)lmb_region_line_node(axis, line, node), (uint8_t)axis, at};
+            one.node = (uint8_t)lmb_region_line_node(axis, line, node);
+            one.unseen = is_unseen(tracer, &found->hit[i], false);
+            end[(*count)++] = one;
         }
         if (i + 1 == found->count || lmb_region_node_before(found->at[i + 1]) != node) {
-            end[(*count)++] = (lmb_region_end){(uint8_t)lmb_region_line_node(axis, line, node + 1), (uint8_t)axis, at};
+            one.node = (uint8_t)lmb_region_line_node(axis, line, node + 1);
+            one.unseen = is_unseen(tracer, &found->hit[i], true);
+            end[(*count)++] = one;
         }
     }
 }
@@ -123,7 +141,7 @@ static void nodes_link(const lmb_region_work *work, const lmb_region_frame *fram
     for (int axis = 0; axis < 3; ++axis) {
         for (int line = 0; line < LMB_REGION_LINES; ++line) {
             lmb_region_line_trace(work->tracer, frame, axis, line, &found, rays);
-            ends_find(axis, line, &found, end, &look->end_count);
+            ends_find(work->tracer, axis, line, &found, end, &look->end_count);
             look->lamp = look->lamp || hits_shine(work->tracer, &found);
             unsigned blocked = 0; /* bit i: before node i */
             for (int i = 0; i < found.count; ++i) {
@@ -263,22 +281,52 @@ static void corners_look(const lmb_region_work *work, const lmb_region_cell *cel
     }
 }
 
-/* Takes the names of regions in solids away: what sees no baked probe and is not free. */
+/* How much of what a region meets turns a back to it that its material does not show. */
+static float unseen_share(const lmb_region_look *look, uint8_t region)
+{
+    uint32_t ends = 0, unseen = 0;
+    for (uint32_t i = 0; i < look->end_count; ++i) {
+        if (look->label[look->end[i].node] == region) {
+            ++ends;
+            unseen += look->end[i].unseen;
+        }
+    }
+    return ends > 0 ? (float)unseen / (float)ends : 0.0f;
+}
+
+/* Whether somebody can be in a region. Shells are often open where the level hides it: then their inside is connected
+ * with the space around the level, probes in it see few backs and are baked, and what the region itself meets tells. */
+static bool is_habitable(const lmb_region_work *work, const lmb_region_frame *frame, const lmb_region_look *look,
+                         uint8_t region, uint64_t *rays)
+{
+    const float unseen = unseen_share(look, region);
+    if (unseen > HOLLOW_SHARE) {
+        return false;
+    }
+    if (look->real[region] != 0 && unseen < DOUBTFUL_SHARE) {
+        return true;
+    }
+    int nodes[LMB_REGION_NODES], count = 0;
+    for (int node = 0; node < LMB_REGION_NODES; ++node) {
+        nodes[count] = node;
+        count += look->label[node] == region;
+    }
+    float t[3];
+    lmb_region_node_at(nodes[count / 2], t);
+    return lmb_placement_is_free(work->tracer, lmb_region_position(frame, t), rays);
+}
+
+/* Takes the names of regions away that nobody can be in. */
 static void solids_leave(const lmb_region_work *work, const lmb_region_frame *frame, lmb_region_look *look,
                          uint64_t *rays)
 {
     for (uint8_t region = 0; region < look->count; ++region) {
-        int nodes[LMB_REGION_NODES], count = 0;
-        for (int node = 0; node < LMB_REGION_NODES; ++node) {
-            nodes[count] = node;
-            count += look->label[node] == region;
+        if (is_habitable(work, frame, look, region, rays)) {
+            continue;
         }
-        float t[3];
-        lmb_region_node_at(nodes[count / 2], t);
-        if (look->real[region] == 0 && !lmb_placement_is_free(work->tracer, lmb_region_position(frame, t), rays)) {
-            for (int i = 0; i < count; ++i) {
-                look->label[nodes[i]] = LMB_REGION_NONE;
-            }
+        look->real[region] = 0;
+        for (int node = 0; node < LMB_REGION_NODES; ++node) {
+            look->label[node] = look->label[node] == region ? LMB_REGION_NONE : look->label[node];
         }
     }
 }

@@ -39,6 +39,7 @@ lmb_gltf_options lmb_level_gltf_options(const lmb_level_settings *settings, cons
     return (lmb_gltf_options){.exclude = settings->exclude,
                               .exclude_count = settings->exclude_count,
                               .view_node = settings->view_node,
+                              .reflection = settings->reflection,
                               .light_scale = settings->light_scale,
                               .emission_scale = settings->emission_scale,
                               .allow_outside_uris = settings->allow_outside_uris,

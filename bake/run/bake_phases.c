@@ -68,11 +68,11 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
 }
 
 /* What placement made of the settings: the spacing that it chose, seeds rounded to where floats are. */
-static void record_placed(lmb_bake *bake)
+static void record_placed(lmb_bake *bake, bool has_levels)
 {
     lmb_bake_record *record = &bake->record;
     const lmb_scene *scene = bake->level->scene;
-    if (record->settings.min_spacing == 0.0f) {
+    if (!has_levels) {
         record->settings.spacing = bake->probes->level[0].lattice.spacing;
     }
     for (uint32_t i = 0; i < record->settings.seed_count; ++i) {
@@ -101,13 +101,14 @@ lmb_result lmb_bake_place(lmb_bake *bake, lmb_error *error)
                                              .max_probes = record->settings.max_probes,
                                              .seeds = record->settings.seeds,
                                              .seed_count = record->settings.seed_count,
+                                             .for_levels = plan.coarser + plan.finer > 0,
                                              .warnings = *warnings,
                                              .progress = bake->progress};
     lmb_result result =
         lmb_placement_make(bake->level->tracer, &settings, bake->level->pool, &bake->probes, &record->placement, error);
     if (result == LMB_OK) {
-        record_placed(bake);
-        result = plan.coarser + plan.finer == 0 ? lmb_bake_regions(bake, LMB_PHASE_PLACE, error) : LMB_OK;
+        record_placed(bake, settings.for_levels);
+        result = !settings.for_levels ? lmb_bake_regions(bake, LMB_PHASE_PLACE, error) : LMB_OK;
     }
     record->seconds[LMB_PHASE_PLACE] = lmb_clock_seconds() - start;
     if (result != LMB_OK) {

@@ -7,6 +7,7 @@
 typedef struct lmb_level_plan {
     float even_spacing;      /* metres, of the level that is placed first */
     uint32_t coarser, finer; /* levels beside it */
+    uint32_t own;            /* the level's own coarsest one, where no box says otherwise, by number: 0 is the finest */
 } lmb_level_plan;
 
 lmb_level_plan lmb_bake_level_plan(const lmb_bake_settings *settings, const lmb_scene *scene);

@@ -66,6 +66,10 @@ static void json_add_elements(cJSON *json, const lmb_bake_record *record)
         cJSON_AddNumberToObject(level, "probes", record->level[i].probes);
         cJSON_AddItemToArray(levels, level);
     }
+    if (record->placement.tolerance_scale > 0.0) {
+        cJSON_AddNumberToObject(json, "tolerance_scale", record->placement.tolerance_scale);
+        cJSON_AddNumberToObject(json, "levels_lost", record->placement.levels_lost);
+    }
     cJSON_AddNumberToObject(json, "probes_valid", record->placement.probes_valid);
     cJSON_AddNumberToObject(json, "probes_hanging", record->placement.probes_hanging);
     cJSON_AddNumberToObject(json, "cells", (double)record->placement.cells);

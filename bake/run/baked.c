@@ -80,13 +80,14 @@ static lmb_result content_check(const lmb_baked *opened, const char *directory, 
                                opened->level.settings.path, directory, hash, baked_hash);
 }
 
-/* `wanted` says what is not the bake's: path (NULL: the bake's too), threads, view node. */
+/* `wanted` says what is not the bake's: path (NULL: the bake's too), threads, and what pictures need. */
 static lmb_result level_open(const lmb_level_settings *wanted, lmb_baked *opened, lmb_error *error)
 {
     lmb_level_settings settings = opened->settings.level;
     settings.path = wanted->path ? wanted->path : settings.path;
     settings.threads = wanted->threads;
     settings.view_node = wanted->view_node;
+    settings.reflection = wanted->reflection;
     return lmb_level_open(&settings, NULL, NULL, &opened->level, error);
 }
 
@@ -101,10 +102,13 @@ static lmb_result record_open(const char *directory, lmb_baked *opened, lmb_erro
     return result;
 }
 
-lmb_result lmb_baked_open(const char *level_path, const char *directory, int threads, const char *view_node,
+lmb_result lmb_baked_open(const char *level_path, const char *directory, int threads, const lmb_baked_view *view,
                           lmb_baked *opened, lmb_error *error)
 {
-    const lmb_level_settings wanted = {.path = level_path, .threads = threads, .view_node = view_node};
+    const lmb_level_settings wanted = {.path = level_path,
+                                       .threads = threads,
+                                       .view_node = view ? view->node : NULL,
+                                       .reflection = view && view->reflection};
     memset(opened, 0, sizeof *opened);
     lmb_result result = record_open(directory, opened, error);
     if (result == LMB_OK) {

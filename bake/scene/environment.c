@@ -14,6 +14,7 @@
 #include "base/hex_digit.h"
 #include "scene/environment_daylight.h"
 #include "scene/environment_description.h"
+#include "scene/environment_sky_basis.h"
 #include "scene/scene_internal.h"
 
 /* Of #rrggbb. */
@@ -130,6 +131,12 @@ static lmb_result source_take(const lmb_environment_description *described, lmb_
     if (described->source[0] == '#') {
         constant_set(described->source, environment, hash);
         return LMB_OK;
+    }
+    const int function = lmb_sky_basis_find(described->source);
+    if (function >= 0) {
+        *hash = lmb_hash(*hash, described->source, strlen(described->source));
+        const lmb_result result = lmb_environment_sky_basis(function, environment);
+        return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "environment: no memory");
     }
     return picture_read(described->source, environment, hash, error);
 }

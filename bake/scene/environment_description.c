@@ -9,6 +9,7 @@
 
 #include "base/hex_digit.h"
 #include "scene/daylight.h"
+#include "scene/environment_sky_basis.h"
 
 #define DAYLIGHT "preetham:"
 
@@ -160,6 +161,11 @@ static lmb_result picture_finish(const char *text, const lmb_environment_descrip
     }
     if (described->source[0] == '#' && !colour_is_good(described->source)) {
         return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' is not #rrggbb", described->source);
+    }
+    if (strncmp(described->source, LMB_SKY_BASIS, strlen(LMB_SKY_BASIS)) == 0 &&
+        lmb_sky_basis_find(described->source) < 0) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "environment: '%s' is not sky-basis:0 to sky-basis:8",
+                             described->source);
     }
     return LMB_OK;
 }

@@ -8,7 +8,7 @@
 #include <lambent/scene.h>
 
 typedef struct lmb_environment_description {
-    char *source; /* path, #rrggbb or none; NULL for daylight */
+    char *source; /* path, #rrggbb, sky-basis:K or none; NULL for daylight */
     float rotation_rad;
     float strength;
     char set[LMB_LIGHT_SET_NAME]; /* of lights; empty: none is named */

@@ -108,3 +108,20 @@ lmb_surface lmb_material_surface(const lmb_mesh_point *point)
     }
     return surface;
 }
+
+/* Of what is no metal, along the normal: glTF 2.0's 0.04. */
+#define DIELECTRIC_F0 0.04f
+
+lmb_reflection lmb_material_reflection(const lmb_mesh_point *point)
+{
+    const lmb_material *material = lmb_material_at(point);
+    float base[4], texel[4];
+    lmb_material_base_color(point, base);
+    lmb_material_texel(point, &material->metallic_roughness_texture, false, texel);
+    const float roughness = material->roughness * texel[1], metallic = material->metallic * texel[2];
+    lmb_reflection reflection = {.diffuse = 1.0f - metallic, .slope = roughness * roughness};
+    for (int c = 0; c < 3; ++c) {
+        reflection.f0.c[c] = DIELECTRIC_F0 + metallic * (base[c] - DIELECTRIC_F0);
+    }
+    return reflection;
+}

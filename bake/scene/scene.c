@@ -277,9 +277,9 @@ static lmb_result validate_material(const lmb_scene *scene, uint32_t index, lmb_
 {
     const lmb_material *const material = &scene->materials[index];
     const lmb_texture *const textures[] = {&material->base_color_texture, &material->emissive_texture,
-                                           &material->normal_texture};
+                                           &material->normal_texture, &material->metallic_roughness_texture};
     const char *fault = NULL;
-    for (int i = 0; i < 3 && !fault; ++i) {
+    for (size_t i = 0; i < sizeof textures / sizeof textures[0] && !fault; ++i) {
         fault = texture_fault(scene, textures[i]);
     }
     for (int c = 0; c < 4 && !fault; ++c) {
@@ -291,6 +291,10 @@ static lmb_result validate_material(const lmb_scene *scene, uint32_t index, lmb_
     }
     if (!fault && !(material->transmission >= 0.0f && material->transmission <= 1.0f)) {
         fault = "transmission is outside [0, 1]";
+    }
+    if (!fault && !(material->metallic >= 0.0f && material->metallic <= 1.0f && material->roughness >= 0.0f &&
+                    material->roughness <= 1.0f)) {
+        fault = "metalness or roughness is outside [0, 1]";
     }
     if (!fault && !(isfinite(material->alpha_cutoff) && isfinite(material->normal_scale))) {
         fault = "alpha cutoff or normal scale is not finite";

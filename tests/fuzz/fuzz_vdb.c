@@ -1,9 +1,6 @@
 /* probes.vdb: read, and what was read is sound and can be packed. OpenVDB opens names alone: the bytes go through a
- * file in memory.
- *
- * Changed bytes of a file of ours are refused by their hash before OpenVDB sees them. Those of a file that another
- * program saved are not, and OpenVDB 10 believes them: it takes up to 4 GiB for the length of a name, and writes past
- * the end of a Blosc block's buffer (bloscFromStream). Who fuzzes this target for long finds just that. */
+ * file in memory. Changed bytes of a file of ours are refused by their hash, so each input is read as another program's
+ * too, whose UUID is no hash: then OpenVDB sees what the walk over the file lets through. */
 #define _GNU_SOURCE /* memfd_create */
 #include "fuzz.h"
 
@@ -15,7 +12,12 @@
 #include <lambent/vdb.h>
 #include <lambent/volume.h>
 
+#include "cut_fixture.h"
 #include "probes_fixture.h"
+#include "vdb_editor.h"
+
+/* A digit of the UUID, which is its kind: 8 for a hash. */
+enum { UUID_KIND_AT = 21 + 14 };
 
 /* A small file of many probes is nothing to pack for each input. */
 enum { MOST_PACKED = 20000 };
@@ -36,15 +38,8 @@ static void probes_use(const lmb_probes *probes)
     free(data);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static void file_try(const char *path)
 {
-    static int file = -1;
-    static char path[64];
-    if (file < 0) {
-        file = memfd_create("probes.vdb", MFD_CLOEXEC);
-        snprintf(path, sizeof path, "/proc/self/fd/%d", file);
-    }
-    FUZZ_CHECK(file >= 0 && ftruncate(file, 0) == 0 && pwrite(file, data, size, 0) == (ssize_t)size, "no file");
     lmb_probes *probes = NULL;
     char *settings = NULL, *hash = NULL;
     lmb_error error = {{0}};
@@ -57,15 +52,28 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     lmb_probes_destroy(probes);
     free(settings);
     free(hash);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static int file = -1;
+    static char path[64];
+    if (file < 0) {
+        file = memfd_create("probes.vdb", MFD_CLOEXEC);
+        snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+    }
+    FUZZ_CHECK(file >= 0 && ftruncate(file, 0) == 0 && pwrite(file, data, size, 0) == (ssize_t)size, "no file");
+    file_try(path);
+    if (size > UUID_KIND_AT && data[UUID_KIND_AT] == '8') {
+        FUZZ_CHECK(pwrite(file, "4", 1, UUID_KIND_AT) == 1, "no file");
+        file_try(path);
+    }
     return 0;
 }
 
-static void seed_of(const lmb_lattice *lattice, double density, uint32_t keys)
+/* Key lights that see this and that. */
+static void keys_add(lmb_probes *probes, uint32_t keys)
 {
-    static const char path[] = LMB_TEST_OUTPUT_DIR "/fuzz_seed.vdb";
-    const lmb_vdb_metadata metadata = {"{\"samples\": 64}", "0123456789abcdef"};
-    lmb_probes *const probes = fixture_random_probes(lattice, density, 0.8, 2.0, 7);
-    lmb_error error = {{0}};
     probes->key_light_count = keys;
     for (uint32_t key = 0; key < keys; ++key) {
         probes->key_light[key] = (lmb_key_light){{0.0f, 1.0f, 0.0f}, {{1.0f, 2.5f, 1e6f}}};
@@ -73,7 +81,16 @@ static void seed_of(const lmb_lattice *lattice, double density, uint32_t keys)
             probes->key_visibility[probe][key] = (float)(probe % 3) / 2.0f;
         }
     }
+}
+
+/* The file as it was written, or as another tool saved it. */
+static void seed_of(lmb_probes *probes, const vdb_editor_compression *saved)
+{
+    static const char path[] = LMB_TEST_OUTPUT_DIR "/fuzz_seed.vdb";
+    const lmb_vdb_metadata metadata = {"{\"samples\": 64}", "0123456789abcdef"};
+    lmb_error error = {{0}};
     FUZZ_CHECK(lmb_vdb_write(path, probes, &metadata, &error) == LMB_OK, "%s", error.message);
+    FUZZ_CHECK(!saved || vdb_editor_save(path, *saved), "not saved");
     fuzz_seed_file(path);
     lmb_probes_destroy(probes);
     remove(path);
@@ -81,6 +98,15 @@ static void seed_of(const lmb_lattice *lattice, double density, uint32_t keys)
 
 void fuzz_seeds(void)
 {
-    seed_of(&(lmb_lattice){.spacing = 0.5f, .min = {0, 0, 0}, .size = {2, 2, 2}}, 1.0, 0);
-    seed_of(&(lmb_lattice){.spacing = 1.0f, .min = {-3, 5, -9}, .size = {9, 3, 4}}, 0.6, 2);
+    const lmb_lattice cube = {.spacing = 0.5f, .min = {0, 0, 0}, .size = {2, 2, 2}};
+    const lmb_lattice box = {.spacing = 1.0f, .min = {-3, 5, -9}, .size = {9, 3, 4}};
+    static const vdb_editor_compression saved[] = {VDB_EDITOR_BLOSC, VDB_EDITOR_ZIP, VDB_EDITOR_MASKS};
+    for (size_t i = 0; i < 5; ++i) {
+        lmb_probes *const probes =
+            i == 0 ? fixture_random_probes(&cube, 1.0, 0.8, 2.0, 7) : fixture_random_probes(&box, 0.6, 0.8, 2.0, 7);
+        keys_add(probes, i == 0 ? 0 : 2);
+        seed_of(probes, i < 2 ? NULL : &saved[i - 2]);
+    }
+    seed_of(cut_fixture_probes(), NULL);
+    seed_of(cut_fixture_probes(), &saved[0]);
 }

@@ -206,7 +206,18 @@ static void add_cameras(lmb_level_builder *builder)
     }
 }
 
-lmb_result lmb_demo_level_write(const char *path, lmb_error *error)
+/* Fine probes where the lattice throws its shadows, coarse ones on the upper floor, none in the dark room. */
+static void add_volumes(lmb_level_builder *builder)
+{
+    lmb_level_builder_add_volume(builder, "lattice's shadows", (lmb_vec3){5, 0, 5}, (lmb_vec3){10, 2.8f, 8},
+                                 &(lmb_level_volume){.spacing = 0.25f});
+    lmb_level_builder_add_volume(builder, "upper floor", (lmb_vec3){0, 3, 0}, (lmb_vec3){10, 5.8f, 8},
+                                 &(lmb_level_volume){.spacing = 1.0f, .priority = -1});
+    lmb_level_builder_add_volume(builder, "nobody gets in", lmb_demo_dark_room_min, lmb_demo_dark_room_max,
+                                 &(lmb_level_volume){.exclude = true, .priority = 1});
+}
+
+static lmb_result level_write(const char *path, bool has_volumes, lmb_error *error)
 {
     lmb_level_builder *builder = lmb_level_builder_create(gutter_m);
     const demo_materials materials = add_materials(builder);
@@ -216,9 +227,22 @@ lmb_result lmb_demo_level_write(const char *path, lmb_error *error)
     add_sun(builder);
     add_markers(builder);
     add_cameras(builder);
+    if (has_volumes) {
+        add_volumes(builder);
+    }
     const lmb_result result = lmb_level_builder_write(builder, path, error);
     lmb_level_builder_destroy(builder);
     return result;
+}
+
+lmb_result lmb_demo_level_write(const char *path, lmb_error *error)
+{
+    return level_write(path, false, error);
+}
+
+lmb_result lmb_demo_level_write_with_volumes(const char *path, lmb_error *error)
+{
+    return level_write(path, true, error);
 }
 
 typedef struct torus {

@@ -30,6 +30,10 @@ static const lmb_vec3 lmb_demo_dark_room_max = {10.0f, 2.8f, 3.0f};
  * @return LMB_ERROR_MEMORY, _WRITE */
 lmb_result lmb_demo_level_write(const char *path, lmb_error *error);
 
+/* Likewise, with three boxes of probes: of 0.25 m where the lattice throws its shadows, of 1 m on the upper floor, and
+ * none in the dark room. */
+lmb_result lmb_demo_level_write_with_volumes(const char *path, lmb_error *error);
+
 /* Writes a ball on a foot with a ring around it, 0.4 m high, albedo 0.8, around the origin.
  * @return LMB_ERROR_MEMORY, _WRITE */
 lmb_result lmb_demo_object_write(const char *path, lmb_error *error);

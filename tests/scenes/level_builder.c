@@ -267,6 +267,17 @@ int lmb_level_builder_place(lmb_level_builder *builder, const char *name, int me
 }
 
 /* The rotation is a turn about +Y by the heading, after a turn about +X by the pitch. */
+int lmb_level_builder_add_volume(lmb_level_builder *builder, const char *name, lmb_vec3 min, lmb_vec3 max,
+                                 const lmb_level_volume *volume)
+{
+    lmb_level_node node = lmb_level_node_default(name);
+    node.translation = (lmb_vec3){0.5f * (min.x + max.x), 0.5f * (min.y + max.y), 0.5f * (min.z + max.z)};
+    node.scale = (lmb_vec3){0.5f * (max.x - min.x), 0.5f * (max.y - min.y), 0.5f * (max.z - min.z)};
+    node.has_volume = true;
+    node.volume = *volume;
+    return lmb_level_builder_add_node(builder, &node);
+}
+
 void lmb_level_look_along(lmb_vec3 direction, float rotation[4])
 {
     const double flat = sqrt((double)direction.x * (double)direction.x + (double)direction.z * (double)direction.z);

@@ -156,6 +156,13 @@ int lmb_level_builder_add_light(lmb_level_builder *builder, const lmb_level_ligh
 /* A perspective camera with the given vertical angle of view; a node places it, looking along the node's -Z. */
 int lmb_level_builder_add_camera(lmb_level_builder *builder, const char *name, float view_angle_rad);
 
+/* A box of probes, the cube from -1 to 1 of its node: extras {"lambent": {"volume": {...}}}. 0 leaves a number out. */
+typedef struct lmb_level_volume {
+    float spacing, min_spacing, tolerance;
+    bool exclude;
+    int priority;
+} lmb_level_volume;
+
 typedef struct lmb_level_node {
     const char *name;
     int parent; /* a node added before, or LMB_LEVEL_NONE */
@@ -177,6 +184,8 @@ typedef struct lmb_level_node {
     float angle_deg;       /* of its directional light's disc: extras {"lambent": {"angle_deg": x}}; 0: none */
     float radius_m;        /* of its point or spot light, likewise */
     const char *light_set; /* of its light, likewise, of the caller's; NULL: none */
+    bool has_volume;
+    lmb_level_volume volume;
 } lmb_level_node;
 
 /* At the origin, unturned, unscaled, static, with nothing in it. */
@@ -186,6 +195,10 @@ int lmb_level_builder_add_node(lmb_level_builder *builder, const lmb_level_node 
 
 /* A node that puts a mesh somewhere. */
 int lmb_level_builder_place(lmb_level_builder *builder, const char *name, int mesh, lmb_vec3 translation);
+
+/* A node that is a box of probes along the axes. */
+int lmb_level_builder_add_volume(lmb_level_builder *builder, const char *name, lmb_vec3 min, lmb_vec3 max,
+                                 const lmb_level_volume *volume);
 
 /* Sets `rotation` so that -Z points along `direction` (any length but 0) and +Y stays as upright as it can. */
 void lmb_level_look_along(lmb_vec3 direction, float rotation[4]);

@@ -428,15 +428,39 @@ static void write_cameras(glb *out)
     }
 }
 
+static void write_volume(glb *out, cJSON *lambent, const lmb_level_volume *volume)
+{
+    cJSON *item = put_object(out, lambent, "volume");
+    const struct {
+        const char *key;
+        double value;
+    } numbers[] = {{"spacing", (double)volume->spacing},
+                   {"min_spacing", (double)volume->min_spacing},
+                   {"tolerance", (double)volume->tolerance},
+                   {"priority", volume->priority}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
+        if (numbers[i].value != 0.0) {
+            put_number(out, item, numbers[i].key, numbers[i].value);
+        }
+    }
+    if (volume->exclude) {
+        put(out, item, "exclude", cJSON_CreateTrue());
+    }
+}
+
 static void write_node_extras(glb *out, cJSON *item, const lmb_level_node *node)
 {
     const bool soft = node->angle_deg > 0.0f || node->radius_m > 0.0f;
     const bool maps = node->no_lightmap || node->texels_per_m > 0.0f || node->texel_scale > 0.0f || node->light_set;
+    const bool marks = node->dynamic || node->seed || node->cube_map || node->path != LMB_LEVEL_NONE;
     const bool local = node->local_set || node->lit_locally;
-    if (!node->dynamic && !node->seed && !node->cube_map && node->path == LMB_LEVEL_NONE && !soft && !maps && !local) {
+    if (!marks && !soft && !maps && !local && !node->has_volume) {
         return;
     }
     cJSON *lambent = put_object(out, put_object(out, item, "extras"), "lambent");
+    if (node->has_volume) {
+        write_volume(out, lambent, &node->volume);
+    }
     if (node->dynamic) {
         put(out, lambent, "static", cJSON_CreateFalse());
     }

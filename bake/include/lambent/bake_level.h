@@ -26,6 +26,7 @@ typedef struct lmb_level_settings {
     const char *exclude[LMB_LEVEL_MAX_EXCLUDE]; /* patterns of node names, see lmb_gltf_options */
     uint32_t exclude_count;
     const char *view_node;   /* likewise; NULL: none */
+    bool reflection;         /* likewise */
     double light_scale;      /* > 0, of lamps */
     double emission_scale;   /* > 0, of what materials emit */
     bool allow_outside_uris; /* see lmb_gltf_options */

@@ -20,12 +20,18 @@ typedef struct lmb_baked {
     struct cJSON *json;         /* DIR/bake.json, where the strings of the settings lie */
 } lmb_baked;
 
+/* What pictures need of the level beside what was baked (lmb_gltf_options). */
+typedef struct lmb_baked_view {
+    const char *node; /* nodes of this name become cameras of the scene; NULL: none */
+    bool reflection;
+} lmb_baked_view;
+
 /* Opens DIR's bake.json, probes.lmb and lightmaps, and LEVEL with the bake's own settings (environment, excluded nodes,
  * bounces), without warnings. `level_path` may be NULL: then the path in bake.json. A level whose content hash differs
- * from the one baked is refused. `threads` 0: all. Nodes called `view_node` (NULL: none) become cameras of the scene.
- * Both strings are the caller's, for as long as the bake is open. On failure `*opened` needs no closing, and may be
+ * from the one baked is refused. `threads` 0: all. `view` may be NULL: nothing more.
+ * All strings are the caller's, for as long as the bake is open. On failure `*opened` needs no closing, and may be
  * closed. @return LMB_ERROR_FORMAT (not a bake, or another level), and what opening the parts returns */
-lmb_result lmb_baked_open(const char *level_path, const char *directory, int threads, const char *view_node,
+lmb_result lmb_baked_open(const char *level_path, const char *directory, int threads, const lmb_baked_view *view,
                           lmb_baked *opened, lmb_error *error);
 void lmb_baked_close(lmb_baked *closed);
 

@@ -10,7 +10,8 @@ extern "C" {
 
 /* Sets the environment from a description:
  *     a path to .hdr or .exr, or #rrggbb (sRGB constant colour), or "none", or daylight,
- *     "preetham:sun=AZIMUTH/ELEVATION" or "preetham:time=HOURS,latitude=DEG";
+ *     "preetham:sun=AZIMUTH/ELEVATION" or "preetham:time=HOURS,latitude=DEG", or
+ *     "sky-basis:K", K from 0 to 8, the K-th of the skies that changing ones are made of (lambent/sky.h);
  * each may be followed by options, ",rotation=DEG", ",strength=X" and ",set=NAME", the set of lights that it belongs to
  * (lambent/light_sets.h). A picture must be twice as wide as high, within
  * 1 % of its height. Continues scene->content_hash.

@@ -14,6 +14,7 @@ typedef struct lmb_gltf_options {
     const char *const *exclude; /* patterns of node names to leave out with their children; `*` and `?` match */
     size_t exclude_count;
     const char *view_node;   /* nodes of this name count as cameras too; NULL: none */
+    bool reflection;         /* metalness and roughness from textures too, which only pictures need */
     double light_scale;      /* multiplies punctual lights; 0: 1 */
     double emission_scale;   /* multiplies what materials emit; 0: 1 */
     bool allow_outside_uris; /* accept URIs that are absolute or leave the level's folder; else refused */
@@ -23,7 +24,8 @@ typedef struct lmb_gltf_options {
 /* Loads a level. `options` may be NULL. Unsupported required extensions, broken references, missing files, and
  * accessors that leave their buffers are errors that say where ("level.gltf: accessors[3]: ...").
  * Points and lines are skipped. Degenerate and non-finite triangles are dropped and counted. Textures that no material
- * in sight needs are not read, and a normal map that cannot be read only brings a warning.
+ * in sight needs are not read, and a map of normals, or of metalness and roughness, that cannot be read only brings a
+ * warning.
  * @return LMB_ERROR_IO, _FORMAT, _UNSUPPORTED, _MEMORY */
 lmb_result lmb_gltf_load(const char *path, const lmb_gltf_options *options, lmb_scene **scene, lmb_error *error);
 

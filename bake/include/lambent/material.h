@@ -52,6 +52,17 @@ typedef struct lmb_surface {
 
 lmb_surface lmb_material_surface(const lmb_mesh_point *point);
 
+/* How a surface reflects beside its diffuse light, by glTF's metallic-roughness: `diffuse` of what its base colour
+ * says is left of that; `f0` is its reflectance along the normal, and `slope` the root mean square of its facets'
+ * slopes, the square of the roughness. All in [0, 1]. */
+typedef struct lmb_reflection {
+    float diffuse;
+    lmb_rgb f0;
+    float slope;
+} lmb_reflection;
+
+lmb_reflection lmb_material_reflection(const lmb_mesh_point *point);
+
 #ifdef __cplusplus
 }
 #endif

@@ -87,6 +87,10 @@ typedef struct lmb_model {
     /* lmb_model_average, where it is not the mean of each channel by itself; else NULL. */
     void (*average)(float *channel, float total);
 
+    /* SH3 radiance that is right over the hemisphere of unit `vertex_normal`: what reflections are made of
+     * (lambent/specular.h). NULL: the channels say no such thing. */
+    void (*radiance)(const float *channel, lmb_vec3 vertex_normal, lmb_sh3_rgb *radiance);
+
     const lmb_model_direction *direction; /* NULL: filtering makes no light */
 } lmb_model;
 

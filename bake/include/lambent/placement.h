@@ -20,6 +20,7 @@ typedef struct lmb_placement_settings {
     /* In the world: free space connected to these is baked; beside the scene's own seed points. */
     const lmb_vec3d *seeds;
     uint32_t seed_count;          /* no seeds at all: every free point within the bounds */
+    bool for_levels;              /* lmb_placement_levels follows: free points in boxes without probes are kept */
     lmb_warnings warnings;        /* seeds that are ignored, each by name */
     const lmb_progress *progress; /* NULL: none */
 } lmb_placement_settings;
@@ -39,35 +40,46 @@ typedef struct lmb_placement_stats {
     uint64_t rays;
     bool seeds_in_solid;   /* at least one seed point lies inside something, or outside the level, and was ignored */
     bool everything_solid; /* the level's winding calls all its space solid: the test of being inside was ignored */
+    /* Of levels. */
+    double tolerance_scale; /* by how much all tolerances were raised for max_probes; 1 when there was room */
+    uint32_t levels_lost;   /* finest ones that boxes asked for and max_probes did not allow */
 } lmb_placement_stats;
 
 /* Places probes. A point is solid when most of the rays that hit anything hit a back face AND signed crossings of
  * surfaces over whole rays do not say that it lies within a room that faces inwards. Probes are made for every corner
- * of every cell that has at least one free, reachable corner; those not free have validity 0 and are to be filled by
- * lmb_probes_dilate. `*probes` have validity set and no light.
- * @return LMB_ERROR_UNSUPPORTED (no triangles, so no bounds; spacing too fine for the level's size; or seeds, of which
- * none lies in free space), _MEMORY, _INTERRUPTED */
+ * of every cell that has at least one free, reachable corner outside of the scene's boxes without probes; those not
+ * free have validity 0 and are to be filled by lmb_probes_dilate. `*probes` have validity set and no light.
+ * @return LMB_ERROR_UNSUPPORTED (no triangles, so no bounds; spacing too fine for the level's size; seeds, of which
+ * none lies in free space; or all of it in boxes without probes), _MEMORY, _INTERRUPTED */
 lmb_result lmb_placement_make(const lmb_tracer *tracer, const lmb_placement_settings *settings, lmb_pool *pool,
                               lmb_probes **probes, lmb_placement_stats *stats, lmb_error *error);
+
+/* Which levels there may be at a place, by number: 0 is the finest of all. */
+typedef struct lmb_level_rule {
+    uint32_t coarsest, finest; /* finest <= coarsest */
+    double tolerance;          /* as lmb_levels_settings has it */
+} lmb_level_rule;
 
 typedef struct lmb_levels_settings {
     uint32_t coarser, finer; /* levels beside the even one, each of twice, or of half the spacing of the one before */
     double tolerance; /* of interpolation on the coarsest level, relative to the light at a place, or to `dark` where
                          that is more; 2.8 times that on each finer one */
-    double dark;      /* radiance */
-    lmb_gather_effort effort;     /* of trials */
-    int32_t max_probes;           /* no more than this, but for those of the coarsest level */
-    bool has_seeds;               /* as the even level was placed with: the scene's own count too */
+    const lmb_level_rule *rule; /* [box] of the scene's boxes that have probes, and one more for all other places;
+                                   NULL: every level everywhere, by `tolerance` */
+    double dark;                /* radiance */
+    lmb_gather_effort effort;   /* of trials */
+    int32_t max_probes;         /* tolerances are raised until there are no more than this; the coarsest level stays */
+    bool has_seeds;             /* as the even level was placed with: the scene's own count too */
     const lmb_progress *progress; /* NULL: none. Its phase is "levels" */
 } lmb_levels_settings;
 
 /* Puts levels in place of the one that lmb_placement_make made, whose spacing is one of theirs. Everything begins with
- * the coarsest. Where the mean squared error of interpolation over the centres of a cube's 2 x 2 x 2 cells and of their
- * faces is more than the tolerance's square, the cube gives way to the next finer level, worst ones first while there
- * may be more probes. A finer level takes eight times as many probes, so the square may be eight times as large there:
- * all probes are spent where they take away most error. No place counts for more than its light. The error is of what
- * an object sees: of normalised irradiance, by SH3 and key lights, over all normals. It is found by gathering a little
- * light there and at the corners, and its noise is taken off.
+ * the coarsest. Where a rule wants finer levels, or the mean squared error of interpolation over the centres of a
+ * cube's 2 x 2 x 2 cells and of their faces is more than the tolerance's square, the cube gives way to the next finer
+ * level. A finer level takes eight times as many probes, so the square may be eight times as large there: all probes
+ * are spent where they take away most error. No place counts for more than its light. The error is of what an object
+ * sees: of normalised irradiance, by SH3 and key lights, over all normals. It is found by gathering a little light
+ * there and at the corners, and its noise is taken off.
  * `*probes` are replaced on success; `*stats`, of the even level, become those of all. The same for any number of
  * threads.
  * @return LMB_ERROR_UNSUPPORTED (the finest spacing is too fine for the level's size), _MEMORY, _INTERRUPTED */

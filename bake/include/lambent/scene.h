@@ -60,7 +60,9 @@ typedef struct lmb_material {
     lmb_texture emissive_texture;   /* sRGB */
     lmb_texture normal_texture;     /* tangent space, +Y up; linear */
     float normal_scale;
-    float transmission; /* KHR_materials_transmission factor: lets light straight through, tinted */
+    float metallic, roughness; /* factors, each in [0, 1]; of pictures alone: all surfaces are diffuse to the bake */
+    lmb_texture metallic_roughness_texture; /* linear: G roughness, B metalness; read for lmb_gltf_options.reflection */
+    float transmission;                     /* KHR_materials_transmission factor: lets light straight through, tinted */
     lmb_alpha_mode alpha_mode;
     float alpha_cutoff;
     bool double_sided; /* does not change transport: surfaces reflect on both sides */

@@ -29,6 +29,16 @@ typedef struct lmb_transport {
 lmb_rgb lmb_radiance(const lmb_transport *transport, lmb_vec3 origin, lmb_vec3 direction, uint64_t stream,
                      uint32_t sample, uint64_t *rays);
 
+/* The same in two parts, of which next-event estimation may find the first as well. */
+typedef struct lmb_radiance_seen {
+    lmb_rgb emitted;   /* by the surface that is met, or by the environment, without the sun that became a light */
+    lmb_rgb reflected; /* by it */
+    bool on_surface;
+    lmb_hit hit; /* of the surface, if any */
+} lmb_radiance_seen;
+lmb_radiance_seen lmb_radiance_look(const lmb_transport *transport, const lmb_ray *ray, uint64_t stream,
+                                    uint32_t sample, uint64_t *rays);
+
 #ifdef __cplusplus
 }
 #endif
