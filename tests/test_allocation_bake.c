@@ -13,6 +13,7 @@
 
 #include "allocation_fail.h"
 #include "command_fixture.h"
+#include "floor_fixture.h"
 #include "folder_fixture.h"
 #include "scenes/levels.h"
 
@@ -21,8 +22,11 @@
 #define BAKED OUTPUT "/baked"
 #define TRIED OUTPUT "/tried"
 
+/* Whether the bake has levels, cells that a wall parts, a set of lights, a key light, and compressed lightmaps. */
+static bool is_rich;
+
 /* Failures of one kind of work that are tried, spread over all of its allocations. */
-enum { MOST_TRIES = 100 };
+enum { MOST_TRIES = 100, MOST_RICH_TRIES = 40 };
 
 static lmb_result bake_into(const char *folder_name, lmb_error *error)
 {
@@ -30,9 +34,12 @@ static lmb_result bake_into(const char *folder_name, lmb_error *error)
     settings.level.path = LEVEL;
     settings.level.threads = 1;
     settings.level.environment = "#404040";
+    settings.level.key_lights = is_rich ? 1 : 0;
     settings.spacing = 2.0f;
+    settings.min_spacing = is_rich ? 1.0f : 0.0f; /* next to the wall */
     settings.samples = settings.max_samples = 4;
     settings.lightmaps = true;
+    settings.lightmap_format = is_rich ? LMB_LIGHTMAP_KTX2 : LMB_LIGHTMAP_EXR;
     settings.texels_per_m = 1.0f;
     lmb_bake_folder *folder = NULL;
     lmb_bake_record record;
@@ -96,7 +103,8 @@ static bool is_out_of_memory(lmb_result result, const lmb_error *error)
 static void each_fails(const char *name, lmb_result (*work)(lmb_error *error))
 {
     const long count = allocations_of(work);
-    const long tries = count < MOST_TRIES ? count : MOST_TRIES;
+    const long most = is_rich ? MOST_RICH_TRIES : MOST_TRIES;
+    const long tries = count < most ? count : most;
     long refused = 0;
     for (long i = 0; i < tries; ++i) {
         const long at = i * count / tries;
@@ -111,12 +119,42 @@ static void each_fails(const char *name, lmb_result (*work)(lmb_error *error))
     CHECK(count > 60 && 10 * refused >= 8 * tries, "%s: %ld of %ld failed", name, refused, tries);
 }
 
-static void every_allocation_fails(void)
+/* A floor in the sun, with a glowing wall of a set of its own on it, and a lamp of another. */
+static lmb_result rich_level_write(lmb_error *error)
+{
+    lmb_level_builder *const builder = floor_begin(0.5f, 8.0f);
+    const lmb_level_light lights[2] = {
+        {.name = "sun", .type = LMB_LEVEL_LIGHT_DIRECTIONAL, .color = {{1.0f, 1.0f, 0.9f}}, .intensity = 3.0f},
+        {.name = "lamp", .type = LMB_LEVEL_LIGHT_POINT, .color = {{1.0f, 0.5f, 0.2f}}, .intensity = 20.0f}};
+    for (int i = 0; i < 2; ++i) {
+        lmb_level_node node = lmb_level_node_default(lights[i].name);
+        node.light = lmb_level_builder_add_light(builder, &lights[i]);
+        node.light_set = i == 0 ? NULL : "lamps";
+        node.translation = (lmb_vec3){1.0f, 2.0f, 0.5f};
+        lmb_level_look_along((lmb_vec3){0.3f, -1.0f, 0.2f}, node.rotation);
+        lmb_level_builder_add_node(builder, &node);
+    }
+    lmb_level_material glow = lmb_level_material_default();
+    glow.emission = (lmb_rgb){{0.2f, 2.0f, 0.4f}};
+    glow.light_set = "signs";
+    const int wall = lmb_level_builder_add_mesh(builder, "wall");
+    const lmb_level_box box = lmb_level_box_of((lmb_vec3){-0.3f, 0, -2}, (lmb_vec3){-0.2f, 2, 2},
+                                               lmb_level_builder_add_material(builder, &glow));
+    lmb_level_builder_add_box(builder, wall, &box);
+    lmb_level_builder_place(builder, "wall", wall, (lmb_vec3){0, 0, 0});
+    const lmb_result result = lmb_level_builder_write(builder, LEVEL, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+static void each_allocation_fails(bool rich)
 {
     lmb_error error = {{0}};
+    is_rich = rich;
     mkdir(OUTPUT, 0777);
     CHECK_RUN(0, NULL, "rm -rf " BAKED " " TRIED);
-    if (lmb_level_quad_light(LEVEL, 2.0f, 5.0f, &error) != LMB_OK || bake_into(BAKED, &error) != LMB_OK) {
+    const lmb_result written = rich ? rich_level_write(&error) : lmb_level_quad_light(LEVEL, 2.0f, 5.0f, &error);
+    if (written != LMB_OK || bake_into(BAKED, &error) != LMB_OK) {
         CHECK(false, "%s", error.message);
         return;
     }
@@ -127,5 +165,16 @@ static void every_allocation_fails(void)
     each_fails("open", open_try);
 }
 
-static const test_case cases[] = {{"every_allocation_fails", every_allocation_fails}};
+static void every_allocation_fails(void)
+{
+    each_allocation_fails(false);
+}
+
+static void every_allocation_of_a_rich_bake_fails(void)
+{
+    each_allocation_fails(true);
+}
+
+static const test_case cases[] = {{"every_allocation_fails", every_allocation_fails},
+                                  {"every_allocation_of_a_rich_bake_fails", every_allocation_of_a_rich_bake_fails}};
 TEST_MAIN(cases)
