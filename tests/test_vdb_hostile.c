@@ -196,7 +196,7 @@ static void flipped_bytes_do_no_harm(void)
     for (size_t form = 0; form < sizeof saved / sizeof saved[0]; ++form) {
         const bytes file = file_saved(saved[form]);
         int read = 0, refused = 0;
-        for (size_t i = 0, at = METADATA_AT; file.data && at < file.size; ++i, at += 1 + file.size / 400) {
+        for (size_t i = 0, at = METADATA_AT; file.data && at < file.size; ++i, at += 1 + file.size / 120) {
             const unsigned char flip = flips[i % sizeof flips];
             lmb_error error;
             file.data[at] ^= flip;
