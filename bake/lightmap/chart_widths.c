@@ -210,7 +210,7 @@ lmb_result lmb_chart_widths_pack(chart_widths *job)
     trials all = {.job = job, .best_cost = HUGE_VAL};
     chart_place *const places = malloc((AT_ONCE * job->count + 1) * sizeof *places);
     for (int i = 0; i < AT_ONCE; ++i) {
-        all.at_once[i].place = places + (size_t)i * job->count;
+        all.at_once[i].place = places ? places + (size_t)i * job->count : NULL;
     }
     const lmb_result result = places ? trials_run(&all) : LMB_ERROR_MEMORY;
     free(places);
