@@ -16,7 +16,8 @@ extern "C" {
 bool lmb_probe_local_frame(const lmb_scene *scene, uint32_t instance, lmb_local_frame *frame);
 
 /* Adds a set for each instance that wants one, moving ones too, in their order, dark and with validity, by the test
- * that placement uses: not for those without triangles, or so small or large that their frame is no valid one. Adds to `*rays`. @return LMB_ERROR_MEMORY */
+ * that placement uses: not for those without triangles, or so small or large that their frame is no valid one. Adds to
+ * `*rays`. @return LMB_ERROR_MEMORY */
 lmb_result lmb_probe_locals_place(const lmb_tracer *tracer, lmb_probes *probes, uint64_t *rays);
 
 /* Metres that a probe of a frame speaks for: the shortest way to a neighbour, or the longest step where it has none. */
