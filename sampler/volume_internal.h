@@ -3,6 +3,7 @@
 #define LMB_VOLUME_INTERNAL_H
 
 #include <float.h>
+#include <string.h>
 
 #include <lambent/lattice.h>
 #include <lambent/volume.h>
@@ -85,6 +86,17 @@ static inline const uint32_t *lmb_volume_cut_corners(const lmb_volume_cut *cut, 
 static inline const lmb_cell_plane *lmb_volume_cut_planes(const lmb_volume_cut *cut)
 {
     return (const lmb_cell_plane *)lmb_volume_cut_corners(cut, cut->region_count);
+}
+
+/* A finite half: its bits, moved to their places in a float, are its value times 2^-112 (denormals too). */
+static inline float lmb_volume_half(const unsigned char *at)
+{
+    uint16_t half;
+    float value;
+    memcpy(&half, at, sizeof half);
+    const uint32_t wide = half, bits = (wide & 0x7fffu) << 13 | (wide & 0x8000u) << 16;
+    memcpy(&value, &bits, sizeof value);
+    return value * 0x1p112f;
 }
 
 /* Irradiance by a kernel (lmb_sh3_irradiance_kernel), never negative nor NaN. Summed so that four lanes may do it: all

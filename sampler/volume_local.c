@@ -109,29 +109,18 @@ lmb_local_set lmb_volume_local_set_get(const lmb_volume *volume, uint32_t index)
     return set;
 }
 
-/* Of a finite half. */
-static float half_value(const unsigned char *at)
-{
-    uint16_t half;
-    float value;
-    memcpy(&half, at, sizeof half);
-    const uint32_t wide = half, bits = (wide & 0x7fffu) << 13 | (wide & 0x8000u) << 16;
-    memcpy(&value, &bits, sizeof value);
-    return value * 0x1p112f; /* from the bias of halfs to that of floats */
-}
-
 static void radiance_read(const lmb_volume *volume, const unsigned char *probe, lmb_sh3_rgb *radiance)
 {
     const bool is_compact = volume->header->probe_form == LMB_VOLUME_COMPACT;
     for (int c = 0; c < 3; ++c) {
         float *const to = radiance->channel[c].c;
-        to[0] = half_value(probe + 2 * (is_compact ? c : c * LMB_SH3_COUNT)) * volume->scale;
+        to[0] = lmb_volume_half(probe + 2 * (is_compact ? c : c * LMB_SH3_COUNT)) * volume->scale;
         for (int k = 1; k < LMB_SH3_COUNT; ++k) {
             int8_t byte = 0;
             memcpy(&byte, probe + 6 + (is_compact ? 8 * c + k - 1 : 0), sizeof byte);
             const int b = byte;
             to[k] = is_compact ? to[0] * ((float)(b < 0 ? -b * b : b * b) * lmb_compact_share(k))
-                               : half_value(probe + 2 * (c * LMB_SH3_COUNT + k)) * volume->scale;
+                               : lmb_volume_half(probe + 2 * (c * LMB_SH3_COUNT + k)) * volume->scale;
         }
     }
 }

@@ -48,12 +48,7 @@ static inline void blend_corners(const unsigned char *const corner[8], fraction 
 static inline void firsts_weigh(const unsigned char *probe, float weight, float first[3])
 {
     for (int c = 0; c < 3; ++c) {
-        uint16_t half;
-        float value;
-        memcpy(&half, probe + 2 * c, sizeof half);
-        const uint32_t bits = (half & 0x7fffu) << 13 | (half & 0x8000u) << 16;
-        memcpy(&value, &bits, sizeof value);
-        first[c] = weight * (value * 0x1p112f);
+        first[c] = weight * lmb_volume_half(probe + 2 * c);
     }
 }
 
