@@ -63,13 +63,7 @@ static cJSON *plan_json(const lmb_bake_record *record)
     cJSON_AddNumberToObject(json, "probes", record->probes);
     cJSON_AddNumberToObject(json, "probes_valid", record->placement.probes_valid);
     cJSON_AddNumberToObject(json, "spacing", (double)record->settings.spacing);
-    cJSON *levels = cJSON_AddArrayToObject(json, "levels");
-    for (uint32_t i = 0; i < record->level_count; ++i) {
-        cJSON *level = cJSON_CreateObject();
-        cJSON_AddNumberToObject(level, "spacing", (double)record->level[i].spacing);
-        cJSON_AddNumberToObject(level, "probes", record->level[i].probes);
-        cJSON_AddItemToArray(levels, level);
-    }
+    cJSON_AddItemToObject(json, "levels", lmb_bake_record_json_levels(record));
     cJSON_AddNumberToObject(json, "texels", (double)record->texels_covered);
     cJSON_AddNumberToObject(json, "images", record->images);
     cJSON_AddNumberToObject(json, "texels_used", record->texels_used);

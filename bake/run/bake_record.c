@@ -56,16 +56,22 @@ double lmb_bake_record_error(const lmb_bake_record *record)
                               record->gathered.squared_light + record->lightmap.squared_light);
 }
 
-static void json_add_elements(cJSON *json, const lmb_bake_record *record)
+cJSON *lmb_bake_record_json_levels(const lmb_bake_record *record)
 {
-    cJSON_AddNumberToObject(json, "probes", record->probes);
-    cJSON *levels = cJSON_AddArrayToObject(json, "levels");
+    cJSON *levels = cJSON_CreateArray();
     for (uint32_t i = 0; i < record->level_count; ++i) {
         cJSON *level = cJSON_CreateObject();
         cJSON_AddNumberToObject(level, "spacing", (double)record->level[i].spacing);
         cJSON_AddNumberToObject(level, "probes", record->level[i].probes);
         cJSON_AddItemToArray(levels, level);
     }
+    return levels;
+}
+
+static void json_add_elements(cJSON *json, const lmb_bake_record *record)
+{
+    cJSON_AddNumberToObject(json, "probes", record->probes);
+    cJSON_AddItemToObject(json, "levels", lmb_bake_record_json_levels(record));
     if (record->placement.tolerance_scale > 0.0) {
         cJSON_AddNumberToObject(json, "tolerance_scale", record->placement.tolerance_scale);
         cJSON_AddNumberToObject(json, "levels_lost", record->placement.levels_lost);

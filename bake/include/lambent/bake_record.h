@@ -11,6 +11,8 @@
 extern "C" {
 #endif
 
+struct cJSON;
+
 /* In the order in which they run. */
 typedef enum lmb_bake_phase {
     LMB_PHASE_LOAD,
@@ -86,6 +88,9 @@ uint64_t lmb_bake_record_rays(const lmb_bake_record *record);
 double lmb_bake_record_mrays_per_s(const lmb_bake_record *record);
 /* Estimated standard error of probes and texels together, relative to their light. */
 double lmb_bake_record_error(const lmb_bake_record *record);
+
+/* The list `levels` of bake.json: the caller's. NULL: out of memory. */
+struct cJSON *lmb_bake_record_json_levels(const lmb_bake_record *record);
 
 /* The record as bake.json has it, but without `files` and `hashes`: a JSON object. The caller frees it; NULL: out of
  * memory. */
