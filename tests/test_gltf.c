@@ -3,6 +3,7 @@
 
 #define FOLDER LMB_TEST_OUTPUT_DIR "/gltf"
 #include "gltf_fixture.h"
+#include "warning_log.h"
 
 static void test_quad(void)
 {
@@ -405,18 +406,6 @@ static void line_count(void *context, const char *line)
 {
     CHECK(strstr(line, "excludes nothing"), "%s", line);
     ++*(int *)context;
-}
-
-typedef struct warning_log {
-    int count;
-    char last[256];
-} warning_log;
-
-static void warning_keep(void *context, const char *text)
-{
-    warning_log *const log = context;
-    ++log->count;
-    snprintf(log->last, sizeof log->last, "%s", text);
 }
 
 /* A light's extent is in its node's extras; what is no such number is ignored, with a warning. */

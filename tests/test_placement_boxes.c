@@ -7,6 +7,7 @@
 #include "harness.h"
 #include "probes_fixture.h"
 #include "scenes/level_builder.h"
+#include "warning_log.h"
 
 #define PATH LMB_TEST_OUTPUT_DIR "/placement_boxes.glb"
 
@@ -43,18 +44,6 @@ static bool room_write(const volume_box *boxes, int count, bool has_lamp)
     lmb_level_builder_destroy(builder);
     CHECK(result == LMB_OK, "%s", error.message);
     return result == LMB_OK;
-}
-
-typedef struct warning_log {
-    int count;
-    char last[512];
-} warning_log;
-
-static void warning_keep(void *context, const char *text)
-{
-    warning_log *const log = context;
-    ++log->count;
-    snprintf(log->last, sizeof log->last, "%s", text);
 }
 
 typedef struct placed {

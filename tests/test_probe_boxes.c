@@ -4,23 +4,13 @@
 
 #include <lambent/probe_boxes.h>
 
+#include "warning_log.h"
+
 /* Four corners, of the box from (0, 0, 0) to (4, 2, 6). */
 #define CORNERS                                                                                                        \
     HEAD "'buffers':[{'uri':'corners.bin','byteLength':48}],'bufferViews':[{'buffer':0,'byteLength':48}],"             \
          "'accessors':[{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'}],"                                \
          "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],"
-
-typedef struct warning_log {
-    int count;
-    char last[512];
-} warning_log;
-
-static void warning_keep(void *context, const char *text)
-{
-    warning_log *const log = context;
-    ++log->count;
-    snprintf(log->last, sizeof log->last, "%s", text);
-}
 
 static lmb_scene *load(const char *text, warning_log *log)
 {
