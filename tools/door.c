@@ -159,10 +159,10 @@ static lmb_result blend_print(const door_light *light, int kind, float t)
         for (int i = 0; i < PLACES; ++i) {
             made[i] = lmb_sh3_rgb_lerp(&light->at[0][room][i], &light->at[2][room][i], t);
         }
-        irradiance_error error;
+        error_summary error;
         result = irradiance_error_find(light->at[1][room], made, PLACES, &error);
         if (result == LMB_OK) {
-            printf("%s\t%s\t%.2f\t%.3f\t%.3f\t%.3f\n", kind_names[kind], room_names[room], (double)t, error.rms,
+            printf("%s\t%s\t%.2f\t%.3f\t%.3f\t%.3f\n", kind_names[kind], room_names[room], (double)t, error.rel_rmse,
                    error.median, error.p95);
         }
     }

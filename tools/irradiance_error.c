@@ -1,6 +1,5 @@
 #include "irradiance_error.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #include <lambent/vector.h>
@@ -22,51 +21,24 @@ static void normals_make(lmb_vec3 normal[NORMALS])
     }
 }
 
-/* Squares of what a place is off and of its light, summed over normals and colours. */
-static void place_measure(const lmb_sh3_rgb *truth, const lmb_sh3_rgb *made, const lmb_vec3 normal[NORMALS],
-                          double *off, double *light)
-{
-    *off = *light = 0.0;
-    for (int n = 0; n < NORMALS; ++n) {
-        const lmb_rgb a = lmb_sh3_rgb_irradiance(made, normal[n]);
-        const lmb_rgb b = lmb_sh3_rgb_irradiance(truth, normal[n]);
-        for (int c = 0; c < 3; ++c) {
-            *off += pow((double)a.c[c] - (double)b.c[c], 2.0);
-            *light += pow((double)b.c[c], 2.0);
-        }
-    }
-}
-
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 lmb_result irradiance_error_find(const lmb_sh3_rgb *truth, const lmb_sh3_rgb *made, size_t count,
-                                 irradiance_error *error)
+                                 error_summary *summary)
 {
-    double *const share = malloc((count + 1) * sizeof *share);
-    if (!share) {
+    point_error *const error = malloc((count + 1) * sizeof *error);
+    if (!error) {
         return LMB_ERROR_MEMORY;
     }
     lmb_vec3 normal[NORMALS];
     normals_make(normal);
-    double all_off = 0.0, all = 0.0;
-    size_t lit = 0;
     for (size_t i = 0; i < count; ++i) {
-        double off, light;
-        place_measure(&truth[i], &made[i], normal, &off, &light);
-        all_off += off;
-        all += light;
-        if (light > 0.0) {
-            share[lit++] = sqrt(off / light);
+        lmb_rgb found[NORMALS], right[NORMALS];
+        for (int n = 0; n < NORMALS; ++n) {
+            found[n] = lmb_sh3_rgb_irradiance(&made[i], normal[n]);
+            right[n] = lmb_sh3_rgb_irradiance(&truth[i], normal[n]);
         }
+        error[i] = point_error_of(found, right, right, NORMALS);
     }
-    qsort(share, lit, sizeof *share, by_size);
-    error->rms = all > 0.0 ? sqrt(all_off / all) : 0.0;
-    error->median = lit > 0 ? share[lit / 2] : 0.0;
-    error->p95 = lit > 0 ? share[lit * 95 / 100] : 0.0;
-    free(share);
-    return LMB_OK;
+    const lmb_result result = error_summarize(error, NULL, count, summary);
+    free(error);
+    return result;
 }

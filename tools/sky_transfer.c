@@ -164,10 +164,10 @@ static void light_make(const transfer *work, const lmb_rgb *weight, uint32_t cou
 
 static lmb_result errors_print(const transfer *work, const char *sky, const char *way, const lmb_sh3_rgb *made)
 {
-    irradiance_error error;
+    error_summary error;
     const lmb_result result = irradiance_error_find(work->truth, made, work->count, &error);
     if (result == LMB_OK) {
-        printf("%s\t%s\t%.4f\t%.4f\t%.4f\n", sky, way, error.rms, error.median, error.p95);
+        printf("%s\t%s\t%.4f\t%.4f\t%.4f\n", sky, way, error.rel_rmse, error.median, error.p95);
         fflush(stdout);
     }
     return result;
