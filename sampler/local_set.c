@@ -27,10 +27,16 @@ lmb_local_frame lmb_local_frame_of_box(lmb_vec3d centre, const lmb_vec3 half[3],
 /* A share of their lengths that the dot product of two steps may be. */
 #define RIGHT_ANGLE_ERROR 1e-3f
 
+/* MinGW's isfinite warns of doubles. */
+static bool is_finite(double value)
+{
+    return fabs(value) <= DBL_MAX;
+}
+
 bool lmb_local_frame_is_valid(const lmb_local_frame *frame)
 {
     assert(frame);
-    bool valid = isfinite(frame->origin.x) && isfinite(frame->origin.y) && isfinite(frame->origin.z);
+    bool valid = is_finite(frame->origin.x) && is_finite(frame->origin.y) && is_finite(frame->origin.z);
     float squared[3];
     for (int axis = 0; axis < 3; ++axis) {
         const lmb_vec3 step = frame->step[axis];
