@@ -188,10 +188,36 @@ static void lies_are_refused(void)
     free(file.data);
 }
 
+/* OpenVDB would forget the node: LeakSanitizer sees it. */
+static void a_node_that_cannot_be_decompressed_is_refused(void)
+{
+    static const struct {
+        vdb_editor_compression saved;
+        unsigned char first; /* byte of a block */
+    } forms[] = {{VDB_EDITOR_BLOSC_ALL, 0x02}, {VDB_EDITOR_ZIP, 0x78}};
+    enum { BEYOND = 8 + 16 }; /* the block's length, and a header */
+    for (size_t form = 0; form < sizeof forms / sizeof forms[0]; ++form) {
+        const bytes file = file_saved(forms[form].saved);
+        lmb_error error;
+        CHECK(file.data && file_try(&file, &error) == LMB_OK, "form %zu: the file itself is refused", form);
+        size_t at = find_root(&file);
+        while (at + BEYOND + 8 < file.size && (file.data[at + 8] != forms[form].first || number_at(&file, at, 8) < 16 ||
+                                               number_at(&file, at, 8) > 65536)) {
+            ++at;
+        }
+        memset(file.data + at + BEYOND, 0xff, 8);
+        const lmb_result result = file_try(&file, &error);
+        CHECK(result == LMB_ERROR_FORMAT && strstr(error.message, "cannot be decompressed"), "form %zu: %d, '%s'", form,
+              result, error.message);
+        free(file.data);
+    }
+}
+
 /* All over the file: what is read is read, and everything else is refused in one line. */
 static void flipped_bytes_do_no_harm(void)
 {
-    static const vdb_editor_compression saved[] = {VDB_EDITOR_BLOSC, VDB_EDITOR_ZIP, VDB_EDITOR_MASKS};
+    static const vdb_editor_compression saved[] = {VDB_EDITOR_BLOSC, VDB_EDITOR_ZIP, VDB_EDITOR_MASKS,
+                                                   VDB_EDITOR_BLOSC_ALL};
     static const unsigned char flips[] = {0x01, 0x80, 0xff};
     for (size_t form = 0; form < sizeof saved / sizeof saved[0]; ++form) {
         const bytes file = file_saved(saved[form]);
@@ -217,6 +243,7 @@ static void flipped_bytes_do_no_harm(void)
 
 static const test_case cases[] = {
     {"lies are refused", lies_are_refused},
+    {"a node that cannot be decompressed is refused", a_node_that_cannot_be_decompressed_is_refused},
     {"flipped bytes do no harm", flipped_bytes_do_no_harm},
 };
 TEST_MAIN(cases)

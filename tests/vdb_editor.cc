@@ -10,6 +10,22 @@ namespace {
 
 using openvdb::GridBase;
 
+uint32_t flags_of(vdb_editor_compression compression)
+{
+    switch (compression) {
+    case VDB_EDITOR_BLOSC_ALL:
+        return openvdb::io::COMPRESS_BLOSC;
+    case VDB_EDITOR_ZIP:
+        return openvdb::io::COMPRESS_ZIP;
+    case VDB_EDITOR_MASKS:
+        return openvdb::io::COMPRESS_ACTIVE_MASK;
+    case VDB_EDITOR_NONE:
+        return openvdb::io::COMPRESS_NONE;
+    default:
+        return openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;
+    }
+}
+
 // Reads all grids, lets `edit` see each, and writes those that it returns true for.
 bool edit_grids(const char *path, const std::function<bool(GridBase &)> &edit,
                 vdb_editor_compression compression = VDB_EDITOR_BLOSC)
@@ -28,11 +44,7 @@ bool edit_grids(const char *path, const std::function<bool(GridBase &)> &edit,
             }
         }
         openvdb::io::File file(path);
-        if (compression != VDB_EDITOR_BLOSC) {
-            file.setCompression(compression == VDB_EDITOR_ZIP     ? openvdb::io::COMPRESS_ZIP
-                                : compression == VDB_EDITOR_MASKS ? openvdb::io::COMPRESS_ACTIVE_MASK
-                                                                  : openvdb::io::COMPRESS_NONE);
-        }
+        file.setCompression(flags_of(compression));
         file.write(kept, *metadata);
         return true;
     } catch (const std::exception &) {
@@ -173,13 +185,4 @@ bool vdb_editor_set_text(const char *path, const char *grid, const char *name, c
         found.insertMeta(name, openvdb::StringMetadata(text));
         return true;
     });
-}
-
-// OpenVDB loses a node whose values turn out broken while it reads them: it throws before anyone owns the node.
-// LeakSanitizer asks here what to leave alone.
-extern "C" const char *__lsan_default_suppressions();
-
-extern "C" const char *__lsan_default_suppressions()
-{
-    return "leak:readTopology";
 }

@@ -21,9 +21,10 @@ bool vdb_editor_drop_set(const char *path, const char *suffix);
 bool vdb_editor_multiply(const char *path, const char *grid, float factor);
 
 typedef enum vdb_editor_compression {
-    VDB_EDITOR_BLOSC, /* and without inactive voxels, as OpenVDB does unless told otherwise */
-    VDB_EDITOR_ZIP,
-    VDB_EDITOR_MASKS, /* only without inactive voxels */
+    VDB_EDITOR_BLOSC,     /* and without inactive voxels, as OpenVDB does unless told otherwise */
+    VDB_EDITOR_BLOSC_ALL, /* with inactive voxels */
+    VDB_EDITOR_ZIP,       /* likewise */
+    VDB_EDITOR_MASKS,     /* only without inactive voxels */
     VDB_EDITOR_NONE,
 } vdb_editor_compression;
 

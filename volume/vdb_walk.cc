@@ -1,6 +1,7 @@
 // A walk over a .vdb file before OpenVDB reads it. OpenVDB 10 believes what a file says of lengths: it takes 4 GiB for
-// a name, and writes a Blosc block past the end of its buffer. Here every count and length is held to the file's size
-// and to what it is read into; nothing of what is walked over is kept.
+// a name, writes a Blosc block past the end of its buffer, and forgets a child of the root whose values cannot be
+// decompressed. Here every count and length is held to the file's size and to what it is read into, and what would be
+// forgotten is decompressed once before; nothing of what is walked over is kept.
 //
 //     file     header, metadata, number of grids, grids
 //     grid     name, type, parent, three positions, compression, metadata, transform, then, unless it has the tree of a
@@ -12,6 +13,9 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <vector>
+
+#include <openvdb/io/Compression.h>
 
 namespace lmb_vdb {
 namespace {
@@ -88,6 +92,22 @@ class Source {
         std::string read_text(length, '\0');
         read(&read_text[0], length);
         return read_text;
+    }
+    // Has OpenVDB decompress the block that ends here and began, with its length, at `begin`.
+    void decompress(uint64_t begin, uint64_t bytes, uint32_t compression)
+    {
+        std::vector<char> values(bytes);
+        file_.seekg(static_cast<std::streamoff>(begin));
+        try {
+            if (compression & kBlosc) {
+                openvdb::io::bloscFromStream(file_, values.data(), bytes);
+            } else {
+                openvdb::io::unzipFromStream(file_, values.data(), bytes);
+            }
+        } catch (const openvdb::Exception &) {
+            fail_damaged("a node's values cannot be decompressed");
+        }
+        seek(at_);
     }
     // So many bytes are still to come.
     void check(uint64_t count) const
@@ -181,9 +201,10 @@ void skip_blosc(Source &source, uint64_t length, uint64_t contents)
     source.skip(length - kBloscHeader);
 }
 
-// `bytes` of values, compressed or not.
-void skip_data(Source &source, uint64_t bytes, uint32_t compression)
+// `bytes` of values, compressed or not; `tries`: to see that they can be decompressed.
+void skip_data(Source &source, uint64_t bytes, uint32_t compression, bool tries)
 {
+    const uint64_t begin = source.at();
     if (!(compression & (kBlosc | kZip))) {
         source.skip(bytes);
         return;
@@ -199,10 +220,13 @@ void skip_data(Source &source, uint64_t bytes, uint32_t compression)
     } else {
         source.skip(static_cast<uint64_t>(length)); // zlib is told how large its buffer is
     }
+    if (tries && length > 0) {
+        source.decompress(begin, bytes, compression);
+    }
 }
 
 // A node's values: what the inactive ones are, then those of `mask` or all.
-void skip_values(Source &source, const Mask &mask, const Storage &storage)
+void skip_values(Source &source, const Mask &mask, const Storage &storage, bool tries)
 {
     // none, -background, one value, mask, mask and one value, mask and two values, all values are here
     static constexpr struct {
@@ -218,9 +242,9 @@ void skip_values(Source &source, const Mask &mask, const Storage &storage)
     const bool has_all = !(storage.compression & kActiveMask) || inactive == std::size(extra) - 1;
     const uint64_t count = has_all ? mask.words * 64 : count_on(mask);
     if (!storage.halves) {
-        skip_data(source, count * storage.kind.value_bytes, storage.compression);
+        skip_data(source, count * storage.kind.value_bytes, storage.compression, tries);
     } else if (count > 0) { // of no halves there is not even a length
-        skip_data(source, count * storage.kind.half_bytes, storage.compression);
+        skip_data(source, count * storage.kind.half_bytes, storage.compression, tries);
     }
 }
 
@@ -342,7 +366,7 @@ void skip_node(Source &source, uint32_t bits, Tree &tree)
     if (tree.probes_in_tiles > kProbesInTiles + kProbesPerByte * source.size()) {
         fail(LMB_ERROR_FORMAT, "holds too many probes");
     }
-    skip_values(source, values, tree.storage);
+    skip_values(source, values, tree.storage, true);
     const uint32_t count = count_on(children);
     if (is_lower) {
         source.skip(uint64_t(count) * leaf_bits / 8);
@@ -398,7 +422,7 @@ void skip_tree(Source &source, const Storage &storage)
     for (uint64_t leaf = 0; leaf < tree.leaves; ++leaf) {
         Mask mask;
         read_mask(source, 512, mask);
-        skip_values(source, mask, storage);
+        skip_values(source, mask, storage, false);
     }
 }
 
