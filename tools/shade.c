@@ -128,14 +128,15 @@ static arriving_light light_of_local_set(const lmb_shader *shader, const seen_su
     return light_of_channels(model, channel, &keys, point.normal, seen);
 }
 
-/* Objects take the model of dynamic things; surfaces that of lightmaps. */
+/* Objects take the model of dynamic things and surfaces that of lightmaps, unless one is named. */
 static arriving_light light_of_probes(const lmb_shader *shader, const seen_surface *seen)
 {
     if (!shader->volume) {
         return (arriving_light){black, black};
     }
     const lmb_gather_point point = seen_point(shader, seen);
-    const lmb_model *model = lmb_model_default(seen->object ? LMB_MODEL_FOR_OBJECT : LMB_MODEL_FOR_SURFACE);
+    const lmb_model *own = lmb_model_default(seen->object ? LMB_MODEL_FOR_OBJECT : LMB_MODEL_FOR_SURFACE);
+    const lmb_model *model = shader->probe_model ? shader->probe_model : own;
     const lmb_scene *scene = lmb_tracer_scene(shader->transport->tracer);
     lmb_sh3_rgb radiance;
     float channel[LMB_MODEL_MOST_CHANNELS];
