@@ -1,5 +1,7 @@
 #include <lambent/specular.h>
 
+#include <float.h>
+
 #include "sh_internal.h"
 #include "specular_tables.h"
 
@@ -117,6 +119,13 @@ lmb_key_light lmb_sh3_rgb_dominant_light(const lmb_sh3_rgb *radiance)
     return dominant;
 }
 
+float lmb_sh3_rgb_light_visibility(const lmb_sh3_rgb *radiance, const lmb_key_light *light)
+{
+    const lmb_sh3 luminance = lmb_sh3_rgb_luminance(radiance);
+    const float seen = lmb_sh3_evaluate(&luminance, light->direction) * (4.0f / 9.0f);
+    return lmb_saturate(seen / lmb_larger(lmb_luminance(light->irradiance), FLT_MIN));
+}
+
 enum { LMB_SPECULAR_BASES = LMB_SPECULAR_VALUES / 2 };
 
 /* A lobe's twelve numbers between the nodes of the table (docs/maths.md has them). */
@@ -218,6 +227,25 @@ lmb_rgb lmb_specular_environment_divisor(const lmb_sh3_rgb *radiance, float roug
 {
     const lmb_specular mirror = {roughness, {{1.0f, 1.0f, 1.0f}}};
     return area_reflected(radiance, &mirror, direction, direction, ENVIRONMENT_LEAST);
+}
+
+/* How far along a ray a coordinate meets the side of a box that it goes towards. */
+static float side_distance(float position, float direction, float low, float high)
+{
+    return direction > 0.0f ? (high - position) / direction : direction < 0.0f ? (low - position) / direction : FLT_MAX;
+}
+
+lmb_vec3 lmb_specular_proxy_direction(const lmb_specular_proxy *proxy, lmb_vec3 position, lmb_vec3 mirrored)
+{
+    const lmb_vec3 low = proxy->low, high = proxy->high, at = proxy->position;
+    const lmb_vec3 inside = {lmb_larger(lmb_smaller(position.x, high.x), low.x),
+                             lmb_larger(lmb_smaller(position.y, high.y), low.y),
+                             lmb_larger(lmb_smaller(position.z, high.z), low.z)};
+    const float x = side_distance(inside.x, mirrored.x, low.x, high.x);
+    const float y = side_distance(inside.y, mirrored.y, low.y, high.y);
+    const float z = side_distance(inside.z, mirrored.z, low.z, high.z);
+    const float distance = lmb_smaller(x, lmb_smaller(y, z));
+    return lmb_vec3_unit_or(lmb_vec3_mad(lmb_vec3_sub(inside, at), mirrored, distance), mirrored);
 }
 
 void lmb_specular_textures(float rgba[LMB_SPECULAR_TEXTURES][LMB_SPECULAR_ROWS][LMB_SPECULAR_COLUMNS][4])

@@ -127,6 +127,43 @@ static void maps_show_what_is_around(void)
     cube_map_free(&map);
 }
 
+/* The sides of an empty room are its walls, and a face of sky is far. */
+static void sides_are_walls(void)
+{
+    static const lmb_vec3 low = {-2, -1, -3}, high = {2, 3, 1};
+    static const double expected[CUBE_FACES] = {1.5, 2.5, 3, 1, 1, 3};
+    lmb_error error = {""};
+    mkdir(OUTPUT, 0777);
+    for (int open = 0; open < 2; ++open) {
+        level_fixture level;
+        cube_map map;
+        lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+        const lmb_level_material white = lmb_level_material_default();
+        lmb_level_box box = lmb_level_box_of(low, high, lmb_level_builder_add_material(builder, &white));
+        box.inward = true;
+        box.material[3] = open ? LMB_LEVEL_NONE : box.material[3];
+        const int room = lmb_level_builder_add_mesh(builder, "room");
+        lmb_level_builder_add_box(builder, room, &box);
+        lmb_level_builder_place(builder, "room", room, (lmb_vec3){0, 0, 0});
+        CHECK(lmb_level_builder_write(builder, LEVEL, &error) == LMB_OK, "%s", error.message);
+        lmb_level_builder_destroy(builder);
+        if (!level_fixture_load(&level, LEVEL, "#ffffff", 2)) {
+            return;
+        }
+        const cube_place place = {.position = {0.5f, 0, 0}};
+        const bool made = cube_map_make(&level.transport, &place, 1, level.pool, NULL, &map) == LMB_OK;
+        CHECK(made, "cube_map_make");
+        for (int face = 0; made && face < CUBE_FACES; ++face) {
+            const double side = open && face == 2 ? 3.0 * (double)CUBE_SKY_SIDES : expected[face];
+            CHECK_NEAR(map.side[face], side, 1e-5 * side, "face %d, %s", face, open ? "open" : "closed");
+        }
+        if (made) {
+            cube_map_free(&map);
+        }
+        level_fixture_close(&level);
+    }
+}
+
 static bool text_replace(const char *path, const char *from, const char *to)
 {
     unsigned char *data = NULL;
@@ -154,6 +191,8 @@ static void maps_are_read_back(void)
     CHECK(environment_maps_read(OUTPUT "/nowhere", &maps, &error) == LMB_ERROR_IO, "%s", error.message);
     const lmb_result result = environment_maps_read(OUTPUT "/maps", &maps, &error);
     CHECK(result == LMB_OK && maps.count == 2 && maps.map[1].position.y == 1.0, "%s", error.message);
+    CHECK(result != LMB_OK || (maps.map[1].high.y > 100.0 && fabs(maps.map[1].low.y) < 1e-5), "floor %g, sky %g",
+          maps.map[1].low.y, maps.map[1].high.y);
     for (int i = 0; i < 4 && result == LMB_OK; ++i) {
         const lmb_rgb up = cube_map_look(&maps.map[1].map, (lmb_vec3){0.1f, 0.99f, 0.1f}, 0.04f * (float)(1 << 2 * i));
         CHECK(up.c[1] > 0.8f && up.c[1] < 1.25f, "level %d: %g", i, (double)up.c[1]);
@@ -208,6 +247,11 @@ static void command_writes_maps(void)
               LMB_COMMAND " render " LEVEL " " OUTPUT "/bake -o " OUTPUT "/a.png --maps " OUTPUT
                           "/bake --specular materials --quiet");
     CHECK_RUN(2, "missing option", LMB_COMMAND " cube " LEVEL " " OUTPUT "/bake");
+    if (text_replace(OUTPUT "/maps/cube_map.json", "\"low\"", "\"lew\"")) {
+        CHECK_RUN(3, "a broken box",
+                  LMB_COMMAND " render " LEVEL " " OUTPUT "/bake -o " OUTPUT "/a.png --maps " OUTPUT
+                              "/maps --specular materials --quiet");
+    }
     if (text_replace(LEVEL, "cube_map", "cube_mop")) {
         CHECK_RUN(3, NULL, LMB_COMMAND " cube " LEVEL " " OUTPUT "/bake -o " OUTPUT "/maps --quiet");
     }
@@ -217,6 +261,7 @@ static const test_case cases[] = {
     {"faces lie as interfaces take them", faces_lie_as_interfaces_take_them},
     {"even light divides to one", even_light_divides_to_one},
     {"maps show what is around", maps_show_what_is_around},
+    {"sides are walls", sides_are_walls},
     {"command writes maps", command_writes_maps},
 };
 

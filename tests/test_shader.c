@@ -59,7 +59,9 @@ enum {
     OUT_SSBUMP = 62,
     OUT_SH2 = 65,
     OUT_DISC = 68,
-    OUTPUTS = 71
+    OUT_PROXY = 71,
+    OUT_LAMP = 74,
+    OUTPUTS = 75
 };
 
 enum { GROUP = 64, GROUPS = 512, ITEMS = GROUP * GROUPS };
@@ -251,6 +253,13 @@ static void item_expect_specular(const float *item, float *expected)
                                colour_get(item + IN_TEXEL_LIGHT)};
     colour_put(expected + OUT_HIGHLIGHT, lmb_specular_light(&key, item[IN_VISIBILITY], &specular, n_v, n, view));
     coordinates_find(item, expected + OUT_COORDINATES);
+    light = light_get(item);
+    expected[OUT_LAMP] = lmb_sh3_rgb_light_visibility(&light, &key);
+    const lmb_vec3 low = vector_get(item + IN_ALBEDO), high = vector_get(item + IN_F0);
+    const lmb_specular_proxy proxy = {vector_get(item + IN_TEXEL_DIRECTION),
+                                      {-1.5f - low.x, -1.5f - low.y, -1.5f - low.z},
+                                      {1.5f + high.x, 1.5f + high.y, 1.5f + high.z}};
+    vector_put(expected + OUT_PROXY, lmb_specular_proxy_direction(&proxy, lmb_vec3_scale(view, 2.0f), n));
 }
 
 static float largest_of(const float *item)
@@ -272,7 +281,12 @@ static void item_compare(const float *item, const float *got, int index, const c
     const float light = largest_of(item);
     for (int i = 0; i < OUTPUTS; ++i) {
         double tolerance = 2e-6 * (double)light;
-        if (i >= OUT_DISC) {
+        if (i >= OUT_LAMP) {
+            const float lamp = lmb_luminance(colour_get(item + IN_TEXEL_LIGHT));
+            tolerance = 1e-5 + 4e-6 * (double)(light / fmaxf(lamp, 1e-6f));
+        } else if (i >= OUT_PROXY) {
+            tolerance = 1e-5;
+        } else if (i >= OUT_DISC) {
             tolerance = 1e-4; /* the frame turns fast about one normal */
         } else if (i >= OUT_SH2) {
             tolerance = 2e-6 * (double)light;

@@ -363,6 +363,64 @@ static void dominant_light_is_the_nearest(void)
     CHECK(lmb_sh3_rgb_dominant_light(&even).irradiance.c[0] == 0.0f, "light from everywhere has none");
 }
 
+/* What is seen of a lamp comes back, alone; beside others and a sky, when it is the strongest by far; and nothing of
+ * what is behind a wall. */
+static void lamps_are_found_in_harmonics(void)
+{
+    uint64_t state = 47;
+    for (int i = 0; i < 100; ++i) {
+        const lmb_key_light lamp = {direction_any(&state), lmb_rgb_of(3.0f, 2.0f, 0.5f)};
+        const float seen = (float)variate_next(&state);
+        lmb_sh3_rgb light = {{{{0}}}};
+        lmb_key_light_add_to_sh3(&lamp, seen, &light);
+        CHECK_NEAR(lmb_sh3_rgb_light_visibility(&light, &lamp), seen, 1e-5, "alone");
+        lmb_sh3_rgb sky = soft_sky(&state);
+        for (int c = 0; c < 3; ++c) {
+            for (int k = 0; k < LMB_SH3_COUNT; ++k) {
+                light.channel[c].c[k] += 0.01f * sky.channel[c].c[k];
+            }
+        }
+        CHECK_NEAR(lmb_sh3_rgb_light_visibility(&light, &lamp), seen, 0.02, "beside a sky");
+        const lmb_key_light other = {lmb_vec3_scale(lamp.direction, -1.0f), lamp.irradiance};
+        lmb_key_light_add_to_sh3(&lamp, -seen, &light);
+        CHECK(lmb_sh3_rgb_light_visibility(&light, &other) < 0.02f, "light that is not there");
+        lmb_key_light_add_to_sh3(&lamp, 2.0f, &light);
+        CHECK(lmb_sh3_rgb_light_visibility(&light, &lamp) == 1.0f, "no more than all");
+    }
+    const lmb_key_light none = {UP, grey(0.0f)};
+    const lmb_sh3_rgb even = {{{{1.0f}}, {{1.0f}}, {{1.0f}}}};
+    const float of_none = lmb_sh3_rgb_light_visibility(&even, &none);
+    CHECK(of_none >= 0.0f && of_none <= 1.0f, "of no light: %g", (double)of_none);
+}
+
+/* Where rays leave a box, by hand; from the map's own place every direction stays. */
+static void proxies_are_boxes(void)
+{
+    const lmb_specular_proxy box = {{1.0f, 0.0f, 0.0f}, {-2.0f, -1.0f, -3.0f}, {2.0f, 1.0f, 3.0f}};
+    static const struct {
+        lmb_vec3 position, mirrored, meets; /* the point of the box */
+    } table[] = {
+        {{0.0f, -1.0f, 0.0f}, {0.6f, 0.8f, 0.0f}, {1.5f, 1.0f, 0.0f}},
+        {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {2.0f, 0.0f, 0.0f}},
+        {{-1.0f, 0.5f, 2.0f}, {0.0f, 0.0f, -1.0f}, {-1.0f, 0.5f, -3.0f}},
+        {{-9.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {-2.0f, 1.0f, 0.0f}}, /* from outside */
+        {{0.0f, 7.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f}},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
+        const lmb_vec3 got = lmb_specular_proxy_direction(&box, table[i].position, table[i].mirrored);
+        const lmb_vec3 way = lmb_vec3_sub(table[i].meets, box.position);
+        CHECK_NEAR(lmb_vec3_dot(got, lmb_vec3_unit_or(way, UP)), 1.0, 1e-6, "case %zu: %g %g %g", i, (double)got.x,
+                   (double)got.y, (double)got.z);
+    }
+    const lmb_specular_proxy none = {{0.0f, 0.0f, 0.0f}, {-1e30f, -1e30f, -1e30f}, {1e30f, 1e30f, 1e30f}};
+    uint64_t state = 3;
+    for (int i = 0; i < 200; ++i) {
+        const lmb_vec3 d = direction_any(&state), at = direction_any(&state);
+        CHECK_NEAR(lmb_vec3_dot(lmb_specular_proxy_direction(&box, box.position, d), d), 1.0, 1e-6, "its own place");
+        CHECK_NEAR(lmb_vec3_dot(lmb_specular_proxy_direction(&none, at, d), d), 1.0, 1e-6, "a box without end");
+    }
+}
+
 static bool is_light(lmb_rgb colour)
 {
     return colour.c[0] >= 0.0f && colour.c[1] >= 0.0f && colour.c[2] >= 0.0f && colour.c[0] <= FLT_MAX &&
@@ -390,6 +448,12 @@ static void nothing_breaks_it(void)
         CHECK(is_light(lmb_specular_area(&light, &specular, n, view)), "area, %d", i);
         CHECK(is_light(lmb_specular_environment(key.irradiance, &light, &specular, n, view)), "environment, %d", i);
         CHECK(is_light(lmb_sh3_rgb_dominant_light(&light).irradiance), "dominant, %d", i);
+        const float seen = lmb_sh3_rgb_light_visibility(&light, &key);
+        CHECK(seen >= 0.0f && seen <= 1.0f, "visibility, %d: %g", i, (double)seen);
+        const float side = values[i % COUNT];
+        const lmb_specular_proxy box = {n, {-side, -1.0f, -side}, {side, 1.0f, 1.0f}};
+        const lmb_vec3 way = lmb_specular_proxy_direction(&box, lmb_vec3_of(side, 0.0f, 2.0f), towards);
+        CHECK_NEAR(lmb_vec3_dot(way, way), 1.0, 1e-5, "proxy, %d", i);
     }
 }
 
@@ -403,6 +467,8 @@ static const test_case CASES[] = {
     {"environment maps come back", environment_maps_come_back},
     {"nothing jumps at the normal", nothing_jumps_at_the_normal},
     {"dominant light is the nearest", dominant_light_is_the_nearest},
+    {"lamps are found in harmonics", lamps_are_found_in_harmonics},
+    {"proxies are boxes", proxies_are_boxes},
     {"nothing breaks it", nothing_breaks_it},
 };
 

@@ -36,7 +36,9 @@ static void models_add(lmb_bake_settings *settings, lmb_arguments *arguments, co
         const size_t length = strcspn(text, ",");
         snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : 0), text);
         if (!lmb_bake_settings_add_model(settings, name)) {
-            arguments_error(arguments, "--models: no lightmap has the model", text);
+            const char *what =
+                lmb_model_for_lightmap(name) ? "--models: too many, from" : "--models: no lightmap has the model";
+            arguments_error(arguments, what, name[0] != '\0' ? name : text);
         }
         if (text[length] == '\0') {
             return;
@@ -45,14 +47,18 @@ static void models_add(lmb_bake_settings *settings, lmb_arguments *arguments, co
     }
 }
 
-const lmb_model *lightmap_model_argument(lmb_arguments *arguments, const char *option)
+const lmb_model *lightmap_model_named(lmb_arguments *arguments, const char *name)
 {
-    const char *name = arguments_text(arguments, option);
     const lmb_model *model = arguments->failed ? NULL : lmb_model_for_lightmap(name);
     if (!arguments->failed && !model) {
         arguments_error(arguments, "--model: no lightmap has the model", name);
     }
     return model;
+}
+
+const lmb_model *lightmap_model_argument(lmb_arguments *arguments, const char *option)
+{
+    return lightmap_model_named(arguments, arguments_text(arguments, option));
 }
 
 bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const char *argument)

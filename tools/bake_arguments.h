@@ -7,7 +7,8 @@
 
 #include "level_arguments.h"
 
-/* The model that the value names, of those that lightmaps can have. */
+/* The model of that name, or that the option's value names, of those that lightmaps can have. */
+const lmb_model *lightmap_model_named(lmb_arguments *arguments, const char *name);
 const lmb_model *lightmap_model_argument(lmb_arguments *arguments, const char *option);
 
 /* Takes `argument` when it is the level, one of level_argument's options, or one of those of BAKE_USAGE. */

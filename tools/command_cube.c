@@ -12,6 +12,7 @@
 
 #include "command.h"
 #include "environment_maps.h"
+#include "lamps_seen.h"
 #include "query.h"
 
 static const char usage[] =
@@ -20,7 +21,8 @@ static const char usage[] =
     "Traces environment maps of LEVEL, with the settings of the bake in DIR: at every node whose extras say\n"
     "{\"lambent\": {\"cube_map\": true}}. Each is an EXR of cubes whose levels are blurred for rising roughness, "
     "divided\n"
-    "by the area specular of the probes there; cube_map.json lists them. Key lights are not in them.\n"
+    "by the area specular of the probes there; cube_map.json lists them, each with a box for what is around it. Key\n"
+    "lights and lamps are not in them.\n"
     "\n"
     "  -o FOLDER             where to write; made if it is not there\n"
     "  --at X,Y,Z            a map here too (repeatable, up to 64)\n"
@@ -102,16 +104,26 @@ static lmb_result place_make(const cube_run *run, int index, const char *name, l
         snprintf(line, sizeof line, "%s is outside of the baked volume: divided by the nearest probes", name);
         console_warning(line, options->shared.quiet);
     }
+    lamps_seen lamps;
+    lamps_take(level->transport.emitters, place.position, NULL, &place.radiance, &lamps);
     lmb_result result = cube_map_make(&level->transport, &place, options->samples, level->pool, run->progress, &map);
     if (result != LMB_OK) {
         return lmb_error_set(error, result, "cube: %s", lmb_result_text(result));
     }
     result = picture_write(path, &map, error);
     cube_map_free(&map);
+    const float *const side = map.side;
+    const lmb_vec3d at = position;
     cJSON *entry = cJSON_CreateObject();
     cJSON_AddStringToObject(entry, "name", name);
     cJSON_AddItemToObject(entry, "position", json_position(position));
     cJSON_AddStringToObject(entry, "image", image);
+    cJSON *const box = cJSON_AddObjectToObject(entry, "box");
+    cJSON_AddItemToObject(
+        box, "low", json_position((lmb_vec3d){at.x - (double)side[1], at.y - (double)side[3], at.z - (double)side[5]}));
+    cJSON_AddItemToObject(
+        box, "high",
+        json_position((lmb_vec3d){at.x + (double)side[0], at.y + (double)side[2], at.z + (double)side[4]}));
     cJSON_AddItemToArray(run->maps, entry);
     return result;
 }

@@ -34,7 +34,8 @@ static const char usage[] =
     "                        mismatch    irradiance by probes - by lightmaps, as a share of the latter: likewise\n"
     "                        density     a checker of lightmap texels; red where there is no lightmap\n"
     "  --model NAME          light surfaces by the lightmaps of that model, which the bake wrote beside its own\n"
-    "                        (bake --models)\n"
+    "                        (bake --models); with --mode probes all by that model of `lambent models`, made of "
+    "probes\n"
     "  --probes              show the probes as little spheres too, lit by what they hold: ghosts smaller, with a "
     "blue\n"
     "                        belt, those of local sets with a green one; a red belt where a probe could not be baked\n"
@@ -71,7 +72,8 @@ typedef struct render_options {
     float exposure_ev;
     int32_t width, height;
     lmb_render_mode mode;
-    const lmb_model *model; /* NULL: the bake's own */
+    const char *model_name; /* NULL: the bake's own, and each use's default */
+    const lmb_model *model; /* of that name: of probes with RENDER_PROBES, else of lightmaps */
     uint32_t samples;
     object_option objects[MAX_OBJECTS];
     int object_count;
@@ -194,6 +196,23 @@ static bool view_option(lmb_arguments *arguments, const char *option, render_opt
     return true;
 }
 
+/* The row of `--model`, once the mode is known. */
+static void model_find(lmb_arguments *arguments, render_options *options)
+{
+    const char *const name = options->model_name;
+    if (!name) {
+        return;
+    }
+    if (options->mode != RENDER_PROBES) {
+        options->model = lightmap_model_named(arguments, name);
+        return;
+    }
+    options->model = lmb_model_find(name, LMB_MODEL_FOR_SURFACE | LMB_MODEL_FOR_OBJECT);
+    if (!options->model || !options->model->encode) {
+        arguments_error(arguments, "--model: probes make no model", name);
+    }
+}
+
 static bool options_read(lmb_arguments *arguments, render_options *options)
 {
     for (const char *next; (next = arguments_next(arguments));) {
@@ -201,7 +220,7 @@ static bool options_read(lmb_arguments *arguments, render_options *options)
             continue;
         }
         if (strcmp(next, "--model") == 0) {
-            options->model = lightmap_model_argument(arguments, next);
+            options->model_name = arguments_text(arguments, next);
         } else if (strcmp(next, "--samples") == 0) {
             options->samples = (uint32_t)arguments_integer(arguments, next, 1, 100000000);
         } else {
@@ -211,6 +230,7 @@ static bool options_read(lmb_arguments *arguments, render_options *options)
     if (!arguments_complete(arguments, &options->shared)) {
         return false;
     }
+    model_find(arguments, options);
     const char *const output = options->shared.output;
     if (options->camera_node && (options->has_camera || options->has_look)) {
         arguments_error(arguments, "--camera-node does not go with", options->has_camera ? "--camera" : "--look");
@@ -491,6 +511,7 @@ static lmb_result render_run(const render_options *options, const lmb_baked *bak
         const lmb_shader shader = {
             .transport = &baked->level.transport,
             .volume = baked->volume,
+            .probe_model = options->mode == RENDER_PROBES ? options->model : NULL,
             .lightmap = baked->lightmap,
             .local = &local,
             .objects = objects,
@@ -539,7 +560,7 @@ int command_render(int count, char **values)
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    if (options.model) {
+    if (options.model && options.mode != RENDER_PROBES) {
         result = lmb_baked_read_model(&baked, options.shared.path[1], options.model, &error);
     }
     if (result == LMB_OK) {

@@ -1,5 +1,6 @@
 #include "cube_map.h"
 
+#include <float.h>
 #include <stdlib.h>
 
 #include <lambent/sequence.h>
@@ -12,10 +13,20 @@
 /* Half vectors of a blurred texel. */
 enum { LOBE_SAMPLES = 512 };
 
+/* What a direction says of the box around. */
+typedef struct box_point {
+    int side;     /* that it is of: the face's axis that the surface faces against, or of the sky the direction's */
+    float depth;  /* along that axis; FLT_MAX: the sky */
+    float weight; /* a solid angle */
+} box_point;
+
+enum { BOX_POINTS = CUBE_FACES * CUBE_SIDE * CUBE_SIDE };
+
 typedef struct cube_work {
     const lmb_transport *transport;
     const cube_place *place;
     uint32_t samples;
+    box_point *box;                 /* [texel of the first level] */
     const float *seen[CUBE_LEVELS]; /* what is seen, not blurred, as wide as the level */
     cube_map *map;
 } cube_work;
@@ -108,6 +119,34 @@ lmb_rgb cube_map_look(const cube_map *map, lmb_vec3 direction, float roughness)
                        lmb_rgb_scale(level_look(map, second, &at), share));
 }
 
+/* The face that a vector points to most. */
+static int axis_of(lmb_vec3 v)
+{
+    return face_of(v).face;
+}
+
+static float along_axis(lmb_vec3 v, int face)
+{
+    const float along = face / 2 == 0 ? v.x : face / 2 == 1 ? v.y : v.z;
+    return face % 2 == 0 ? along : -along;
+}
+
+static box_point box_look(const cube_work *work, lmb_vec3 direction)
+{
+    const lmb_tracer *tracer = work->transport->tracer;
+    const int face = axis_of(direction);
+    const float cosine = along_axis(direction, face);
+    box_point seen = {face, FLT_MAX, cosine * cosine * cosine};
+    lmb_hit hit;
+    if (lmb_trace_nearest(tracer, work->place->position, direction, 0.0f, FLT_MAX, &hit)) {
+        const lmb_vec3 normal = lmb_trace_place(tracer, &hit).geometric_normal;
+        const bool front = lmb_vec3_dot(normal, direction) < 0.0f;
+        seen.side = axis_of(front ? lmb_vec3_scale(normal, -1.0f) : normal);
+        seen.depth = lmb_larger(hit.distance * along_axis(direction, seen.side), 0.0f);
+    }
+    return seen;
+}
+
 /* A row of the first level. */
 static void trace_task(void *context, size_t task, int worker)
 {
@@ -128,6 +167,53 @@ static void trace_task(void *context, size_t task, int worker)
         for (int c = 0; c < 3; ++c) {
             rgb[3 * x + c] = sum.c[c] / (float)work->samples;
         }
+        const lmb_vec3 middle = cube_direction((int)(task / CUBE_SIDE), ((float)x + 0.5f) / CUBE_SIDE,
+                                               ((float)(task % CUBE_SIDE) + 0.5f) / CUBE_SIDE);
+        work->box[task * CUBE_SIDE + (size_t)x] = box_look(work, middle);
+    }
+}
+
+/* By side, then by depth. */
+static int box_compare(const void *a, const void *b)
+{
+    const box_point *x = a, *y = b;
+    const int by_depth = (x->depth > y->depth) - (x->depth < y->depth);
+    return x->side != y->side ? x->side - y->side : by_depth;
+}
+
+/* The median of points of one side; FLT_MAX where there are none. */
+static float side_find(const box_point *point, size_t count)
+{
+    double all = 0.0, nearer = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        all += (double)point[i].weight;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        nearer += (double)point[i].weight;
+        if (2.0 * nearer >= all) {
+            return point[i].depth;
+        }
+    }
+    return FLT_MAX;
+}
+
+/* Orders the points. */
+static void sides_find(box_point *box, float side[CUBE_FACES])
+{
+    float farthest = 1.0f;
+    size_t first = 0;
+    qsort(box, BOX_POINTS, sizeof *box, box_compare);
+    for (int face = 0; face < CUBE_FACES; ++face) {
+        size_t end = first;
+        while (end < BOX_POINTS && box[end].side == face) {
+            ++end;
+        }
+        side[face] = side_find(&box[first], end - first);
+        farthest = side[face] < FLT_MAX ? lmb_larger(farthest, side[face]) : farthest;
+        first = end;
+    }
+    for (int face = 0; face < CUBE_FACES; ++face) {
+        side[face] = lmb_smaller(side[face], CUBE_SKY_SIDES * farthest);
     }
 }
 
@@ -223,9 +309,10 @@ lmb_result cube_map_make(const lmb_transport *transport, const cube_place *place
                          const lmb_progress *progress, cube_map *made)
 {
     cube_map seen;
-    cube_work work = {transport, place, samples, {NULL}, &seen};
+    cube_work work = {.transport = transport, .place = place, .samples = samples, .map = &seen};
     const bool first = cube_map_allocate(&seen), second = cube_map_allocate(made);
-    lmb_result result = first && second ? LMB_OK : LMB_ERROR_MEMORY;
+    work.box = malloc(BOX_POINTS * sizeof *work.box);
+    lmb_result result = first && second && work.box ? LMB_OK : LMB_ERROR_MEMORY;
     if (result == LMB_OK) {
         result = lmb_pool_run(pool, (size_t)CUBE_FACES * CUBE_SIDE, trace_task, &work, "trace", progress);
     }
@@ -238,9 +325,11 @@ lmb_result cube_map_make(const lmb_transport *transport, const cube_place *place
             work.seen[i] = seen.rgb[i];
             rows += (size_t)(CUBE_FACES * cube_side(i));
         }
+        sides_find(work.box, made->side);
         work.map = made;
         result = lmb_pool_run(pool, rows, blur_task, &work, "blur", progress);
     }
+    free(work.box);
     cube_map_free(&seen);
     if (result != LMB_OK) {
         cube_map_free(made);

@@ -16,6 +16,8 @@ enum { CUBE_FACES = 6, CUBE_SIDE = 128, CUBE_LEVELS = 5 };
 /* Faces are +X, -X, +Y, -Y, +Z, -Z, and lie as graphics interfaces take them: row 0 is t = 0. */
 typedef struct cube_map {
     float *rgb[CUBE_LEVELS]; /* [face][row][column][channel] */
+    float side[CUBE_FACES];  /* of a box around the place: the median of how far along a face's axis the surfaces are
+                                that face against it, by solid angle; the sky counts for the face it is in */
 } cube_map;
 
 static inline int cube_side(int level)
@@ -39,6 +41,9 @@ typedef struct cube_place {
     lmb_vec3 position;    /* in the level's scene */
     lmb_sh3_rgb radiance; /* of the probes there, without key lights */
 } cube_place;
+
+/* `side` where it is mostly the sky: so many times the farthest other one, and metres at least. */
+#define CUBE_SKY_SIDES 1024.0f
 
 /* Traces the first level's texels, `samples` rays each, without the direct light of key lights; then blurs and divides
  * all levels. On failure nothing is to be freed. @return LMB_ERROR_MEMORY, _INTERRUPTED */

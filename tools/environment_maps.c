@@ -71,9 +71,9 @@ static bool json_is_of_maps(const cJSON *json)
     return good && cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(json, "maps")) > 0;
 }
 
-static bool json_position(const cJSON *entry, lmb_vec3d *position)
+static bool json_position(const cJSON *entry, const char *key, lmb_vec3d *position)
 {
-    const cJSON *const list = cJSON_GetObjectItemCaseSensitive(entry, "position");
+    const cJSON *const list = cJSON_GetObjectItemCaseSensitive(entry, key);
     double at[3];
     for (int i = 0; i < 3; ++i) {
         const cJSON *const number = cJSON_GetArrayItem(list, i);
@@ -89,8 +89,14 @@ static bool json_position(const cJSON *entry, lmb_vec3d *position)
 static lmb_result entry_read(const cJSON *entry, const char *folder, environment_map *map, lmb_error *error)
 {
     const char *const image = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(entry, "image"));
-    if (!image || !json_position(entry, &map->position)) {
-        return lmb_error_set(error, LMB_ERROR_FORMAT, "%s/cube_map.json: a map without image or position", folder);
+    const double far = (double)FLT_MAX;
+    map->low = (lmb_vec3d){-far, -far, -far};
+    map->high = (lmb_vec3d){far, far, far};
+    const cJSON *const box = cJSON_GetObjectItemCaseSensitive(entry, "box");
+    const bool has_box = json_position(box, "low", &map->low) && json_position(box, "high", &map->high);
+    if (!image || !json_position(entry, "position", &map->position) || (box && !has_box)) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT,
+                             "%s/cube_map.json: a map without image or position, or a broken box", folder);
     }
     char *const path = lmb_file_in(folder, image);
     const lmb_result result =
@@ -144,7 +150,7 @@ void environment_maps_free(environment_maps *freed)
     *freed = (environment_maps){NULL, 0};
 }
 
-const cube_map *environment_maps_find(const environment_maps *maps, const lmb_tracer *tracer, lmb_vec3 position)
+map_here environment_maps_find(const environment_maps *maps, const lmb_tracer *tracer, lmb_vec3 position)
 {
     int nearest = 0, seen = -1;
     float least = FLT_MAX, least_seen = FLT_MAX;
@@ -162,5 +168,9 @@ const cube_map *environment_maps_find(const environment_maps *maps, const lmb_tr
             least_seen = squared;
         }
     }
-    return &maps->map[seen >= 0 ? seen : nearest].map;
+    const lmb_scene *const scene = lmb_tracer_scene(tracer);
+    const environment_map *const found = &maps->map[seen >= 0 ? seen : nearest];
+    return (map_here){&found->map,
+                      {lmb_scene_from_world(scene, found->position), lmb_scene_from_world(scene, found->low),
+                       lmb_scene_from_world(scene, found->high)}};
 }

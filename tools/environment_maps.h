@@ -4,6 +4,8 @@
 
 #include <lambent/error.h>
 
+#include <lambent/specular.h>
+
 #include "cube_map.h"
 
 /* Width and height of the picture of one map: levels below each other, six faces beside each other. */
@@ -14,7 +16,8 @@ int cube_picture_height(void);
 size_t cube_picture_pixel(int level, int index);
 
 typedef struct environment_map {
-    lmb_vec3d position; /* in the world */
+    lmb_vec3d position;  /* in the world */
+    lmb_vec3d low, high; /* a box for what is around, in the world */
     cube_map map;
 } environment_map;
 
@@ -28,8 +31,13 @@ typedef struct environment_maps {
 lmb_result environment_maps_read(const char *folder, environment_maps *read, lmb_error *error);
 void environment_maps_free(environment_maps *freed);
 
-/* The map that a surface at `position` of the tracer's scene takes: the nearest of those in sight, or of all where none
- * is. */
-const cube_map *environment_maps_find(const environment_maps *maps, const lmb_tracer *tracer, lmb_vec3 position);
+/* The map that a surface takes, and its box in the surface's scene. */
+typedef struct map_here {
+    const cube_map *map;
+    lmb_specular_proxy proxy;
+} map_here;
+
+/* That of a surface at `position` of the tracer's scene: the nearest of those in sight, or of all where none is. */
+map_here environment_maps_find(const environment_maps *maps, const lmb_tracer *tracer, lmb_vec3 position);
 
 #endif

@@ -128,14 +128,15 @@ static arriving_light light_of_local_set(const lmb_shader *shader, const seen_su
     return light_of_channels(model, channel, &keys, point.normal, seen);
 }
 
-/* Objects take the model of dynamic things; surfaces that of lightmaps. */
+/* Objects take the model of dynamic things and surfaces that of lightmaps, unless one is named. */
 static arriving_light light_of_probes(const lmb_shader *shader, const seen_surface *seen)
 {
     if (!shader->volume) {
         return (arriving_light){black, black};
     }
     const lmb_gather_point point = seen_point(shader, seen);
-    const lmb_model *model = lmb_model_default(seen->object ? LMB_MODEL_FOR_OBJECT : LMB_MODEL_FOR_SURFACE);
+    const lmb_model *own = lmb_model_default(seen->object ? LMB_MODEL_FOR_OBJECT : LMB_MODEL_FOR_SURFACE);
+    const lmb_model *model = shader->probe_model ? shader->probe_model : own;
     const lmb_scene *scene = lmb_tracer_scene(shader->transport->tracer);
     lmb_sh3_rgb radiance;
     float channel[LMB_MODEL_MOST_CHANNELS];
@@ -209,18 +210,20 @@ static bool seen_reflects(const lmb_shader *shader, const seen_surface *seen, lm
 static lmb_rgb stored_specular(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen,
                                const specular_place *place)
 {
-    const lmb_tracer *tracer = shader->transport->tracer;
     specular_light_here light;
     if (source == SOURCE_STORED && has_texels(shader, seen) && shader->lightmap->model->radiance) {
-        light = specular_light_of_lightmap(shader->lightmap, &seen->hit, place->point.normal);
+        light = specular_light_of_lightmap(shader->transport, shader->maps ? shader->volume : NULL, shader->lightmap,
+                                           &seen->hit, &place->point);
     } else if (shader->volume) {
-        light = specular_light_of_volume(shader->volume,
-                                         lmb_scene_to_world(lmb_tracer_scene(tracer), place->point.position));
+        light = specular_light_of_volume(shader->transport, shader->volume, &place->point);
     } else {
         return black;
     }
-    const cube_map *map = shader->maps ? environment_maps_find(shader->maps, tracer, place->point.position) : NULL;
-    return specular_reflected(LAYERS_ALL, &light, place, map);
+    if (!shader->maps) {
+        return specular_reflected(LAYERS_ALL, &light, place, NULL);
+    }
+    const map_here map = environment_maps_find(shader->maps, shader->transport->tracer, place->point.position);
+    return specular_reflected(LAYERS_ALL, &light, place, &map);
 }
 
 static arriving_light seen_light(const lmb_shader *shader, lmb_light_source source, const seen_surface *seen)

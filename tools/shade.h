@@ -3,6 +3,7 @@
 #define LMB_TOOLS_SHADE_H
 
 #include <lambent/lightmap.h>
+#include <lambent/model.h>
 #include <lambent/specular.h>
 #include <lambent/volume.h>
 
@@ -23,6 +24,7 @@ typedef enum lmb_light_source {
 typedef struct lmb_shader {
     const lmb_transport *transport;
     const lmb_volume *volume;     /* NULL: none; what it would light is black */
+    const lmb_model *probe_model; /* by which probes light; NULL: surfaces and objects by the default of each */
     const lmb_lightmap *lightmap; /* NULL: none */
     const local_light *local;     /* what lights nodes that want it in place of texels; NULL: nothing does */
     const lmb_render_object *objects;

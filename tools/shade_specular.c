@@ -5,22 +5,39 @@
 
 #include <lambent/vector.h>
 
-specular_light_here specular_light_of_volume(const lmb_volume *volume, lmb_vec3d position)
+#include "model/clipped.h"
+
+specular_light_here specular_light_of_volume(const lmb_transport *transport, const lmb_volume *volume,
+                                             const lmb_gather_point *point)
 {
     specular_light_here light;
+    const lmb_vec3d position = lmb_scene_to_world(lmb_tracer_scene(transport->tracer), point->position);
     light.keys.count = lmb_volume_key_lights(volume, light.keys.light);
     lmb_volume_sample_with_keys(volume, position, &light.radiance, light.keys.visibility);
+    light.lampless = light.radiance;
+    lamps_take(transport->emitters, point->position, &point->normal, &light.lampless, &light.lamps);
+    light.around = light.lampless;
     return light;
 }
 
-specular_light_here specular_light_of_lightmap(const lmb_lightmap *lightmap, const lmb_hit *hit, lmb_vec3 vertex_normal)
+specular_light_here specular_light_of_lightmap(const lmb_transport *transport, const lmb_volume *volume,
+                                               const lmb_lightmap *lightmap, const lmb_hit *hit,
+                                               const lmb_gather_point *point)
 {
     float channel[LMB_MODEL_MOST_CHANNELS];
-    specular_light_here light;
+    specular_light_here light = {.lamps.present = false};
+    if (volume) {
+        light = specular_light_of_volume(transport, volume, point);
+    }
     light.keys.count = lmb_scene_key_lights(lightmap->scene, light.keys.light);
     lmb_lightmap_sample(lightmap, hit, channel);
     lmb_lightmap_sample_keys(lightmap, hit, light.keys.visibility);
-    lightmap->model->radiance(channel, vertex_normal, &light.radiance);
+    lightmap->model->radiance(channel, point->normal, &light.radiance);
+    /* A lamp is as plain as among probes in harmonics of what the hemisphere lets through. */
+    lmb_sh3_rgb clipped = lmb_clipped_sh3_rgb(&light.radiance, point->normal, 0.0f);
+    lamps_take(transport->emitters, point->position, &point->normal, &clipped, &light.lamps);
+    light.lampless = lmb_unclipped_sh3_rgb(&clipped, point->normal);
+    light.around = volume ? light.around : light.lampless;
     return light;
 }
 
@@ -32,21 +49,24 @@ static lmb_rgb dominant_highlight(const specular_place *place, lmb_sh3_rgb *radi
     return lmb_specular_light(&dominant, 1.0f, &place->specular, place->point.normal, place->normal, place->view);
 }
 
-static lmb_rgb key_highlights(const specular_place *place, const specular_light_here *light)
+/* Of `count` lights. */
+static lmb_rgb highlights(const specular_place *place, const lmb_key_light *light, const float *visibility,
+                          uint32_t count)
 {
     lmb_rgb sum = {{0.0f, 0.0f, 0.0f}};
-    for (uint32_t i = 0; i < light->keys.count; ++i) {
-        sum = lmb_rgb_add(sum, lmb_specular_light(&light->keys.light[i], light->keys.visibility[i], &place->specular,
-                                                  place->point.normal, place->normal, place->view));
+    for (uint32_t i = 0; i < count; ++i) {
+        sum = lmb_rgb_add(sum, lmb_specular_light(&light[i], visibility[i], &place->specular, place->point.normal,
+                                                  place->normal, place->view));
     }
     return sum;
 }
 
-static lmb_rgb mapped(const lmb_sh3_rgb *radiance, const specular_place *place, const cube_map *map)
+static lmb_rgb mapped(const lmb_sh3_rgb *radiance, const specular_place *place, const map_here *map)
 {
     const lmb_vec3 view = place->view, normal = place->normal;
     const lmb_vec3 mirrored = lmb_vec3_mad(lmb_vec3_scale(view, -1.0f), normal, 2.0f * lmb_vec3_dot(normal, view));
-    const lmb_rgb texel = cube_map_look(map, mirrored, place->specular.roughness);
+    const lmb_vec3 direction = lmb_specular_proxy_direction(&map->proxy, place->point.position, mirrored);
+    const lmb_rgb texel = cube_map_look(map->map, direction, place->specular.roughness);
     return lmb_specular_environment(texel, radiance, &place->specular, normal, view);
 }
 
@@ -58,23 +78,27 @@ static float map_share(specular_layers layers, float roughness)
 }
 
 lmb_rgb specular_reflected(specular_layers layers, const specular_light_here *light, const specular_place *place,
-                           const cube_map *map)
+                           const map_here *map)
 {
     if (layers == LAYERS_NONE) {
         return (lmb_rgb){{0.0f, 0.0f, 0.0f}};
     }
-    specular_light_here rest = *light;
-    lmb_rgb sum = key_highlights(place, &rest);
-    if (layers == LAYERS_DOMINANT || rest.keys.count == 0) {
-        sum = lmb_rgb_add(sum, dominant_highlight(place, &rest.radiance));
+    const bool lamps = layers != LAYERS_LAMPLESS && light->lamps.present;
+    lmb_sh3_rgb rest = lamps ? light->lampless : light->radiance;
+    lmb_rgb sum = highlights(place, light->keys.light, light->keys.visibility, light->keys.count);
+    if (lamps) {
+        sum = lmb_rgb_add(sum, highlights(place, light->lamps.light, light->lamps.visibility, light->lamps.count));
+    }
+    if (layers == LAYERS_DOMINANT || (light->keys.count == 0 && !lamps)) {
+        sum = lmb_rgb_add(sum, dominant_highlight(place, &rest));
     }
     const float share = map ? map_share(layers, place->specular.roughness) : 0.0f;
     if (layers != LAYERS_ANALYTIC && share < 1.0f) {
-        const lmb_rgb area = lmb_specular_area(&rest.radiance, &place->specular, place->normal, place->view);
+        const lmb_rgb area = lmb_specular_area(&rest, &place->specular, place->normal, place->view);
         sum = lmb_rgb_add(sum, lmb_rgb_scale(area, 1.0f - share));
     }
     if (share > 0.0f) {
-        sum = lmb_rgb_add(sum, lmb_rgb_scale(mapped(&light->radiance, place, map), share));
+        sum = lmb_rgb_add(sum, lmb_rgb_scale(mapped(&light->around, place, map), share));
     }
     return sum;
 }

@@ -35,8 +35,8 @@ enum { STREAM_POINTS = 1, STREAM_HALF };
 static const float slopes[] = {0.0f, 0.05f, 0.1f, 0.2f, 0.4f, 0.7f};
 enum { SLOPES = sizeof slopes / sizeof slopes[0] };
 
-static const char *const layer_name[LAYERS_COUNT] = {"none",         "analytic",       "analytic + area",
-                                                     "and dominant", "analytic + map", "all"};
+static const char *const layer_name[LAYERS_COUNT] = {
+    "none", "analytic", "analytic + area", "lampless", "and dominant", "analytic + map", "all"};
 
 /* Whose harmonics the layers have. */
 enum { BY_PROBES, BY_TEXELS, SOURCES };
@@ -119,20 +119,23 @@ static void point_task(void *context, size_t task, int worker)
     for (uint64_t i = 0; i < 2; ++i) {
         half[i] = glossy_radiance(&baked->level.transport, &place, work->samples, STREAM_HALF + i);
     }
-    const cube_map *map =
-        work->maps ? environment_maps_find(work->maps, baked->level.tracer, place.point.position) : NULL;
+    map_here map;
+    if (work->maps) {
+        map = environment_maps_find(work->maps, baked->level.tracer, place.point.position);
+    }
     const lmb_lightmap *lightmap = baked->lightmap;
     specular_light_here light[SOURCES];
-    light[BY_PROBES] =
-        specular_light_of_volume(baked->volume, lmb_scene_to_world(baked->level.scene, place.point.position));
+    const lmb_transport *transport = &baked->level.transport;
+    light[BY_PROBES] = specular_light_of_volume(transport, baked->volume, &place.point);
     work->has[BY_PROBES][index] = true;
     if (lightmap && lightmap->model->radiance && lightmap->region[hit.instance].image >= 0) {
-        light[BY_TEXELS] = specular_light_of_lightmap(lightmap, &hit, place.point.normal);
+        light[BY_TEXELS] = specular_light_of_lightmap(transport, baked->volume, lightmap, &hit, &place.point);
         work->has[BY_TEXELS][index] = true;
     }
     for (int source = 0; source < SOURCES; ++source) {
         for (int layers = 0; layers < LAYERS_COUNT && work->has[source][index]; ++layers) {
-            const lmb_rgb reflected = specular_reflected((specular_layers)layers, &light[source], &place, map);
+            const lmb_rgb reflected =
+                specular_reflected((specular_layers)layers, &light[source], &place, work->maps ? &map : NULL);
             work->error[source][layers][index] = point_error_of(&reflected, &half[0], &half[1], 1);
         }
     }

@@ -70,6 +70,30 @@ static bool in_textures(const lmb_lightmap *lightmap, const lmb_model *model)
     return lightmap->settings.format != LMB_LIGHTMAP_EXR && lmb_lightmap_textures_hold(model);
 }
 
+/* How many models are written. */
+static int model_count(const lmb_lightmap *lightmap)
+{
+    int count = 1;
+    while (count <= LMB_LIGHTMAP_MOST_MODELS && lightmap->settings.other[count - 1]) {
+        ++count;
+    }
+    return count;
+}
+
+/* The irradiance that models outside of textures have in the picture they share: of the first of them, by its number
+ * as for model_of. NO_PICTURE: none has it there. */
+enum { NO_PICTURE = LMB_LIGHTMAP_MOST_MODELS };
+static int picture_model(const lmb_lightmap *lightmap, int32_t number)
+{
+    for (int k = 0; k < model_count(lightmap); ++k) {
+        const lmb_model *model = model_of(lightmap, number, k - 1).model;
+        if (model->irradiance_first && !in_textures(lightmap, model)) {
+            return k - 1;
+        }
+    }
+    return NO_PICTURE;
+}
+
 static size_t texels_of(const lmb_lightmap_image *image)
 {
     return (size_t)image->width * (size_t)image->height;
@@ -186,16 +210,6 @@ static bool json_add_pair(cJSON *object, const char *name, double x, double y)
            cJSON_AddItemToArray(array, cJSON_CreateNumber(y));
 }
 
-/* How many models are written. */
-static int model_count(const lmb_lightmap *lightmap)
-{
-    int count = 1;
-    while (count <= LMB_LIGHTMAP_MOST_MODELS && lightmap->settings.other[count - 1]) {
-        ++count;
-    }
-    return count;
-}
-
 /* The scale of light; else a pair for each channel. */
 static bool json_add_ranges(cJSON *object, const lmb_texture_part *part, double scale)
 {
@@ -243,8 +257,13 @@ static bool json_add_file(cJSON *files, const lmb_lightmap *lightmap, int32_t nu
     const bool has_own = file.channels.count > 0;
     lmb_lightmap_file_name(number, has_own ? lmb_lightmap_kind(file.model) : NULL, name);
     cJSON *object = cJSON_AddObjectToObject(files, file.model->name);
-    return object && cJSON_AddStringToObject(object, "file", name) &&
-           (file.channels.light_count <= 0 || cJSON_AddNumberToObject(object, "scale", (double)file_scale(&file)));
+    bool good = object && cJSON_AddStringToObject(object, "file", name) &&
+                (file.channels.light_count <= 0 || cJSON_AddNumberToObject(object, "scale", (double)file_scale(&file)));
+    if (good && file.model->irradiance_first && in_textures(lightmap, lightmap->model)) {
+        lmb_lightmap_file_name(number, NULL, name);
+        good = cJSON_AddStringToObject(object, "picture", name);
+    }
+    return good;
 }
 
 static bool json_add_image(cJSON *images, const lmb_lightmap *lightmap, int32_t number)
@@ -487,9 +506,13 @@ static lmb_result image_files_write(file_writer *writer, int32_t number)
     const lmb_lightmap *lightmap = writer->lightmap;
     char name[LMB_LIGHTMAP_FILE_NAME];
     lmb_lightmap_file_name(number, NULL, name);
-    const image_file picture = picture_of(lightmap, number);
-    const bool has_picture = lightmap->model->irradiance_first && !in_textures(lightmap, lightmap->model);
-    lmb_result result = has_picture ? planes_write(writer, &picture, name) : LMB_OK;
+    const int owner = picture_model(lightmap, number);
+    lmb_result result = LMB_OK;
+    if (owner != NO_PICTURE) {
+        image_file picture = model_of(lightmap, number, owner);
+        picture.channels = lmb_lightmap_picture_channels();
+        result = planes_write(writer, &picture, name);
+    }
     for (int k = 0; result == LMB_OK && k < model_count(lightmap); ++k) {
         result = model_write(writer, number, k - 1);
     }

@@ -70,9 +70,34 @@ vec3 lmbSpecularEnvironment(vec3 map, LmbSh3 sh, LmbSpecularLobe lobe, vec3 f0, 
     return lmbLight(map * lmbSpecularAtLeast(sh, lobe, f0, n, view, 0.5));
 }
 
+// How far along a ray a coordinate meets the side of a box that it goes towards.
+float lmbSideDistance(float position, float direction, float low, float high)
+{
+    return direction > 0.0 ? (high - position) / direction : (direction < 0.0 ? (low - position) / direction : 3.4e38);
+}
+
+// The direction in which a map at mapPosition has what a surface sees along its mirrored view, by the map's box
+// (lmb_specular_proxy_direction): look the map up in it.
+vec3 lmbSpecularProxyDirection(vec3 mapPosition, vec3 low, vec3 high, vec3 position, vec3 mirrored)
+{
+    vec3 inside = max(min(position, high), low);
+    float along = min(lmbSideDistance(inside.x, mirrored.x, low.x, high.x),
+                      min(lmbSideDistance(inside.y, mirrored.y, low.y, high.y),
+                          lmbSideDistance(inside.z, mirrored.z, low.z, high.z)));
+    return lmbUnitOr(inside - mapPosition + along * mirrored, mirrored);
+}
+
 float lmbSpecularLevel(float roughness)
 {
     return log2(max(roughness, 0.05) / 0.05);
+}
+
+// What harmonics say of a direction (lmb_sh3_evaluate): a plain sum, negative where they ring.
+vec3 lmbSh3Evaluate(LmbSh3 sh, vec3 d)
+{
+    return 0.28209479177 * sh.c[0] + 0.4886025119 * (d.z * sh.c[2] - d.y * sh.c[1] - d.x * sh.c[3]) +
+           1.0925484306 * (d.x * d.y * sh.c[4] - d.y * d.z * sh.c[5] - d.x * d.z * sh.c[7]) +
+           0.31539156525 * (3.0 * d.z * d.z - 1.0) * sh.c[6] + 0.5462742153 * (d.x * d.x - d.y * d.y) * sh.c[8];
 }
 
 // The directional light that is nearest to harmonics (lmb_sh3_rgb_dominant_light).
@@ -82,12 +107,19 @@ LmbKeyLight lmbDominantLight(LmbSh3 sh)
     vec3 d = vec3(-lmbLuminance(sh.c[3]), -lmbLuminance(sh.c[1]), lmbLuminance(sh.c[2]));
     bool hasDirection = dot(d, d) > 0.0;
     d = lmbUnitOr(d, vec3(0.0, 1.0, 0.0));
-    vec3 sum = 0.28209479177 * sh.c[0] + 0.4886025119 * (d.z * sh.c[2] - d.y * sh.c[1] - d.x * sh.c[3]) +
-               1.0925484306 * (d.x * d.y * sh.c[4] - d.y * d.z * sh.c[5] - d.x * d.z * sh.c[7]) +
-               0.31539156525 * (3.0 * d.z * d.z - 1.0) * sh.c[6] + 0.5462742153 * (d.x * d.x - d.y * d.y) * sh.c[8];
+    vec3 sum = lmbSh3Evaluate(sh, d);
     dominant.direction = d;
     dominant.irradiance = hasDirection ? lmbLight(sum * 0.44444444444) : vec3(0.0, 0.0, 0.0);
     return dominant;
+}
+
+// How much of a lamp is seen whose direct light is in the harmonics (lmb_sh3_rgb_light_visibility). Its highlight is
+// lmbSpecularLight with that; scaled by it, lmbWithoutLight takes it out of them.
+float lmbLightVisibility(LmbSh3 sh, LmbKeyLight light)
+{
+    vec3 d = light.direction;
+    vec3 sum = lmbSh3Evaluate(sh, d);
+    return lmbSaturate(lmbLuminance(sum) * 0.44444444444 / max(lmbLuminance(light.irradiance), 1.1754944e-38));
 }
 
 // What harmonics hold without that light: lmb_key_light_add_to_sh3 with -1.

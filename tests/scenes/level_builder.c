@@ -98,6 +98,8 @@ lmb_level_material lmb_level_material_default(void)
         .base_color_texture = LMB_LEVEL_NONE,
         .emissive_texture = LMB_LEVEL_NONE,
         .normal_texture = LMB_LEVEL_NONE,
+        .roughness = 1,
+        .metallic_roughness_texture = LMB_LEVEL_NONE,
         .normal_scale = 1,
         .texture_size_m = 1,
         .alpha_cutoff = 0.5f,
@@ -113,6 +115,7 @@ int lmb_level_builder_add_material(lmb_level_builder *builder, const lmb_level_m
     assert(material->base_color_texture < (int)builder->image_count);
     assert(material->emissive_texture < (int)builder->image_count);
     assert(material->normal_texture < (int)builder->image_count);
+    assert(material->metallic_roughness_texture < (int)builder->image_count);
     lmb_level_material *materials = RESERVE_ONE(builder, materials, material_count, material_capacity);
     char *name = materials ? copy_text(builder, material->name) : NULL;
     builder->materials = materials ? materials : builder->materials;

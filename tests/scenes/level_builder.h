@@ -51,7 +51,9 @@ typedef struct lmb_level_material {
     int emissive_texture;
     int normal_texture; /* tangent space, +Y up; shapes with such a material get TANGENT */
     float normal_scale;
-    float texture_size_m; /* metres that one repetition of the textures covers */
+    float metallic, roughness;      /* [0, 1] */
+    int metallic_roughness_texture; /* factors on them: roughness in its green, metalness in its blue */
+    float texture_size_m;           /* metres that one repetition of the textures covers */
     lmb_level_alpha alpha_mode;
     float alpha_cutoff; /* for LMB_LEVEL_MASK */
     bool double_sided;
@@ -60,7 +62,7 @@ typedef struct lmb_level_material {
     const char *light_set; /* extras {"lambent": {"light_set": "..."}}, of the caller's; NULL: none */
 } lmb_level_material;
 
-/* Mid-grey (0.5), opaque, single-sided, no textures, a texture size of 1 m. */
+/* Mid-grey (0.5), opaque, single-sided, no metal, fully rough, no textures, a texture size of 1 m. */
 lmb_level_material lmb_level_material_default(void);
 
 int lmb_level_builder_add_material(lmb_level_builder *builder, const lmb_level_material *material);

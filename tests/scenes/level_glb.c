@@ -345,7 +345,11 @@ static void write_material(glb *out, cJSON *item, const lmb_level_material *mate
     cJSON *pbr = put_object(out, item, "pbrMetallicRoughness");
     put_floats(out, pbr, "baseColorFactor", base_color, 4);
     put_texture(out, pbr, "baseColorTexture", material->base_color_texture);
-    put_number(out, pbr, "metallicFactor", 0);
+    put_number(out, pbr, "metallicFactor", (double)material->metallic);
+    if (material->roughness != 1) {
+        put_number(out, pbr, "roughnessFactor", (double)material->roughness);
+    }
+    put_texture(out, pbr, "metallicRoughnessTexture", material->metallic_roughness_texture);
     cJSON *normal = put_texture(out, item, "normalTexture", material->normal_texture);
     if (normal) {
         put_number(out, normal, "scale", (double)material->normal_scale);

@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 64
-#define OUTPUTS 71
+#define OUTPUTS 75
 
 vec3 lmbRead3(uint at)
 {
@@ -86,4 +86,7 @@ void lmbItem(uint item)
     disc.x = texel.direction.x;
     disc.y = texel.direction.y;
     lmbWrite3(to + 68u, lmbDiscToDirection(disc, nv));
+    vec3 side = vec3(1.5, 1.5, 1.5);
+    lmbWrite3(to + 71u, lmbSpecularProxyDirection(texel.direction, -side - albedo, side + f0, 2.0 * view, n));
+    lmbWrite(to + 74u, lmbLightVisibility(sh, key));
 }

@@ -43,6 +43,18 @@ typedef struct lmb_specular {
  */
 LMB_API lmb_key_light lmb_sh3_rgb_dominant_light(const lmb_sh3_rgb *radiance);
 
+/* How much of a lamp, or of a sun that is no key light, is seen where its direct light is in the harmonics, as far as
+ * these tell: the irradiance of least squares in its direction (as for the dominant light; of luminance) over its own
+ * at this place, in [0, 1]. `light` as it is there with nothing in its way, E/pi. Its highlight goes with that:
+ *
+ *     const float seen = lmb_sh3_rgb_light_visibility(&radiance, &lamp);
+ *     reflected = add(reflected, lmb_specular_light(&lamp, seen, &specular, n_v, n, view));
+ *     lmb_key_light_add_to_sh3(&lamp, -seen, &radiance);
+ *
+ * Of several the strongest first, each asked for in what those before it have left. Of a texel's harmonics, before they
+ * are fitted over the hemisphere (lmb_sh3_fit_hemisphere). */
+LMB_API float lmb_sh3_rgb_light_visibility(const lmb_sh3_rgb *radiance, const lmb_key_light *light);
+
 /* Radiance of one light's highlight, with the Fresnel factor of a dielectric of that f0 (for metals an approximation).
  * `visibility` of the light and `vertex_normal` as for lmb_key_light_irradiance: nothing where n_v.d <= 0. */
 LMB_API lmb_rgb lmb_specular_light(const lmb_key_light *light, float visibility, const lmb_specular *specular,
@@ -68,6 +80,17 @@ LMB_API lmb_rgb lmb_specular_environment(lmb_rgb map, const lmb_sh3_rgb *radianc
 /* What a map's texel is divided by: the area layer of a mirror that is looked at along its normal `direction`. As in
  * lmb_specular_environment it counts no less than half of the mean radiance does, since harmonics ring. */
 LMB_API lmb_rgb lmb_specular_environment_divisor(const lmb_sh3_rgb *radiance, float roughness, lmb_vec3 direction);
+
+/* A box for what is around an environment map, along the world's axes, as `lambent cube` finds one. */
+typedef struct lmb_specular_proxy {
+    lmb_vec3 position; /* the map's */
+    lmb_vec3 low, high;
+} lmb_specular_proxy;
+
+/* The direction in which a map has what a surface at `position` sees along unit `mirrored`: from the map's place
+ * towards the point where that ray leaves the box (box projection). Of a position outside, the nearest one inside
+ * counts. A unit vector; `mirrored` where the box says nothing. */
+LMB_API lmb_vec3 lmb_specular_proxy_direction(const lmb_specular_proxy *proxy, lmb_vec3 position, lmb_vec3 mirrored);
 
 enum { LMB_SPECULAR_TEXTURES = 3, LMB_SPECULAR_ROWS = 16, LMB_SPECULAR_COLUMNS = 8 };
 
