@@ -136,7 +136,11 @@ static void record_report(const bake_options *options, const lmb_bake_record *re
     } else if (options->dry_run) {
         plan_print(record);
     } else if (record->is_current) {
-        printf("current   %s holds this bake; --force bakes it again\n", options->directory);
+        printf(options->work.prepare ? "current   %s is prepared for this bake; --force does it again\n"
+                                     : "current   %s holds this bake; --force bakes it again\n",
+               options->directory);
+    } else if (options->work.prepare) {
+        printf("prepared  in %s, for --prepared\n", options->directory);
     } else if (options->work.shard_count > 1) {
         printf("gathered  share %u of %u, in %s\n", options->work.shard + 1, options->work.shard_count,
                options->directory);

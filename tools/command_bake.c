@@ -17,6 +17,8 @@ static const char usage[] =
     "  --resume              go on from what a bake into DIR that was cut off has left there\n"
     "  --force               bake even where DIR holds this very bake\n"
     "  --shard K/N           gather the K-th of N shares alone, for lambent merge\n"
+    "  --prepare             place probes and solve the light on surfaces alone, and leave them in DIR\n"
+    "  --prepared FROM       take them from the folder where --prepare has left them for this bake\n"
     "  --json-progress       progress, warnings and the result or error as JSON lines on standard output\n" BAKE_USAGE
         LEVEL_USAGE;
 
@@ -51,6 +53,10 @@ static bool option_take(bake_options *options, lmb_arguments *arguments, const c
         options->work.again = true;
     } else if (strcmp(argument, "--shard") == 0) {
         shard_read(&options->work, arguments, argument);
+    } else if (strcmp(argument, "--prepare") == 0) {
+        options->work.prepare = true;
+    } else if (strcmp(argument, "--prepared") == 0) {
+        options->work.prepared = arguments_text(arguments, argument);
     } else if (strcmp(argument, "--json-progress") == 0) {
         options->json_progress = true;
     } else {
@@ -75,6 +81,9 @@ static bool options_read(bake_options *options, lmb_arguments *arguments)
         arguments_error(arguments, "missing argument", "LEVEL");
     } else if (options->settings.no_probes && !options->settings.lightmaps) {
         arguments_error(arguments, "--lightmaps has to go with", "--no-probes");
+    } else if (options->work.prepare && (options->work.prepared || options->work.shard_count > 0)) {
+        arguments_error(arguments, options->work.prepared ? "--prepared does not go with" : "--shard does not go with",
+                        "--prepare");
     } else if (!options->directory && !options->dry_run) {
         arguments_error(arguments, "missing option", "-o DIR");
     }

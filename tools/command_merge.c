@@ -13,6 +13,7 @@ static const char usage[] =
     "\n"
     "  -o DIR                where to write\n"
     "  --level LEVEL         the level, where it lies elsewhere now\n"
+    "  --prepared FROM       a folder where lambent bake --prepare has left what comes before gathering\n"
     "  --threads N           threads (default: one for each processor)\n"
     "  --json-progress       progress, warnings and the result or error as JSON lines on standard output\n"
     "  --quiet               no progress and no closing lines\n";
@@ -20,7 +21,7 @@ static const char usage[] =
 typedef struct merge_options {
     const char **from;
     uint32_t from_count;
-    const char *level;
+    const char *level, *prepared;
     int threads;
     bake_options bake;
 } merge_options;
@@ -31,6 +32,8 @@ static bool option_take(merge_options *options, lmb_arguments *arguments, const 
         options->bake.directory = arguments_text(arguments, argument);
     } else if (strcmp(argument, "--level") == 0) {
         options->level = arguments_text(arguments, argument);
+    } else if (strcmp(argument, "--prepared") == 0) {
+        options->prepared = arguments_text(arguments, argument);
     } else if (strcmp(argument, "--threads") == 0) {
         options->threads = (int)arguments_integer(arguments, argument, 1, 4096);
     } else if (strcmp(argument, "--json-progress") == 0) {
@@ -75,7 +78,8 @@ static int merge_run(merge_options *options)
     }
     settings->level.path = options->level ? options->level : settings->level.path;
     settings->level.threads = options->threads;
-    options->bake.work = (lmb_bake_work){.from = options->from, .from_count = options->from_count, .merge = true};
+    options->bake.work = (lmb_bake_work){
+        .from = options->from, .from_count = options->from_count, .merge = true, .prepared = options->prepared};
     const int status = bake_command_run(&options->bake);
     cJSON_Delete(json);
     return status;

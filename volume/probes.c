@@ -438,6 +438,9 @@ static lmb_result validate_probe(const lmb_probes *probes, int32_t probe, lmb_er
         return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: probe %d: validity is %g, outside 0 to 1", probe,
                              (double)validity);
     }
+    if (!lmb_probes_hanging_is_sane(probes, probe)) {
+        return lmb_error_set(error, LMB_ERROR_FORMAT, "probes: probe %d hangs on a level that is not there", probe);
+    }
     return LMB_OK;
 }
 

@@ -153,6 +153,18 @@ void lmb_probes_find_hanging(lmb_probes *probes, int32_t first, int32_t count, l
     }
 }
 
+/* The level of the leaf that a probe hangs on; it does. */
+static uint32_t hanging_level(const lmb_probes *probes, int32_t probe)
+{
+    const uint32_t above = 1 + (uint32_t)(probes->hanging[probe] - 1) / HANGING_SIDES;
+    return (uint32_t)(lmb_probes_level_of(probes, probe) - probes->level) + above;
+}
+
+bool lmb_probes_hanging_is_sane(const lmb_probes *probes, int32_t probe)
+{
+    return probes->hanging[probe] == 0 || hanging_level(probes, probe) < probes->level_count;
+}
+
 bool lmb_probes_hangs(const lmb_probes *probes, int32_t probe, lmb_probe_parents *parents)
 {
     assert(probes && probe >= 0 && probe < probes->count && parents);
@@ -160,12 +172,12 @@ bool lmb_probes_hangs(const lmb_probes *probes, int32_t probe, lmb_probe_parents
         return false;
     }
     const int side = (probes->hanging[probe] - 1) % HANGING_SIDES;
-    const uint32_t above = 1 + (uint32_t)(probes->hanging[probe] - 1) / HANGING_SIDES;
-    const uint32_t level = (uint32_t)(lmb_probes_level_of(probes, probe) - probes->level) + above;
+    const uint32_t level = hanging_level(probes, probe);
+    const uint32_t step = UINT32_C(1) << (level - (uint32_t)(lmb_probes_level_of(probes, probe) - probes->level));
     int32_t cell[3];
     double fraction[3];
-    if (!cell_touching(probes->point[probe], UINT32_C(1) << above, side, cell, fraction) ||
-        !side_corners(probes, level, cell, UINT32_C(1) << above, fraction, parents->probe)) {
+    if (!cell_touching(probes->point[probe], step, side, cell, fraction) ||
+        !side_corners(probes, level, cell, step, fraction, parents->probe)) {
         return false;
     }
     for (int corner = 0; corner < 8; ++corner) {

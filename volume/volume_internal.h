@@ -36,6 +36,9 @@ bool lmb_probes_cell_corners(const lmb_probes *probes, uint32_t level, const int
 bool lmb_probes_leaf_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
                              int32_t probe[8]);
 
+/* Whether a probe hangs, if it does, on a level that there is. */
+bool lmb_probes_hanging_is_sane(const lmb_probes *probes, int32_t probe);
+
 /* lmb_probes_hang for one level, when the coarser ones have their light. */
 void lmb_probes_hang_level(lmb_probes *probes, uint32_t level);
 

@@ -8,6 +8,7 @@
 #include "run/bake_work.h"
 #include "run/bake_write.h"
 #include "run/forecast.h"
+#include "run/prepared.h"
 
 /* Between the work, which names what it does, and who listens to the bake. */
 typedef struct bake_report {
@@ -39,26 +40,33 @@ static lmb_result forecast_renew(const lmb_bake *bake, bake_report *report, lmb_
     return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "trial: %s", lmb_result_text(result));
 }
 
-/* All that comes before light is gathered. */
-static lmb_result bake_prepare(lmb_bake *bake, bake_report *report, lmb_error *error)
+/* Where probes stand, and the light on surfaces. `report` NULL: without a forecast. */
+static lmb_result bake_solve(lmb_bake *bake, bake_report *report, lmb_error *error)
 {
     lmb_result result = lmb_bake_place(bake, error);
-    if (result == LMB_OK) {
+    if (result == LMB_OK && report) {
         result = lmb_bake_layout(bake, error);
     }
-    if (result == LMB_OK) {
+    if (result == LMB_OK && report) {
         result = forecast_renew(bake, report, error);
     }
     if (result == LMB_OK) {
         result = lmb_bake_surface(bake, error);
     }
-    if (result == LMB_OK) {
-        result = lmb_bake_levels(bake, error);
+    return result == LMB_OK ? lmb_bake_levels(bake, error) : result;
+}
+
+/* All that comes before light is gathered; `prepared` as lmb_bake_work has it. */
+static lmb_result bake_prepare(lmb_bake *bake, const char *prepared, bake_report *report, lmb_error *error)
+{
+    lmb_result result;
+    if (prepared) {
+        result = lmb_bake_prepared_read(bake, prepared, error);
+        result = result == LMB_OK ? lmb_bake_layout(bake, error) : result;
+    } else {
+        result = bake_solve(bake, report, error);
     }
-    if (result == LMB_OK) {
-        result = forecast_renew(bake, report, error);
-    }
-    return result;
+    return result == LMB_OK ? forecast_renew(bake, report, error) : result;
 }
 
 static lmb_result bake_gather(lmb_bake *bake, lmb_error *error)
@@ -102,13 +110,19 @@ static lmb_result bake_whole(lmb_bake *bake, const lmb_bake_settings *asked, con
                              lmb_bake_folder *folder, bake_report *report, lmb_error *error)
 {
     lmb_bake_record *const record = &bake->record;
-    if (!work->again && !lmb_bake_work_is_shard(work) &&
-        lmb_bake_is_current(lmb_bake_folder_directory(folder), record->key)) {
-        record->is_current = true;
+    const char *const directory = lmb_bake_folder_directory(folder);
+    record->is_current = !work->again && !lmb_bake_work_is_shard(work) &&
+                         (work->prepare ? lmb_bake_prepared_is_current : lmb_bake_is_current)(directory, record->key);
+    if (record->is_current) {
         return LMB_OK;
     }
-    const lmb_result result = bake_prepare(bake, report, error);
-    return result == LMB_OK ? bake_finish(bake, asked, work, folder, error) : result;
+    lmb_result result =
+        work->prepare ? bake_solve(bake, NULL, error) : bake_prepare(bake, work->prepared, report, error);
+    if (result == LMB_OK) {
+        result = work->prepare ? lmb_bake_prepared_write(bake, directory, error)
+                               : bake_finish(bake, asked, work, folder, error);
+    }
+    return result;
 }
 
 /* `folder` NULL: a plan. */
@@ -125,7 +139,8 @@ static lmb_result bake_level(const lmb_bake_settings *settings, const lmb_bake_w
     }
     lmb_bake bake = lmb_bake_begin(settings, &level, &progress);
     bake.record.key = lmb_bake_key(settings, level.scene->content_hash);
-    result = folder ? bake_whole(&bake, settings, work, folder, &report, error) : bake_prepare(&bake, &report, error);
+    result =
+        folder ? bake_whole(&bake, settings, work, folder, &report, error) : bake_prepare(&bake, NULL, &report, error);
     if (result == LMB_OK && !folder) {
         bake.record.expected_seconds = lmb_forecast_left(&report.forecast, LMB_PHASE_PROBES, 0.0, 0.0);
     }

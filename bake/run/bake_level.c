@@ -175,6 +175,13 @@ lmb_result lmb_level_show_light_set(lmb_level *level, uint32_t set, lmb_error *e
     return LMB_OK;
 }
 
+void lmb_level_take_surface(lmb_level *level, lmb_surface_light *surface)
+{
+    level->surface = surface;
+    level->transport.surface = surface;
+    level->mean_light = lmb_surface_light_mean(surface, level->tracer);
+}
+
 lmb_result lmb_level_solve(lmb_level *level, lmb_estimator estimator, const lmb_progress *progress, lmb_error *error)
 {
     lmb_surface_light_destroy(level->surface);
@@ -188,12 +195,12 @@ lmb_result lmb_level_solve(lmb_level *level, lmb_estimator estimator, const lmb_
     const double start = lmb_clock_seconds();
     lmb_surface_light_settings settings = lmb_surface_light_settings_default();
     settings.progress = progress;
-    const lmb_result result = lmb_surface_light_solve(&level->transport, &settings, level->pool, &level->surface,
-                                                      &level->surface_stats, error);
-    level->transport.surface = level->surface;
+    lmb_surface_light *surface;
+    const lmb_result result =
+        lmb_surface_light_solve(&level->transport, &settings, level->pool, &surface, &level->surface_stats, error);
     level->seconds_surface = lmb_clock_seconds() - start;
     if (result == LMB_OK) {
-        level->mean_light = lmb_surface_light_mean(level->surface, level->tracer);
+        lmb_level_take_surface(level, surface);
     }
     if (result != LMB_ERROR_UNSUPPORTED) {
         return result;

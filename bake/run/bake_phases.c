@@ -7,6 +7,7 @@
 #include <lambent/probe_locals.h>
 
 #include "base/clock.h"
+#include "run/bake_phases_internal.h"
 #include "run/bake_phases_levels.h"
 #include "run/parts.h"
 #include "run/step.h"
@@ -176,12 +177,11 @@ lmb_result lmb_bake_layout(lmb_bake *bake, lmb_error *error)
     return step_report(bake->progress, name, 1.0, error);
 }
 
-lmb_result lmb_bake_surface(lmb_bake *bake, lmb_error *error)
+void lmb_bake_record_surface(lmb_bake *bake)
 {
-    lmb_level *level = bake->level;
+    const lmb_level *level = bake->level;
     lmb_bake_record *record = &bake->record;
-    const lmb_result result = lmb_level_solve(level, record->settings.estimator, bake->progress, error);
-    if (result == LMB_OK && level->surface) {
+    if (level->surface) {
         record->surface_solved = true;
         record->surface = level->surface_stats;
         record->surface_bytes = lmb_surface_light_bytes(level->surface);
@@ -189,6 +189,12 @@ lmb_result lmb_bake_surface(lmb_bake *bake, lmb_error *error)
         record->rays[LMB_PHASE_SURFACE] = level->surface_stats.rays;
     }
     record->seconds[LMB_PHASE_SURFACE] = level->seconds_surface;
+}
+
+lmb_result lmb_bake_surface(lmb_bake *bake, lmb_error *error)
+{
+    const lmb_result result = lmb_level_solve(bake->level, bake->record.settings.estimator, bake->progress, error);
+    lmb_bake_record_surface(bake);
     return result;
 }
 

@@ -146,7 +146,7 @@ void lmb_bake_record_levels(lmb_bake *bake)
 {
     lmb_bake_record *record = &bake->record;
     const lmb_probes *probes = bake->probes;
-    record->probes = probes->count;
+    record->probes = probes->count - probes->ghost_count;
     record->level_count = 0;
     for (uint32_t level = 0; level < probes->level_count && record->level_count < LMB_BAKE_LEVELS_MOST; ++level) {
         record->level[record->level_count++] =

@@ -8,7 +8,7 @@
 #include "light/emitters_internal.h"
 #include "solve/light_rows.h"
 #include "solve/surface_divide.h"
-#include "surface/bright_cells.h"
+#include "surface/surface_light_internal.h"
 
 /* Of patches that stay dark. */
 #define NO_ROW UINT32_MAX
@@ -127,10 +127,8 @@ lmb_result lmb_surface_light_solve(const lmb_transport *transport, const lmb_sur
     }
     lmb_light_rows_free(&rows);
     if (result == LMB_OK) {
-        result = lmb_surface_light_reflect(created, pool);
-    }
-    if (result == LMB_OK && !lmb_emitters_go_without(transport->emitters, LMB_WITHOUT_CELL_AIM)) {
-        result = lmb_bright_cells_create(created, transport->tracer, &created->bright);
+        const bool aims = !lmb_emitters_go_without(transport->emitters, LMB_WITHOUT_CELL_AIM);
+        result = lmb_surface_light_finish(created, transport->tracer, aims, pool);
     }
     if (result != LMB_OK) {
         lmb_surface_light_destroy(created);

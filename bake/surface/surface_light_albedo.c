@@ -6,6 +6,8 @@
 #include <lambent/surface.h>
 #include <lambent/vector.h>
 
+#include "surface/bright_cells.h"
+
 /* Triangles that one task of the pool looks at. */
 enum { TRIANGLES_PER_TASK = 4096 };
 
@@ -128,7 +130,7 @@ static void reflect_task(void *context, size_t task, int worker)
     }
 }
 
-lmb_result lmb_surface_light_reflect(lmb_surface_light *light, lmb_pool *pool)
+lmb_result lmb_surface_light_finish(lmb_surface_light *light, const lmb_tracer *tracer, bool aims, lmb_pool *pool)
 {
     for (uint32_t i = 0; i < light->piece_count; ++i) {
         const lmb_cell cell = lmb_cell_find(light, light->piece[i].side / 2);
@@ -137,5 +139,6 @@ lmb_result lmb_surface_light_reflect(lmb_surface_light *light, lmb_pool *pool)
             light->radiance[patch] = lmb_rgb_mul(light->albedo[cell.grid - light->grid], light->irradiance[patch]);
         }
     }
-    return lmb_pool_run(pool, task_count(light), reflect_task, light, "surface", NULL);
+    const lmb_result result = lmb_pool_run(pool, task_count(light), reflect_task, light, "surface", NULL);
+    return result == LMB_OK && aims ? lmb_bright_cells_create(light, tracer, &light->bright) : result;
 }

@@ -145,8 +145,9 @@ float lmb_cell_area(const lmb_cell *cell, const lmb_tracer *tracer);
 /* Finds the even triangles and their albedos. */
 lmb_result lmb_surface_light_find_albedos(lmb_surface_light *light, const lmb_tracer *tracer, lmb_pool *pool);
 
-/* Sets `radiance` from `irradiance`. */
-lmb_result lmb_surface_light_reflect(lmb_surface_light *light, lmb_pool *pool);
+/* Once `irradiance` is there: sets `radiance` and, where cells are to be aimed at, finds the bright ones.
+ * @return LMB_ERROR_MEMORY */
+lmb_result lmb_surface_light_finish(lmb_surface_light *light, const lmb_tracer *tracer, bool aims, lmb_pool *pool);
 
 static inline const lmb_cell_grid *lmb_cell_grid_at(const lmb_surface_light *light, const lmb_hit *hit)
 {

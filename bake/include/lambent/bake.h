@@ -36,7 +36,9 @@ typedef struct lmb_bake_work {
                                     on. 0: all */
     const char *const *from;     /* folders of shards, from which what they have gathered is taken */
     uint32_t from_count;
-    bool merge; /* what none of them has is an error, rather than gathered */
+    bool merge;           /* what none of them has is an error, rather than gathered */
+    bool prepare;         /* leaves in the folder what comes before gathering (placement, light on surfaces), no more */
+    const char *prepared; /* a folder in which `prepare` left that for the same bake, to be taken; NULL: none */
 } lmb_bake_work;
 
 /* Bakes into `folder`, opened for lightmaps if the settings have them: probes.lmb, probes.vdb, lightmap/ and bake.json.
@@ -49,8 +51,9 @@ lmb_result lmb_bake_run(const lmb_bake_settings *settings, lmb_bake_folder *fold
 
 /* The same, done in pieces. A bake that took more than a second leaves what it gathered in the folder when it fails, is
  * stopped or killed. Where the folder holds this very bake, of this program's version, nothing is done, unless `again`,
- * and `record->is_current` says so. A shard writes nothing but what it gathered. @return as above, and
- * LMB_ERROR_UNSUPPORTED (`merge`: a part is missing) */
+ * and `record->is_current` says so; so it is where it is prepared already. A shard writes nothing but what it gathered.
+ * @return as above, and LMB_ERROR_UNSUPPORTED (`merge`: a part is missing; `prepared` is of another bake), _IO, _FORMAT,
+ * _TRUNCATED, _CHECKSUM (`prepared`) */
 lmb_result lmb_bake_run_as(const lmb_bake_settings *settings, const lmb_bake_work *work, lmb_bake_folder *folder,
                            const lmb_bake_listener *listener, lmb_bake_record *record, lmb_error *error);
 
