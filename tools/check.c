@@ -11,7 +11,7 @@
 
 #include "check_points.h"
 #include "check_reference.h"
-#include "key_lights_seen.h"
+#include "probe_light.h"
 #include "replicates.h"
 
 static const double missing = (double)NAN;
@@ -109,39 +109,6 @@ typedef struct check_work {
     size_t count;
 } check_work;
 
-/* What a probe holds: harmonics, and the key lights that they leave out. */
-typedef struct probe_light {
-    lmb_sh3_rgb radiance;
-    key_lights_seen keys;
-} probe_light;
-
-static probe_light volume_light(const lmb_volume *volume, lmb_vec3d position)
-{
-    probe_light light;
-    light.keys.count = lmb_volume_key_lights(volume, light.keys.light);
-    lmb_volume_sample_with_keys(volume, position, &light.radiance, light.keys.visibility);
-    return light;
-}
-
-static void evaluate_channels(const lmb_model *model, const float *channel, const key_lights_seen *keys,
-                              lmb_vec3 vertex_normal, const lmb_vec3 *normals, irradiance_set *set)
-{
-    model->evaluate(channel, vertex_normal, normals, NORMALS, set->at);
-    for (int k = 0; k < NORMALS; ++k) {
-        set->at[k] = key_lights_add(keys, vertex_normal, normals[k], set->at[k]);
-    }
-}
-
-/* What a probe gives by the default model of that use. */
-static void evaluate_probe(lmb_model_use use, const probe_light *light, lmb_vec3 vertex_normal, float cone_cos,
-                           const lmb_vec3 *normals, irradiance_set *set)
-{
-    const lmb_model *model = lmb_model_default(use);
-    float channel[LMB_MODEL_MOST_CHANNELS];
-    model->encode(&light->radiance, vertex_normal, cone_cos, channel);
-    evaluate_channels(model, channel, &light->keys, vertex_normal, normals, set);
-}
-
 static void evaluate_unoccluded(const probe_light *light, const lmb_vec3 *normals, irradiance_set *set)
 {
     for (int k = 0; k < NORMALS; ++k) {
@@ -212,7 +179,7 @@ static surface_sample sample_make(const check_work *work, size_t index)
         keys.count = lmb_scene_key_lights(subject->lightmap->scene, keys.light);
         lmb_lightmap_sample(subject->lightmap, &at, channel);
         lmb_lightmap_sample_keys(subject->lightmap, &at, keys.visibility);
-        evaluate_channels(subject->lightmap->model, channel, &keys, sample.point.normal, sample.normals,
+        channels_evaluate(subject->lightmap->model, channel, &keys, sample.point.normal, sample.normals,
                           &sample.lightmap);
     }
     return sample;
@@ -240,9 +207,9 @@ static void record_coincident(check_work *work, const surface_sample *sample)
     const probe_light at_probe = coincident_light(work, &whole, &work->coincident[sample->index]);
     const probe_light at_texel = coincident_light(work, &sample->point, &unused);
     irradiance_set probe, gram, texel;
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, &at_probe, sample->point.normal, 0.0f, sample->normals, &probe);
-    evaluate_probe(LMB_MODEL_FOR_LIGHTMAP, &at_probe, sample->point.normal, 0.0f, sample->normals, &gram);
-    evaluate_probe(LMB_MODEL_FOR_LIGHTMAP, &at_texel, sample->point.normal, 0.0f, sample->normals, &texel);
+    probe_light_evaluate(LMB_MODEL_FOR_SURFACE, &at_probe, sample->point.normal, 0.0f, sample->normals, &probe);
+    probe_light_evaluate(LMB_MODEL_FOR_LIGHTMAP, &at_probe, sample->point.normal, 0.0f, sample->normals, &gram);
+    probe_light_evaluate(LMB_MODEL_FOR_LIGHTMAP, &at_texel, sample->point.normal, 0.0f, sample->normals, &texel);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_REFERENCE, &probe);
     record(work, sample, CHECK_COINCIDENT_PROBE_VS_LIGHTMAP, &probe);
     record(work, sample, CHECK_COINCIDENT_GRAM_VS_LIGHTMAP, &gram);
@@ -261,8 +228,8 @@ static void record_cone(check_work *work, const surface_sample *sample, const pr
     const float visibility = ambient_visibility(work->transport.tracer, sample->point.position, sample->point.normal,
                                                 spacing, stream, AMBIENT_RAYS);
     irradiance_set x;
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, light, sample->point.normal, lmb_cone_cos_from_visibility(visibility),
-                   sample->normals, &x);
+    probe_light_evaluate(LMB_MODEL_FOR_SURFACE, light, sample->point.normal, lmb_cone_cos_from_visibility(visibility),
+                         sample->normals, &x);
     record(work, sample, CHECK_PROBE_CONE_VS_LIGHTMAP, &x);
 }
 
@@ -278,7 +245,7 @@ static void record_local(check_work *work, const surface_sample *sample)
     irradiance_set x;
     local_light_sample(subject->local, sample->instance, lmb_scene_to_world(scene, sample->point.position),
                        &light.radiance, &light.keys);
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, &light, sample->point.normal, 0.0f, sample->normals, &x);
+    probe_light_evaluate(LMB_MODEL_FOR_SURFACE, &light, sample->point.normal, 0.0f, sample->normals, &x);
     work->local[sample->index] = true;
     work->local_error[sample->index] = point_error_of(x.at, sample->reference[0].at, sample->reference[1].at, NORMALS);
 }
@@ -292,14 +259,14 @@ static void surface_task(void *context, size_t task, int worker)
     const size_t index = work->first + task;
     const surface_sample sample = sample_make(work, index);
     const lmb_vec3 normal = sample.point.normal;
-    const probe_light light = volume_light(subject->volume, lmb_scene_to_world(scene, sample.point.position));
+    const probe_light light = probe_light_of_volume(subject->volume, lmb_scene_to_world(scene, sample.point.position));
 
     irradiance_set x;
-    evaluate_probe(LMB_MODEL_FOR_SURFACE, &light, normal, 0.0f, sample.normals, &x);
+    probe_light_evaluate(LMB_MODEL_FOR_SURFACE, &light, normal, 0.0f, sample.normals, &x);
     record(work, &sample, CHECK_PROBE_VS_REFERENCE, &x);
     record(work, &sample, CHECK_PROBE_VS_LIGHTMAP, &x);
     work->lights[index] = point_light_of(x.at, sample.reference[0].at, sample.reference[1].at, NORMALS);
-    evaluate_probe(LMB_MODEL_FOR_OBJECT, &light, normal, 0.0f, sample.normals, &x);
+    probe_light_evaluate(LMB_MODEL_FOR_OBJECT, &light, normal, 0.0f, sample.normals, &x);
     record(work, &sample, CHECK_OBJECT_VS_REFERENCE, &x);
     record_coincident(work, &sample);
     record_local(work, &sample);
@@ -331,7 +298,7 @@ static void free_task(void *context, size_t task, int worker)
     irradiance_set reference[2], x;
     gather_reference(work, &point, directions, reference);
     const lmb_scene *scene = lmb_tracer_scene(work->transport.tracer);
-    const probe_light light = volume_light(work->subject->volume, lmb_scene_to_world(scene, point.position));
+    const probe_light light = probe_light_of_volume(work->subject->volume, lmb_scene_to_world(scene, point.position));
     evaluate_unoccluded(&light, directions, &x);
     work->errors[CHECK_VOLUME_VS_REFERENCE][index] = point_error_of(x.at, reference[0].at, reference[1].at, NORMALS);
 }
