@@ -31,8 +31,8 @@ struct lmb_volume {
     double farthest[4];   /* and a little behind the last */
     int32_t last_cell[4]; /* from the origin; >= 0 even where the box is one point thick */
     float scale;
-    const uint32_t *cut_offsets; /* in words of 4 bytes */
-    const uint32_t *cuts;
+    const unsigned char *cuts;
+    const uint32_t *cut_offsets; /* of records of version 3, in words of 4 bytes; else NULL */
     const unsigned char *locals; /* of header->local_bytes; NULL: none */
     const lmb_volume_header *header;
     void *mapping;     /* NULL when the caller owns the bytes */
@@ -67,25 +67,6 @@ static inline uint32_t lmb_volume_bits(uint64_t bits)
     bits = (bits + (bits >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f);
     return (uint32_t)(bits * UINT64_C(0x0101010101010101) >> 56);
 #endif
-}
-
-/* The record of a brick's cut cell. */
-static inline const lmb_volume_cut *lmb_volume_cut_at(const lmb_volume *volume, const lmb_volume_brick *brick,
-                                                      uint32_t cell)
-{
-    const uint32_t before = lmb_volume_bits(brick->cut & ((UINT64_C(1) << cell) - 1));
-    return (const lmb_volume_cut *)(volume->cuts + volume->cut_offsets[brick->cut_first + before]);
-}
-
-/* The eight probes of a record's region, and its planes. */
-static inline const uint32_t *lmb_volume_cut_corners(const lmb_volume_cut *cut, uint32_t region)
-{
-    return (const uint32_t *)(cut + 1) + 8 * region;
-}
-
-static inline const lmb_cell_plane *lmb_volume_cut_planes(const lmb_volume_cut *cut)
-{
-    return (const lmb_cell_plane *)lmb_volume_cut_corners(cut, cut->region_count);
 }
 
 /* A finite half: its bits, moved to their places in a float, are its value times 2^-112 (denormals too). */

@@ -2,6 +2,7 @@
 #ifndef LMB_VOLUME_LOCATE_H
 #define LMB_VOLUME_LOCATE_H
 
+#include "volume_cut.h"
 #include "volume_internal.h"
 
 #include <string.h>
@@ -45,6 +46,13 @@ static inline void fraction_store(fraction at, float t[3])
 {
     memcpy(t, at.t, sizeof at.t);
 }
+
+static inline uint32_t planes_ask(const lmb_cell_plane plane[2], fraction at)
+{
+    return lmb_volume_plane_side(&plane[0], at.t) | lmb_volume_plane_side(&plane[1], at.t) << 1;
+}
+
+#define places_find lmb_volume_cut_places
 
 static inline void weights_store(fraction at, float weight[8])
 {

@@ -2,6 +2,7 @@
 #ifndef LMB_VOLUME_LOCATE_AVX2_H
 #define LMB_VOLUME_LOCATE_AVX2_H
 
+#include "volume_cut.h"
 #include "volume_internal.h"
 
 #include <immintrin.h>
@@ -48,6 +49,40 @@ static inline void fraction_store(fraction at, float t[3])
     t[0] = all[0];
     t[1] = all[1];
     t[2] = all[2];
+}
+
+/* Normal . t of both planes at once, summed in the order x, y, z. */
+static inline uint32_t planes_ask(const lmb_cell_plane plane[2], fraction at)
+{
+    const __m128 t = _mm_blend_ps(at, _mm_set1_ps(1.0f), 8);
+    const __m128i first = _mm_loadl_epi64((const __m128i *)(const void *)&plane[0]);
+    const __m128i second = _mm_loadl_epi64((const __m128i *)(const void *)&plane[1]);
+    const __m128 a = _mm_mul_ps(_mm_cvtepi32_ps(_mm_cvtepi16_epi32(first)), t);
+    const __m128 b = _mm_mul_ps(_mm_cvtepi32_ps(_mm_cvtepi16_epi32(second)), t);
+    const __m128 xy = _mm_unpacklo_ps(a, b), z_offset = _mm_unpackhi_ps(a, b);
+    const __m128 along = _mm_add_ps(_mm_add_ps(xy, _mm_movehl_ps(xy, xy)), z_offset);
+    return (uint32_t)_mm_movemask_ps(_mm_cmpgt_ps(along, _mm_movehl_ps(z_offset, z_offset))) & 3u;
+}
+
+/* lmb_volume_cut_places, all eight at once. */
+static inline void places_find(const uint32_t *row, uint32_t x, uint32_t units, uint32_t ghosts, const int16_t *ghost,
+                               uint32_t ghost_first, uint32_t place[8])
+{
+    const __m128i near = _mm_loadl_epi64((const __m128i *)(const void *)row);
+    const __m128i far = _mm_loadl_epi64((const __m128i *)(const void *)(row + LMB_BRICK_POINTS));
+    const __m256i rows = _mm256_cvtepu32_epi64(_mm_unpacklo_epi64(near, far)); /* and zeros between */
+    const __m256i steps = _mm256_set1_epi64x((int64_t)((uint64_t)(units * (x + 1)) << 32 | units * x));
+    const __m256i own = _mm256_add_epi32(_mm256_or_si256(rows, _mm256_slli_epi64(rows, 32)), steps);
+    /* Byte pairs of the ghosts in the corners' order. */
+    const __m128i ranks = _mm_cvtsi64_si128((int64_t)lmb_volume_ranks(ghosts));
+    const __m128i low = _mm_add_epi8(ranks, ranks), high = _mm_add_epi8(low, _mm_set1_epi8(1));
+    const __m128i all = _mm_loadu_si128((const __m128i *)(const void *)ghost);
+    const __m256i number = _mm256_cvtepi16_epi32(_mm_shuffle_epi8(all, _mm_unpacklo_epi8(low, high)));
+    const __m256i other = _mm256_mullo_epi32(_mm256_add_epi32(number, _mm256_set1_epi32((int32_t)ghost_first)),
+                                             _mm256_set1_epi32((int32_t)units));
+    const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    const __m256i is_ghost = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int32_t)ghosts), bit), bit);
+    _mm256_storeu_si256((__m256i *)(void *)place, _mm256_blendv_epi8(own, other, is_ghost));
 }
 
 /* Weights of the four corners at the low z, and of those at the high one. */

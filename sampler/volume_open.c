@@ -181,7 +181,7 @@ lmb_volume_gpu lmb_volume_get_gpu(const lmb_volume *volume, lmb_vec3d world_orig
     to->directory = (uint32_t)(volume->directory - words);
     to->bricks = (uint32_t)((const uint32_t *)volume->bricks - words);
     to->probes = (uint32_t)((const uint32_t *)(const void *)volume->probes - words);
-    to->cut_offsets = (uint32_t)(volume->cut_offsets - words);
-    to->cuts = (uint32_t)(volume->cuts - words);
+    to->cut_offsets = volume->cut_offsets ? (uint32_t)(volume->cut_offsets - words) : 0;
+    to->cuts = (uint32_t)((const uint32_t *)(const void *)volume->cuts - words);
     return gpu;
 }

@@ -5,6 +5,8 @@
  *     static inline bool locate(const lmb_volume *volume, double x, double y, double z, located *at, uint32_t cell[3]);
  *     static inline fraction fraction_find(const located *at, const uint32_t cell[3], uint32_t level);
  *     static inline void fraction_store(fraction at, float t[3]);
+ *     static inline uint32_t planes_ask(const lmb_cell_plane plane[2], fraction at);   bit k: it is above plane[k]
+ *     static inline void places_find(... as lmb_volume_cut_places ...);
  *     static inline void blend_corners(const unsigned char *const corner[8], fraction at, float scale,
  *                                      lmb_sh3_rgb *radiance);
  *     static inline void blend_compact(... the same ...);   of compact probes
@@ -17,6 +19,7 @@
 #define LMB_VOLUME_SAMPLE_BODY_H
 
 #include "sh_internal.h"
+#include "volume_cut.h"
 #include "volume_internal.h"
 
 #include <string.h>
@@ -83,16 +86,17 @@ LMB_INLINE bool place_is_cut(const place *at)
     return at->inside && (at->brick->cut >> at->cell & 1u);
 }
 
-/* The eight corners of a plain cell: pairs along x follow each other. `units`: from one probe to the next. */
-LMB_INLINE void corners_find(const lmb_volume *volume, const place *at, uint32_t units, const unsigned char *corner[8])
+/* The eight corners of a cell that has no ghosts: pairs along x follow each other. `row` is that of the first, `units`
+ * go from one probe to the next. */
+LMB_INLINE void corners_find(const lmb_volume *volume, const uint32_t *row, uint32_t x, uint32_t units,
+                             const unsigned char *corner[8])
 {
-    const uint32_t *const row = &at->brick->row[at->row];
-    const uint32_t x = at->x * units;
+    const uint32_t along = x * units;
     const size_t next = (size_t)units * LMB_PROBE_UNIT;
-    corner[0] = lmb_volume_probe_at(volume, row[0] + x);
-    corner[2] = lmb_volume_probe_at(volume, row[1] + x);
-    corner[4] = lmb_volume_probe_at(volume, row[LMB_BRICK_POINTS] + x);
-    corner[6] = lmb_volume_probe_at(volume, row[LMB_BRICK_POINTS + 1] + x);
+    corner[0] = lmb_volume_probe_at(volume, row[0] + along);
+    corner[2] = lmb_volume_probe_at(volume, row[1] + along);
+    corner[4] = lmb_volume_probe_at(volume, row[LMB_BRICK_POINTS] + along);
+    corner[6] = lmb_volume_probe_at(volume, row[LMB_BRICK_POINTS + 1] + along);
     for (int i = 1; i < 8; i += 2) {
         corner[i] = corner[i - 1] + next;
     }
@@ -114,20 +118,57 @@ LMB_INLINE void pairs_prefetch(const unsigned char *const corner[8], uint32_t un
 LMB_INLINE void cut_prefetch(const lmb_volume *volume, const place *at, uint32_t units)
 {
     const unsigned char *corner[8];
-    corners_find(volume, at, units, corner);
+    corners_find(volume, &at->brick->row[at->row], at->x, units, corner);
     pairs_prefetch(corner, units);
 }
 
-/* Those of a cut cell's region that the position is in. */
-LMB_INLINE void cut_corners_find(const lmb_volume *volume, const lmb_volume_cut *cut, fraction at,
-                                 const unsigned char *corner[8])
+/* A cut cell's slot (lmb_volume_cut), or its record of version 3. */
+LMB_INLINE const void *cut_find(const lmb_volume *volume, const lmb_volume_brick *brick, uint32_t cell)
+{
+    if (volume->cut_offsets) {
+        return lmb_volume_cut_3_at(volume, brick->cut_first + lmb_volume_cuts_before(brick, cell));
+    }
+    return lmb_volume_cut_at(volume, lmb_volume_cut_slot(brick, cell));
+}
+
+/* Of a record of version 3. */
+LMB_APART void cut_3_corners_find(const lmb_volume *volume, const lmb_volume_cut_3 *cut, fraction at,
+                                  const unsigned char *corner[8])
 {
     float t[3];
     fraction_store(at, t);
-    const uint32_t region = lmb_cell_region(lmb_volume_cut_planes(cut), cut->plane_count, t);
-    const uint32_t *const units = lmb_volume_cut_corners(cut, region);
+    const uint32_t region = lmb_cell_region(lmb_volume_cut_3_planes(cut), cut->plane_count, t);
+    const uint32_t *const probe = lmb_volume_cut_3_corners(cut, region);
     for (int i = 0; i < 8; ++i) {
-        corner[i] = lmb_volume_probe_at(volume, units[i]);
+        corner[i] = lmb_volume_probe_at(volume, probe[i]);
+    }
+}
+
+/* Those of the region that the position is in: its ghosts, and else what a plain cell has there. Where there are no
+ * ghosts, processors guess that, and go on before the record is there. */
+LMB_INLINE void cut_corners_find(const lmb_volume *volume, const void *slot, const lmb_volume_brick *brick,
+                                 uint32_t cell, fraction at, const unsigned char *corner[8])
+{
+    if (volume->cut_offsets) {
+        cut_3_corners_find(volume, slot, at, corner);
+        return;
+    }
+    const lmb_volume_cut *const cut = lmb_volume_cut_record(volume, slot);
+    const lmb_cell_plane *const planes = lmb_volume_cut_planes(cut);
+    const uint32_t *const row = &brick->row[(cell >> 2 & 3u) + LMB_BRICK_POINTS * (cell >> 4)];
+    const uint32_t x = cell & 3u, units = volume->probe_units;
+    float t[3];
+    fraction_store(at, t);
+    const uint32_t number = lmb_volume_cut_region_find(planes, cut->plane_count, planes_ask(planes, at), t);
+    const lmb_volume_cut_region region = lmb_volume_cut_regions(cut)[number];
+    if (region.ghosts == 0) {
+        corners_find(volume, row, x, units, corner);
+        return;
+    }
+    uint32_t probe[8];
+    places_find(row, x, units, region.ghosts, lmb_volume_cut_ghosts(cut) + region.first, brick->ghost_first, probe);
+    for (int i = 0; i < 8; ++i) {
+        corner[i] = lmb_volume_probe_at(volume, probe[i]);
     }
 }
 
@@ -158,11 +199,11 @@ LMB_INLINE void blend(const lmb_volume *volume, uint32_t form, const unsigned ch
 
 /* In a cell that is cut. What tells its place comes in registers, as in a cell that is not, it would be written for
  * nothing. */
-LMB_APART void blend_cut(const lmb_volume *volume, const lmb_volume_cut *cut, fraction at, lmb_sh3_rgb *radiance,
-                         float *visibility)
+LMB_APART void blend_cut(const lmb_volume *volume, const lmb_volume_brick *brick, uint32_t cell, fraction at,
+                         lmb_sh3_rgb *radiance, float *visibility)
 {
     const unsigned char *corner[8];
-    cut_corners_find(volume, cut, at, corner);
+    cut_corners_find(volume, cut_find(volume, brick, cell), brick, cell, at, corner);
     blend(volume, volume->header->probe_form, corner, at, radiance, visibility);
 }
 
@@ -176,9 +217,9 @@ LMB_APART bool sample_any(const lmb_volume *volume, double x, double y, double z
     const unsigned char *corner[8];
     if (is_number && (at.brick->cut & cell)) {
         cut_prefetch(volume, &at, volume->probe_units);
-        cut_corners_find(volume, lmb_volume_cut_at(volume, at.brick, at.cell), at.t, corner);
+        cut_corners_find(volume, cut_find(volume, at.brick, at.cell), at.brick, at.cell, at.t, corner);
     } else if (is_number && (at.brick->plain & cell)) {
-        corners_find(volume, &at, volume->probe_units, corner);
+        corners_find(volume, &at.brick->row[at.row], at.x, volume->probe_units, corner);
     } else {
         memset(radiance, 0, sizeof *radiance);
         if (visibility) {
@@ -196,13 +237,13 @@ LMB_INLINE bool sample_one(const lmb_volume *volume, uint32_t form, uint32_t uni
     const place at = place_find(volume, x, y, z);
     if (place_is_plain(&at)) {
         const unsigned char *corner[8];
-        corners_find(volume, &at, units, corner);
+        corners_find(volume, &at.brick->row[at.row], at.x, units, corner);
         blend(volume, form, corner, at.t, radiance, visibility);
         return true;
     }
     if (place_is_cut(&at)) {
         cut_prefetch(volume, &at, units);
-        blend_cut(volume, lmb_volume_cut_at(volume, at.brick, at.cell), at.t, radiance, visibility);
+        blend_cut(volume, at.brick, at.cell, at.t, radiance, visibility);
         return true;
     }
     return sample_any(volume, x, y, z, radiance, visibility);
@@ -211,7 +252,9 @@ LMB_INLINE bool sample_one(const lmb_volume *volume, uint32_t form, uint32_t uni
 /* A later sample of a batch. */
 typedef struct waiting {
     const unsigned char *corner[8]; /* [0] is NULL where the cell is neither plain nor cut */
-    const lmb_volume_cut *cut;      /* until its corners are found; then NULL */
+    const void *cut;                /* as cut_find has it, until its corners are found; then NULL */
+    const lmb_volume_brick *brick;
+    uint32_t cell;
     fraction t;
 } waiting;
 
@@ -245,7 +288,7 @@ LMB_INLINE bool irradiance_one(const lmb_volume *volume, uint32_t form, uint32_t
         return irradiance_any(volume, x, y, z, &kernel, irradiance);
     }
     const unsigned char *corner[8];
-    corners_find(volume, &at, units, corner);
+    corners_find(volume, &at.brick->row[at.row], at.x, units, corner);
     *irradiance = blend_irradiance(volume, form, corner, at.t, &kernel);
     return true;
 }
@@ -258,20 +301,20 @@ LMB_INLINE void waiting_begin(const lmb_volume *volume, uint32_t units, const lm
     next->cut = NULL;
     next->t = at.t;
     if (place_is_plain(&at)) {
-        corners_find(volume, &at, units, next->corner);
+        corners_find(volume, &at.brick->row[at.row], at.x, units, next->corner);
         pairs_prefetch(next->corner, units);
     } else if (place_is_cut(&at)) {
-        next->cut = lmb_volume_cut_at(volume, at.brick, at.cell);
+        next->cut = cut_find(volume, at.brick, at.cell);
+        next->brick = at.brick;
+        next->cell = at.cell;
         LMB_PREFETCH(next->cut);
-        LMB_PREFETCH((const unsigned char *)next->cut + CACHE_LINE_BYTES);
-        LMB_PREFETCH((const unsigned char *)next->cut + 2 * CACHE_LINE_BYTES);
     }
 }
 
 /* Finds the probes of a cut cell, whose record is there by now, and asks for them. */
 LMB_APART void waiting_resolve(const lmb_volume *volume, waiting *next)
 {
-    cut_corners_find(volume, next->cut, next->t, next->corner);
+    cut_corners_find(volume, next->cut, next->brick, next->cell, next->t, next->corner);
     next->cut = NULL;
     for (int i = 0; i < 8; ++i) {
         LMB_PREFETCH(next->corner[i]);

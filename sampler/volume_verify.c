@@ -1,3 +1,4 @@
+#include "volume_cut.h"
 #include "volume_internal.h"
 
 #include <float.h>
@@ -9,7 +10,9 @@
 #endif
 _Static_assert(sizeof(lmb_volume_header) == LMB_VOLUME_HEADER_BYTES, "the header has no padding");
 _Static_assert(sizeof(lmb_volume_brick) == 128, "a brick's head is two cache lines");
-_Static_assert(sizeof(lmb_volume_cut) == 4 && sizeof(lmb_cell_plane) == 10, "nor has a cut cell any");
+_Static_assert(sizeof(lmb_volume_cut) == 2 && sizeof(lmb_volume_cut_region) == 2 && sizeof(lmb_cell_plane) == 10 &&
+                   sizeof(lmb_volume_cut_apart) == 8 && sizeof(lmb_volume_cut_3) == 4,
+               "nor has a cut cell any");
 
 /* What can be said before anything else is trusted. */
 static lmb_result check_envelope(const unsigned char *data, size_t size)
@@ -24,7 +27,7 @@ static lmb_result check_envelope(const unsigned char *data, size_t size)
         return LMB_ERROR_TRUNCATED;
     }
     memcpy(&version, data + LMB_VOLUME_MAGIC_SIZE, sizeof version);
-    if (version != LMB_VOLUME_VERSION) {
+    if (version < LMB_VOLUME_VERSION_OLDEST || version > LMB_VOLUME_VERSION) {
         return LMB_ERROR_VERSION;
     }
     if (size < sizeof *header) {
@@ -188,41 +191,98 @@ static bool rows_are_sane(const lmb_volume *volume, const lmb_volume_brick *bric
     return sane;
 }
 
-static bool planes_are_sane(const lmb_volume_cut *cut)
+static bool counts_are_sane(uint32_t regions, uint32_t planes)
 {
-    const lmb_cell_plane *const plane = lmb_volume_cut_planes(cut);
+    return regions >= 1 && regions <= LMB_CELL_REGIONS_MOST && planes <= LMB_CELL_PLANES_MOST;
+}
+
+/* The record at an offset lies wholly in the file, and names probes and planes that there are. */
+static bool cut_3_is_sane(const lmb_volume *volume, uint32_t number)
+{
+    const uint64_t at = (uint64_t)volume->cut_offsets[number] * sizeof(uint32_t), end = volume->header->cut_bytes;
+    if (at + sizeof(lmb_volume_cut_3) > end) {
+        return false;
+    }
+    const lmb_volume_cut_3 *const cut = lmb_volume_cut_3_at(volume, number);
+    if (!counts_are_sane(cut->region_count, cut->plane_count) || cut->reserved != 0 ||
+        at + lmb_volume_cut_3_bytes(cut->region_count, cut->plane_count) > end) {
+        return false;
+    }
+    bool sane = lmb_cell_planes_are_sane(lmb_volume_cut_3_planes(cut), cut->plane_count, cut->region_count);
+    for (uint32_t i = 0; i < cut->region_count * 8u; ++i) {
+        sane = sane && place_is_sane(volume, lmb_volume_cut_3_corners(cut, 0)[i]);
+    }
+    return sane;
+}
+
+/* Whether a slot or a record, and what may be read behind it, lie in the file. */
+static bool cut_has_room(const lmb_volume *volume, uint64_t units, size_t bytes)
+{
+    return units * LMB_CUT_UNIT + bytes + LMB_CUT_READ_BYTES <= volume->header->cut_bytes;
+}
+
+/* All corners of all regions are probes. */
+static bool regions_are_sane(const lmb_volume *volume, const lmb_volume_brick *brick, uint32_t cell,
+                             const lmb_volume_cut *cut)
+{
+    const lmb_volume_cut_region *const region = lmb_volume_cut_regions(cut);
+    const uint32_t *const row = &brick->row[cell / 4 % 4 + LMB_BRICK_POINTS * (cell / 16)];
     bool sane = true;
-    for (uint32_t i = 0; i < cut->plane_count; ++i) {
-        for (int side = 0; side < 2; ++side) {
-            const uint32_t child = plane[i].child[side];
-            sane = sane && (child < LMB_CELL_REGION ? child > i && child < cut->plane_count
-                                                    : child - LMB_CELL_REGION < cut->region_count);
+    for (uint32_t i = 0; i < cut->region_count; ++i) {
+        uint32_t place[8];
+        lmb_volume_cut_places(row, cell % 4, volume->probe_units, region[i].ghosts,
+                              lmb_volume_cut_ghosts(cut) + region[i].first, brick->ghost_first, place);
+        for (int corner = 0; corner < 8; ++corner) {
+            sane = sane && place_is_sane(volume, place[corner]);
         }
     }
     return sane;
 }
 
-/* The record at an offset lies wholly in the file, and names probes and planes that there are. */
-static bool cut_is_sane(const lmb_volume *volume, uint32_t offset)
+/* The cell's slot and its record lie wholly in the file, and name probes and planes that there are. */
+static bool cut_is_sane(const lmb_volume *volume, const lmb_volume_brick *brick, uint32_t cell)
 {
-    const uint64_t at = (uint64_t)offset * sizeof(uint32_t), end = volume->header->cut_bytes;
-    if (at + sizeof(lmb_volume_cut) > end) {
+    uint64_t at = lmb_volume_cut_slot(brick, cell);
+    if (!cut_has_room(volume, at, LMB_CUT_UNIT)) {
         return false;
     }
-    const lmb_volume_cut *const cut = (const lmb_volume_cut *)(volume->cuts + offset);
-    if (cut->region_count < 1 || cut->region_count > LMB_CELL_REGIONS_MOST || cut->plane_count > LMB_CELL_PLANES_MOST ||
-        cut->reserved != 0 || at + lmb_volume_cut_bytes(cut->region_count, cut->plane_count) > end) {
+    const lmb_volume_cut_apart *const apart = (const lmb_volume_cut_apart *)lmb_volume_cut_at(volume, at);
+    if (apart->zero == 0) {
+        at = apart->record;
+    }
+    if (!cut_has_room(volume, at, LMB_CUT_UNIT)) {
         return false;
     }
-    const uint32_t *const corner = lmb_volume_cut_corners(cut, 0);
-    bool sane = planes_are_sane(cut);
-    for (uint32_t i = 0; i < cut->region_count * 8u; ++i) {
-        sane = sane && place_is_sane(volume, corner[i]);
+    const lmb_volume_cut *const cut = (const lmb_volume_cut *)lmb_volume_cut_at(volume, at);
+    const lmb_volume_cut_region *const region = lmb_volume_cut_regions(cut);
+    const uint32_t regions = cut->region_count, planes = cut->plane_count;
+    if (!counts_are_sane(regions, planes) || !cut_has_room(volume, at, lmb_volume_cut_bytes(regions, planes, 0))) {
+        return false;
+    }
+    uint32_t ghosts = 0;
+    bool sane = lmb_cell_planes_are_sane(lmb_volume_cut_planes(cut), planes, regions);
+    for (uint32_t i = 0; i < regions; ++i) {
+        sane = sane && region[i].first == ghosts;
+        ghosts += lmb_volume_bits(region[i].ghosts);
+    }
+    return sane && cut_has_room(volume, at, lmb_volume_cut_bytes(regions, planes, ghosts)) &&
+           regions_are_sane(volume, brick, cell, cut);
+}
+
+/* What a brick says of its cut cells; `number`: of those of the bricks before. */
+static bool cuts_are_sane(const lmb_volume *volume, const lmb_volume_brick *brick, uint64_t number)
+{
+    if (volume->cut_offsets) {
+        return brick->cut_first == number && brick->ghost_first == 0 && brick->cut_shift == 0;
+    }
+    bool sane = brick->cut_shift <= LMB_CUT_SHIFT_MOST &&
+                (brick->cut != 0 || (brick->cut_first == 0 && brick->ghost_first == 0 && brick->cut_shift == 0));
+    for (uint32_t cell = 0; sane && cell < 64 && brick->cut >> cell != 0; ++cell) {
+        sane = !(brick->cut >> cell & 1u) || cut_is_sane(volume, brick, cell);
     }
     return sane;
 }
 
-/* Each cut cell is one brick's: their counts follow each other. */
 static bool bricks_are_sane(const lmb_volume *volume)
 {
     static const lmb_volume_brick none;
@@ -230,13 +290,13 @@ static bool bricks_are_sane(const lmb_volume *volume)
     bool sane = memcmp(volume->bricks, &none, sizeof none) == 0;
     for (uint32_t i = 1; sane && i < volume->header->brick_count; ++i) {
         const lmb_volume_brick *const brick = &volume->bricks[i];
-        sane = (brick->plain & brick->cut) == 0 && (brick->plain | brick->cut) != 0 && brick->cut_first == cut_count &&
-               brick->reserved[0] == 0 && brick->reserved[1] == 0 && rows_are_sane(volume, brick);
+        sane = (brick->plain & brick->cut) == 0 && (brick->plain | brick->cut) != 0 && rows_are_sane(volume, brick) &&
+               cuts_are_sane(volume, brick, cut_count);
         cut_count += lmb_volume_bits(brick->cut);
     }
     sane = sane && cut_count == volume->header->cut_count;
-    for (uint32_t i = 0; sane && i < volume->header->cut_count; ++i) {
-        sane = cut_is_sane(volume, volume->cut_offsets[i]);
+    for (uint32_t i = 0; sane && volume->cut_offsets && i < volume->header->cut_count; ++i) {
+        sane = cut_3_is_sane(volume, i);
     }
     return sane;
 }
@@ -258,8 +318,8 @@ lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume 
     volume->probes = data + layout.probes;
     volume->probe_units = header->probe_bytes / LMB_PROBE_UNIT;
     volume->key_count = header->key_light_count;
-    volume->cut_offsets = (const uint32_t *)(data + layout.cut_offsets);
-    volume->cuts = (const uint32_t *)(data + layout.cuts);
+    volume->cut_offsets = header->version == 3 ? (const uint32_t *)(data + layout.cut_offsets) : NULL;
+    volume->cuts = data + layout.cuts;
     volume->locals = header->local_bytes > 0 ? data + layout.locals : NULL;
     volume->entry_step[0] = layout.blocks[0];
     volume->entry_step[1] = (size_t)layout.blocks[0] * layout.blocks[1];

@@ -57,6 +57,8 @@ static void golden_files(void)
     printf("     this processor: %s\n", kernel->name);
     file_check(kernel, LMB_GOLDEN_DIR "/small.lmb");
     file_check(kernel, LMB_GOLDEN_DIR "/small_keys.lmb");
+    file_check(kernel, LMB_GOLDEN_DIR "/levels_3.lmb");
+    file_check(kernel, LMB_GOLDEN_DIR "/levels_4.lmb");
 }
 
 static const test_case table[] = {{"golden_files", golden_files}};

@@ -61,7 +61,7 @@ static void volume_round_trip(void)
             return;
         }
         const lmb_volume_info info = lmb_volume_get_info(volume);
-        CHECK(info.version == 3 && info.key_light_count == keys, "version %u", info.version);
+        CHECK(info.version == LMB_VOLUME_VERSION && info.key_light_count == keys, "version %u", info.version);
         lmb_key_light light[LMB_KEY_LIGHTS_MOST];
         CHECK(lmb_volume_key_lights(volume, light) == keys, "%u lights", keys);
         for (uint32_t key = 0; key < keys; ++key) {

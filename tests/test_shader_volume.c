@@ -111,6 +111,12 @@ static void language_agrees(const char *path, const char *language)
         free(data);
         lmb_probes_destroy(probes);
     }
+    lmb_volume *old = NULL;
+    CHECK(lmb_volume_open_file(LMB_GOLDEN_DIR "/levels_3.lmb", &old) == LMB_OK, "levels_3.lmb");
+    if (old && has_device) {
+        volume_check(path, old, (double)lmb_volume_get_info(old).spacing, "version 3");
+    }
+    lmb_volume_close(old);
     if (!has_device) {
         test_skip("no Vulkan device (Debian: mesa-vulkan-drivers)");
     }

@@ -589,7 +589,7 @@ static void test_forged_fields(void)
         {"version 0", offsetof(lmb_volume_header, version), 0, LMB_ERROR_VERSION},
         {"version 1", offsetof(lmb_volume_header, version), 1, LMB_ERROR_VERSION},
         {"version 2", offsetof(lmb_volume_header, version), 2, LMB_ERROR_VERSION},
-        {"version 4", offsetof(lmb_volume_header, version), 4, LMB_ERROR_VERSION},
+        {"version 5", offsetof(lmb_volume_header, version), 5, LMB_ERROR_VERSION},
         {"the last version", offsetof(lmb_volume_header, version), UINT32_MAX, LMB_ERROR_VERSION},
         {"header size", offsetof(lmb_volume_header, header_bytes), 64, LMB_ERROR_FORMAT},
         {"spacing 0", offsetof(lmb_volume_header, spacing), 0, LMB_ERROR_FORMAT},

@@ -3,6 +3,7 @@
 #include "harness.h"
 #include "levels_fixture.h"
 
+#include <lambent/file.h>
 #include <lambent/pack.h>
 #include <lambent/volume.h>
 #include <lambent/volume_format.h>
@@ -300,30 +301,26 @@ static bool samples_are_finite(const lmb_volume *volume)
     return finite;
 }
 
-/* Bits of directory, heads, cut cells' offsets and their records, one after the other, with the checksum right:
- * refused, or sampled without a bad read and without NaN. */
-static void forged_bits_do_no_harm(void)
+/* Bits of directory, heads and cut cells, one after the other, with the checksum right: refused, or sampled without a
+ * bad read and without NaN. */
+static void forge_bits(const unsigned char *data, size_t bytes)
 {
-    static const levels_recipe recipe = {
-        .spacing = 1.0f, .levels = 2, .low = -1, .cubes = 2, .split = 0.3, .cut = 0.2, .keys = 1, .seed = 3};
-    lmb_probes *const probes = levels_make(&recipe);
-    packed p = pack_and_open(probes);
     lmb_volume_header header;
     lmb_volume_layout layout = {.end = 0};
-    memcpy(&header, p.data, sizeof header);
-    CHECK(lmb_volume_layout_find(&header, &layout) && layout.end == p.size, "layout");
+    memcpy(&header, data, sizeof header);
+    CHECK(lmb_volume_layout_find(&header, &layout) && layout.end == bytes, "layout");
     const uint64_t parts[3][2] = {
         {0, layout.probes}, {layout.cut_offsets, layout.end}, {layout.probes, layout.probes + 64}};
-    unsigned char *const copy = aligned_alloc(LMB_VOLUME_ALIGNMENT, p.size);
-    memcpy(copy, p.data, p.size);
+    unsigned char *const copy = aligned_alloc(LMB_VOLUME_ALIGNMENT, bytes);
+    memcpy(copy, data, bytes);
     int accepted = 0, refused = 0;
     for (int part = 0; part < 3; ++part) {
         for (uint64_t i = parts[part][0]; i < parts[part][1]; i += part == 0 && i >= layout.bricks ? 3 : 1) {
             const unsigned char kept = copy[i];
             copy[i] ^= (unsigned char)(1u << (i * 5 % 8));
-            repair_checksum(copy, p.size);
+            repair_checksum(copy, bytes);
             lmb_volume *volume = NULL;
-            if (lmb_volume_open_memory(copy, p.size, &volume) == LMB_OK) {
+            if (lmb_volume_open_memory(copy, bytes, &volume) == LMB_OK) {
                 CHECK(samples_are_finite(volume), "byte %llu", (unsigned long long)i);
                 ++accepted;
             } else {
@@ -335,8 +332,28 @@ static void forged_bits_do_no_harm(void)
     }
     CHECK(accepted > 0 && refused > 0, "%d accepted, %d refused", accepted, refused);
     free(copy);
+}
+
+static void forged_bits_do_no_harm(void)
+{
+    static const levels_recipe recipe = {
+        .spacing = 1.0f, .levels = 2, .low = -1, .cubes = 2, .split = 0.3, .cut = 0.2, .keys = 1, .seed = 3};
+    lmb_probes *const probes = levels_make(&recipe);
+    packed p = pack_and_open(probes);
+    forge_bits(p.data, p.size);
     close_packed(&p);
     lmb_probes_destroy(probes);
+}
+
+static void truncate_all(const unsigned char *data, size_t bytes)
+{
+    for (size_t size = 0; size < bytes; ++size) {
+        unsigned char *const copy = malloc(size + 1); /* so that AddressSanitizer sees every read beyond */
+        lmb_volume *volume = NULL;
+        memcpy(copy, data, size);
+        CHECK(lmb_volume_open_memory(copy, size, &volume) == LMB_ERROR_TRUNCATED && !volume, "%zu bytes", size);
+        free(copy);
+    }
 }
 
 static void truncations_are_refused(void)
@@ -345,12 +362,114 @@ static void truncations_are_refused(void)
         .spacing = 1.0f, .levels = 2, .low = -1, .cubes = 1, .split = 0.5, .cut = 0.3, .keys = 1, .seed = 3};
     lmb_probes *const probes = levels_make(&recipe);
     packed p = pack_and_open(probes);
-    for (size_t size = 0; size < p.size; ++size) {
-        unsigned char *const copy = malloc(size + 1); /* so that AddressSanitizer sees every read beyond */
-        lmb_volume *volume = NULL;
-        memcpy(copy, p.data, size);
-        CHECK(lmb_volume_open_memory(copy, size, &volume) == LMB_ERROR_TRUNCATED && !volume, "%zu bytes", size);
-        free(copy);
+    truncate_all(p.data, p.size);
+    close_packed(&p);
+    lmb_probes_destroy(probes);
+}
+
+/* ------------------------------------------------------------------------------------------------ versions */
+
+/* tests/golden/levels_N.lmb are these probes, as versions 3 and 4 have them. */
+static lmb_probes *golden_probes(void)
+{
+    static const levels_recipe recipe = {.spacing = 0.5f,
+                                         .levels = 2,
+                                         .low = -1,
+                                         .cubes = 2,
+                                         .split = 0.2,
+                                         .holes = 0.1,
+                                         .cut = 0.2,
+                                         .keys = 1,
+                                         .seed = 5};
+    return levels_make(&recipe);
+}
+
+/* Only a new version of the format changes them: what is packed now then lies in the tests' output folder. */
+static void volumes_pack_to_the_golden_file(void)
+{
+    lmb_probes *const probes = golden_probes();
+    packed p = pack_and_open(probes);
+    unsigned char *golden = NULL;
+    size_t size = 0;
+    CHECK(lmb_file_read(LMB_GOLDEN_DIR "/levels_4.lmb", &golden, &size, NULL) == LMB_OK, "levels_4.lmb");
+    const bool is_same = size == p.size && memcmp(golden, p.data, size) == 0;
+    CHECK(is_same, "packed %zu bytes, levels_4.lmb has %zu", p.size, size);
+    if (!is_same) {
+        lmb_file_write(LMB_TEST_OUTPUT_DIR "/levels_4.lmb", p.data, p.size, NULL);
+    }
+    free(golden);
+    close_packed(&p);
+    lmb_probes_destroy(probes);
+}
+
+/* Files of version 3 are read for ever: the bits of samples are those of today's. */
+static void version_3_gives_the_same_light(void)
+{
+    lmb_probes *const probes = golden_probes();
+    packed p = pack_and_open(probes);
+    lmb_volume *old = NULL;
+    CHECK(lmb_volume_open_file(LMB_GOLDEN_DIR "/levels_3.lmb", &old) == LMB_OK, "levels_3.lmb");
+    if (old) {
+        const lmb_volume_info info = lmb_volume_get_info(old);
+        CHECK(info.version == 3 && info.cut_count > 0 && lmb_volume_get_info(p.volume).version == 4, "versions");
+        uint64_t state = 7;
+        int inside = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const lmb_vec3d at = random_place(&info, &state);
+            lmb_sh3_rgb a, b, c;
+            float a_seen[LMB_KEY_LIGHTS_MOST], b_seen[LMB_KEY_LIGHTS_MOST];
+            const bool a_inside = lmb_volume_sample_with_keys(old, at, &a, a_seen);
+            const bool b_inside = lmb_volume_sample_with_keys(p.volume, at, &b, b_seen);
+            lmb_volume_sample_batch(old, &at, 1, &c, NULL, NULL);
+            CHECK(a_inside == b_inside && memcmp(&a, &b, sizeof a) == 0 && memcmp(&a, &c, sizeof a) == 0 &&
+                      memcmp(a_seen, b_seen, sizeof a_seen) == 0,
+                  "at (%.9g, %.9g, %.9g)", at.x, at.y, at.z);
+            inside += a_inside;
+        }
+        CHECK(inside > 400, "%d inside", inside);
+    }
+    lmb_volume_close(old);
+    close_packed(&p);
+    lmb_probes_destroy(probes);
+}
+
+static void version_3_is_checked_as_well(void)
+{
+    unsigned char *data = NULL;
+    size_t size = 0;
+    CHECK(lmb_file_read(LMB_GOLDEN_DIR "/levels_3.lmb", &data, &size, NULL) == LMB_OK, "levels_3.lmb");
+    if (data) {
+        forge_bits(data, size);
+        truncate_all(data, size);
+    }
+    free(data);
+}
+
+/* Ghosts that bricks far away in the file share are stored once more, as a cell's numbers do not reach that far. */
+static void far_ghosts_are_stored_again(void)
+{
+    const lmb_lattice lattice = {.spacing = 1.0f, .size = {101, 101, 9}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 1.0, 5);
+    const int32_t low[3] = {50, 50, 3}, high[3] = {50, 50, 4}, shared[3] = {50, 50, 4};
+    int32_t ghost, corner[2][8];
+    CHECK(lmb_probes_add_ghosts(probes, 0, &shared, 1, &ghost) == LMB_OK, "a ghost");
+    probes->radiance[0][ghost].channel[0].c[0] = 8.0f;
+    for (int32_t i = 0; i < 8; ++i) {
+        corner[0][i] = lmb_probes_find(probes, 0, 50 + (i & 1), 50 + (i >> 1 & 1), 3 + (i >> 2));
+        corner[1][i] = lmb_probes_find(probes, 0, 50 + (i & 1), 50 + (i >> 1 & 1), 4 + (i >> 2));
+    }
+    corner[0][4] = corner[1][0] = ghost;
+    CHECK(lmb_probes_cut(probes, 0, low, NULL, 0, (const int32_t(*)[8]) & corner[0], 1) == LMB_OK &&
+              lmb_probes_cut(probes, 0, high, NULL, 0, (const int32_t(*)[8]) & corner[1], 1) == LMB_OK,
+          "cut");
+    packed p = pack_and_open(probes);
+    lmb_volume_header header;
+    memcpy(&header, p.data, sizeof header);
+    CHECK(header.probe_count == (uint64_t)probes->count, "each probe counts once");
+    for (int i = 0; i < 2; ++i) {
+        lmb_sh3_rgb light;
+        CHECK(lmb_volume_sample(p.volume, (lmb_vec3){50.0f, 50.0f, i == 0 ? 3.99999f : 4.0f}, &light), "inside");
+        CHECK_NEAR(light.channel[0].c[0], 8.0, 1e-3, "the ghost, from cell %d", i);
     }
     close_packed(&p);
     lmb_probes_destroy(probes);
@@ -365,5 +484,9 @@ static const test_case cases[] = {
     {"full boxes are small", full_boxes_are_small},
     {"forged bits do no harm", forged_bits_do_no_harm},
     {"truncations are refused", truncations_are_refused},
+    {"volumes pack to the golden file", volumes_pack_to_the_golden_file},
+    {"version 3 gives the same light", version_3_gives_the_same_light},
+    {"version 3 is checked as well", version_3_is_checked_as_well},
+    {"far ghosts are stored again", far_ghosts_are_stored_again},
 };
 TEST_MAIN(cases)

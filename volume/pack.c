@@ -198,56 +198,17 @@ static void write_probes(lmb_packing *packing, unsigned char *image)
     }
 }
 
-/* Where a corner of a cut cell's region is stored, in units. */
-static uint32_t corner_units(const lmb_packing *packing, const lmb_pack_brick *brick, int32_t number, int32_t i,
-                             int32_t probe)
-{
-    if (probe >= packing->probes->count - packing->probes->ghost_count) {
-        return packing->slot[probe] * lmb_pack_units(packing);
-    }
-    const int32_t x = number % 4 + (i & 1), y = number / 4 % 4 + (i >> 1 & 1), z = number / 16 + (i >> 2);
-    return brick->row[y + LMB_BRICK_POINTS * z] + (uint32_t)x * lmb_pack_units(packing);
-}
-
-/* @return bytes written */
-static size_t write_cut_cell(const lmb_packing *packing, const lmb_pack_brick *brick, int32_t number, unsigned char *to)
-{
-    const lmb_cut_cells *const cuts = &packing->probes->cut;
-    const lmb_cut_cell *const cut = lmb_pack_cut(packing, brick, number);
-    const lmb_volume_cut head = {.region_count = (uint8_t)cut->region_count, .plane_count = (uint8_t)cut->plane_count};
-    memcpy(to, &head, sizeof head);
-    unsigned char *at = to + sizeof head;
-    for (uint32_t region = 0; region < cut->region_count; ++region) {
-        for (int32_t i = 0; i < 8; ++i) {
-            const int32_t probe = cuts->corner[cut->region_first + region][i];
-            const uint32_t units = corner_units(packing, brick, number, i, probe);
-            memcpy(at, &units, sizeof units);
-            at += sizeof units;
-        }
-    }
-    if (cut->plane_count > 0) {
-        memcpy(at, &cuts->plane[cut->plane_first], cut->plane_count * sizeof *cuts->plane);
-    }
-    return lmb_volume_cut_bytes(cut->region_count, cut->plane_count);
-}
-
 static void write_bricks(const lmb_packing *packing, unsigned char *image)
 {
     lmb_volume_brick *const heads = (lmb_volume_brick *)(image + packing->layout.bricks);
-    uint32_t *offset = (uint32_t *)(image + packing->layout.cut_offsets);
-    unsigned char *const cuts = image + packing->layout.cuts;
-    size_t at = 0;
     for (uint32_t i = 0; i < packing->brick_count; ++i) {
         const lmb_pack_brick *const brick = &packing->brick[i];
-        heads[i + 1] =
-            (lmb_volume_brick){.plain = brick->plain, .cut = brick->cut_stored, .cut_first = brick->cut_first};
+        heads[i + 1] = (lmb_volume_brick){.plain = brick->plain,
+                                          .cut = brick->cut_stored,
+                                          .cut_first = brick->cut_first,
+                                          .ghost_first = brick->ghost_first,
+                                          .cut_shift = brick->cut_shift};
         memcpy(heads[i + 1].row, brick->row, sizeof brick->row);
-        for (int32_t number = 0; number < 64; ++number) {
-            if (brick->cut_stored >> number & 1u) {
-                *offset++ = (uint32_t)(at / sizeof *offset);
-                at += write_cut_cell(packing, brick, number, cuts + at);
-            }
-        }
     }
 }
 
@@ -256,8 +217,7 @@ static lmb_result image_make(lmb_packing *packing, unsigned char **data)
     lmb_volume_header *const header = &packing->header;
     header->local_bytes = lmb_pack_locals_bytes(packing->probes, header);
     if (header->local_bytes > UINT32_MAX || !lmb_volume_layout_find(header, &packing->layout) ||
-        packing->layout.end > SIZE_MAX || header->cut_bytes / sizeof(uint32_t) > UINT32_MAX ||
-        header->brick_count >= UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT ||
+        packing->layout.end > SIZE_MAX || header->brick_count >= UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT ||
         header->stored_count > UINT32_MAX / lmb_pack_units(packing)) {
         return LMB_ERROR_ARGUMENT;
     }
@@ -268,6 +228,7 @@ static lmb_result image_make(lmb_packing *packing, unsigned char **data)
     memset(image, 0, (size_t)packing->layout.end);
     lmb_pack_directory(packing, (uint32_t *)(image + packing->layout.directory));
     write_bricks(packing, image);
+    lmb_pack_cuts_write(packing, image + packing->layout.cuts);
     write_probes(packing, image);
     lmb_pack_locals_write(packing->probes, header, image + packing->layout.locals);
     header->file_bytes = packing->layout.end;
@@ -308,6 +269,7 @@ static void packing_free(lmb_packing *packing)
     free(packing->row);
     free(packing->stored);
     free(packing->slot);
+    free(packing->ghost);
 }
 
 lmb_result lmb_pack(const lmb_probes *probes, unsigned char **data, size_t *size, lmb_pack_stats *stats)
@@ -333,6 +295,9 @@ lmb_result lmb_pack_as(lmb_volume_form form, const lmb_probes *probes, unsigned 
     }
     if (result == LMB_OK) {
         result = lmb_pack_rows(&packing);
+    }
+    if (result == LMB_OK) {
+        result = lmb_pack_cuts_place(&packing);
     }
     if (result == LMB_OK) {
         result = image_make(&packing, data);

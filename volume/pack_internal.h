@@ -1,6 +1,6 @@
 /* The steps of packing: which cells are stored (pack_cells.c), the light of corners that no probe holds
- * (pack_corners.c), where probes lie in the file (pack_rows.c), local sets (pack_locals.c), and writing it all
- * (pack.c). */
+ * (pack_corners.c), where probes lie in the file (pack_rows.c), records of cut cells (pack_cuts.c), local sets
+ * (pack_locals.c), and writing it all (pack.c). */
 #ifndef LMB_PACK_INTERNAL_H
 #define LMB_PACK_INTERNAL_H
 
@@ -14,10 +14,11 @@ typedef struct lmb_pack_brick {
     uint64_t whole;   /* all eight corners hold probes with light */
     uint64_t touched; /* one of them was baked */
     uint64_t cut;
-    uint64_t plain;               /* to be stored */
-    uint64_t cut_stored;          /* likewise */
-    uint32_t row[LMB_BRICK_ROWS]; /* as in the file */
-    uint32_t cut_first;           /* likewise */
+    uint64_t plain;                             /* to be stored */
+    uint64_t cut_stored;                        /* likewise */
+    uint32_t row[LMB_BRICK_ROWS];               /* as in the file */
+    uint32_t cut_first, ghost_first, cut_shift; /* likewise */
+    uint32_t ghost_begin;                       /* of `ghost`: its cut cells', in the order of their records */
 } lmb_pack_brick;
 
 /* A point that gets light for the sake of a cell that lacks this corner. */
@@ -55,8 +56,10 @@ typedef struct lmb_packing {
     lmb_probe_index row_at[LMB_VOLUME_LEVELS_MOST]; /* by brick's x, and y and z of the points */
     uint32_t *stored;                               /* [in the file] the probe, or probes->count + a corner; or
                                                        LMB_PACK_NOTHING */
+    uint32_t ghost_count;
+    uint32_t *ghost; /* [of a region of a cut cell] its place in the file */
     uint64_t flattened_count;
-    uint32_t *slot; /* [probe] the first place that it got, or LMB_PACK_NOTHING */
+    uint32_t *slot; /* [probe] a place that it got, or LMB_PACK_NOTHING */
 } lmb_packing;
 
 enum { LMB_PACK_NO_LEVEL = 255 };
@@ -66,6 +69,12 @@ enum { LMB_PACK_NO_LEVEL = 255 };
 static inline uint32_t lmb_pack_units(const lmb_packing *packing)
 {
     return packing->header.probe_bytes / LMB_PROBE_UNIT;
+}
+
+/* Whether what a region has at a corner is no probe of the level. */
+static inline bool lmb_pack_is_ghost(const lmb_packing *packing, int32_t probe)
+{
+    return probe >= packing->probes->count - packing->probes->ghost_count;
 }
 
 /* Makes room for one more element; it doubles with every power of two. */
@@ -81,6 +90,11 @@ uint32_t lmb_pack_probe_write(const lmb_volume_header *header, const lmb_sh3_rgb
 /* Local sets as lambent/local_set_format.h has them: how many bytes, and those, of memory that is 0. */
 uint64_t lmb_pack_locals_bytes(const lmb_probes *probes, const lmb_volume_header *header);
 void lmb_pack_locals_write(const lmb_probes *probes, const lmb_volume_header *header, unsigned char *to);
+
+/* Cut cells as lambent/volume_format.h has them, when ghosts have their places: gives bricks the places of their slots,
+ * and counts all in the header. @return LMB_ERROR_ARGUMENT (too many) */
+lmb_result lmb_pack_cuts_place(lmb_packing *packing);
+void lmb_pack_cuts_write(const lmb_packing *packing, unsigned char *to);
 
 /* The probe with light at a point of a level, or -1. */
 int32_t lmb_pack_probe(const lmb_packing *packing, uint32_t level, const int32_t point[3]);

@@ -32,7 +32,6 @@ static void row_key(const lmb_pack_brick *brick, int32_t row, int32_t key[3])
 static void points_needed(const lmb_packing *packing, const lmb_pack_brick *brick, uint32_t points[LMB_BRICK_ROWS])
 {
     const lmb_cut_cells *const cuts = &packing->probes->cut;
-    const int32_t ghosts_first = packing->probes->count - packing->probes->ghost_count;
     memset(points, 0, LMB_BRICK_ROWS * sizeof *points);
     for (int32_t cell = 0; cell < 64; ++cell) {
         const int32_t x = cell % 4, y = cell / 4 % 4, z = cell / 16;
@@ -41,7 +40,7 @@ static void points_needed(const lmb_packing *packing, const lmb_pack_brick *bric
         for (int32_t i = 0; (plain || cut) && i < 8; ++i) {
             bool needed = plain;
             for (uint32_t region = 0; own && region < own->region_count; ++region) {
-                needed = needed || cuts->corner[own->region_first + region][i] < ghosts_first;
+                needed = needed || !lmb_pack_is_ghost(packing, cuts->corner[own->region_first + region][i]);
             }
             const int32_t row = y + (i >> 1 & 1) + LMB_BRICK_POINTS * (z + (i >> 2));
             points[row] |= (uint32_t)needed << (x + (i & 1));
@@ -171,12 +170,35 @@ static lmb_result brick_rows_place(lmb_packing *packing, lmb_pack_brick *brick)
     return result;
 }
 
+/* A ghost that bricks before have placed is used again where the brick's numbers reach it; else it gets another place.
+ */
+static lmb_result ghost_place(lmb_packing *packing, const lmb_pack_brick *brick, int32_t probe)
+{
+    enum { REACH = -(INT16_MIN) };
+    const uint32_t known = packing->slot[probe];
+    lmb_result result = LMB_OK;
+    if (known == LMB_PACK_NOTHING || known + REACH < brick->ghost_first) {
+        const uint32_t place = packing->header.stored_count;
+        result = slot_fill(packing, (uint32_t)probe);
+        packing->slot[probe] = result == LMB_OK ? place : known;
+    }
+    void *ghosts = packing->ghost;
+    const bool has_room = lmb_pack_reserve(&ghosts, sizeof *packing->ghost, packing->ghost_count);
+    packing->ghost = ghosts;
+    if (!has_room) {
+        return LMB_ERROR_MEMORY;
+    }
+    packing->ghost[packing->ghost_count++] = packing->slot[probe];
+    return result;
+}
+
 /* Ghosts follow the rows of the first brick that has them. */
-static lmb_result brick_ghosts_place(lmb_packing *packing, const lmb_pack_brick *brick)
+static lmb_result brick_ghosts_place(lmb_packing *packing, lmb_pack_brick *brick)
 {
     const lmb_cut_cells *const cuts = &packing->probes->cut;
-    const int32_t ghosts_first = packing->probes->count - packing->probes->ghost_count;
     lmb_result result = LMB_OK;
+    brick->ghost_begin = packing->ghost_count;
+    brick->ghost_first = brick->cut_stored ? packing->header.stored_count : 0;
     for (int32_t number = 0; number < 64 && brick->cut_stored >> number != 0; ++number) {
         if (!(brick->cut_stored >> number & 1u)) {
             continue;
@@ -184,12 +206,11 @@ static lmb_result brick_ghosts_place(lmb_packing *packing, const lmb_pack_brick 
         const lmb_cut_cell *const cut = lmb_pack_cut(packing, brick, number);
         for (uint32_t i = 0; i < 8 * cut->region_count && result == LMB_OK; ++i) {
             const int32_t probe = cuts->corner[cut->region_first + i / 8][i % 8];
-            if (probe >= ghosts_first && packing->slot[probe] == LMB_PACK_NOTHING) {
-                result = slot_fill(packing, (uint32_t)probe);
+            if (lmb_pack_is_ghost(packing, probe)) {
+                result = ghost_place(packing, brick, probe);
             }
         }
         packing->header.cut_count += 1;
-        packing->header.cut_bytes += lmb_volume_cut_bytes(cut->region_count, cut->plane_count);
     }
     return result;
 }
@@ -203,7 +224,6 @@ lmb_result lmb_pack_rows(lmb_packing *packing)
     memset(packing->slot, 0xff, (size_t)packing->probes->count * sizeof *packing->slot);
     lmb_result result = rows_find(packing);
     for (uint32_t i = 0; i < packing->brick_count && result == LMB_OK; ++i) {
-        packing->brick[i].cut_first = packing->header.cut_count;
         result = brick_rows_place(packing, &packing->brick[i]);
         if (result == LMB_OK) {
             result = brick_ghosts_place(packing, &packing->brick[i]);

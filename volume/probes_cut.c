@@ -7,20 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Children follow their plane, or are regions. */
-static bool planes_are_sane(const lmb_cell_plane *plane, uint32_t plane_count, uint32_t region_count)
-{
-    bool sane = plane_count <= LMB_CELL_PLANES_MOST && region_count >= 1 && region_count <= LMB_CELL_REGIONS_MOST;
-    for (uint32_t i = 0; sane && i < plane_count; ++i) {
-        for (int side = 0; side < 2; ++side) {
-            const uint32_t child = plane[i].child[side];
-            sane = sane && (child < LMB_CELL_REGION ? child > i && child < plane_count
-                                                    : child - LMB_CELL_REGION < region_count);
-        }
-    }
-    return sane;
-}
-
 static void corner_point(const int32_t first[3], int corner, int32_t point[3])
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -80,7 +66,7 @@ bool lmb_probes_cuts_are_sane(const lmb_probes *probes)
                (uint64_t)cell->region_first + cell->region_count <= cut->region_count &&
                cell->level < probes->level_count && cell_is_sane(probes, cell->level, cell->point) &&
                lmb_probe_index_find(&probes->level[cell->level].cut, cell->point) == (int32_t)i &&
-               planes_are_sane(&cut->plane[cell->plane_first], cell->plane_count, cell->region_count);
+               lmb_cell_planes_are_sane(&cut->plane[cell->plane_first], cell->plane_count, cell->region_count);
         for (uint32_t region = 0; sane && region < cell->region_count; ++region) {
             sane = corners_are_sane(probes, cell->level, cell->point, cut->corner[cell->region_first + region]);
         }
@@ -123,7 +109,7 @@ lmb_result lmb_probes_cut(lmb_probes *probes, uint32_t level, const int32_t poin
 {
     assert(probes && level < probes->level_count && point && (plane || plane_count == 0) && corner);
     lmb_cut_cells *const cut = &probes->cut;
-    bool sane = cell_is_sane(probes, level, point) && planes_are_sane(plane, plane_count, region_count) &&
+    bool sane = cell_is_sane(probes, level, point) && lmb_cell_planes_are_sane(plane, plane_count, region_count) &&
                 cut->count < INT32_MAX;
     for (uint32_t region = 0; sane && region < region_count; ++region) {
         sane = corners_are_sane(probes, level, point, corner[region]);

@@ -61,20 +61,59 @@ float lmbVolumeSigned(uint bits)
     return float(bits) - (bits >= 0x8000u ? 65536.0 : 0.0);
 }
 
-// The region of a cut cell, whose planes begin at a word (lmb_cell_region).
-uint lmbVolumeRegion(uint planes, uint planeCount, vec3 t)
+// The region of a cut cell, whose planes begin at some short behind a word (lmb_cell_region).
+uint lmbVolumeRegion(uint word, uint planes, uint planeCount, vec3 t)
 {
     uint at = planeCount > 0u ? 0u : 128u;
     for (uint i = 0u; i < 31u && at < 128u; ++i) {
-        uint plane = 5u * at;
-        float along = lmbVolumeSigned(lmbVolumeShort(planes, plane)) * t.x +
-                      lmbVolumeSigned(lmbVolumeShort(planes, plane + 1u)) * t.y +
-                      lmbVolumeSigned(lmbVolumeShort(planes, plane + 2u)) * t.z;
-        uint children = lmbVolumeShort(planes, plane + 4u);
-        bool above = along > lmbVolumeSigned(lmbVolumeShort(planes, plane + 3u));
+        uint plane = planes + 5u * at;
+        float along = lmbVolumeSigned(lmbVolumeShort(word, plane)) * t.x +
+                      lmbVolumeSigned(lmbVolumeShort(word, plane + 1u)) * t.y +
+                      lmbVolumeSigned(lmbVolumeShort(word, plane + 2u)) * t.z;
+        uint children = lmbVolumeShort(word, plane + 4u);
+        bool above = along > lmbVolumeSigned(lmbVolumeShort(word, plane + 3u));
         at = above ? children >> 8u : children & 255u;
     }
     return at >= 128u ? at - 128u : 0u;
+}
+
+// Where a plain cell has its corner k, by its place in its brick.
+uint lmbVolumeOwn(LmbVolume volume, uint brick, uvec3 cell, uint k)
+{
+    uint row = brick + 4u + cell.y + (k >> 1u & 1u) + 5u * (cell.z + (k >> 2u));
+    return lmbVolumeWord(row) + (cell.x + (k & 1u)) * volume.probeUnits;
+}
+
+// The probes of a brick's cut cell, by its number among them.
+void lmbVolumeProbesCut(LmbVolume volume, uint brick, uint rank, uvec3 cell, vec3 t, inout uint probe[8])
+{
+    uint record = volume.cuts + 4u * (lmbVolumeWord(brick + 29u) + (rank << lmbVolumeWord(brick + 31u)));
+    uint counts = lmbVolumeShort(record, 0u);
+    if (counts == 0u) {
+        record = volume.cuts + 4u * lmbVolumeWord(record + 1u);
+        counts = lmbVolumeShort(record, 0u);
+    }
+    uint planes = 1u + (counts & 255u), planeCount = counts >> 8u;
+    uint region = lmbVolumeShort(record, 1u + lmbVolumeRegion(record, planes, planeCount, t));
+    uint ghost = planes + 5u * planeCount + (region >> 8u), first = lmbVolumeWord(brick + 30u);
+    for (uint k = 0u; k < 8u; ++k) {
+        bool isGhost = (region >> k & 1u) != 0u;
+        uint number = lmbVolumeShort(record, ghost);
+        number = first + number - (number >= 0x8000u ? 65536u : 0u);
+        probe[k] = isGhost ? number * volume.probeUnits : lmbVolumeOwn(volume, brick, cell, k);
+        ghost += isGhost ? 1u : 0u;
+    }
+}
+
+// The same of a file of version 3, by the cell's number among all.
+void lmbVolumeProbes3(LmbVolume volume, uint number, vec3 t, inout uint probe[8])
+{
+    uint record = volume.cuts + lmbVolumeWord(volume.cutOffsets + number);
+    uint head = lmbVolumeWord(record), regions = head & 255u;
+    uint region = lmbVolumeRegion(record + 1u + 8u * regions, 0u, head >> 8u & 255u, t);
+    for (uint k = 0u; k < 8u; ++k) {
+        probe[k] = lmbVolumeWord(record + 1u + 8u * region + k);
+    }
 }
 
 // The probes of a cell, by its place in its brick. False: it is not there.
@@ -87,10 +126,8 @@ bool lmbVolumeProbes(LmbVolume volume, uint brick, uvec3 cell, vec3 t, out uint 
         probe[k] = 0u;
     }
     if ((lmbVolumeWord(brick + half_) & mask) != 0u) {
-        uint row = brick + 4u + cell.y + 5u * cell.z, x = cell.x * volume.probeUnits;
-        for (uint i = 0u; i < 4u; ++i) {
-            probe[2u * i] = lmbVolumeWord(row + (i & 1u) + 5u * (i >> 1u)) + x;
-            probe[2u * i + 1u] = probe[2u * i] + volume.probeUnits;
+        for (uint i = 0u; i < 8u; ++i) {
+            probe[i] = lmbVolumeOwn(volume, brick, cell, i);
         }
         return true;
     }
@@ -98,11 +135,10 @@ bool lmbVolumeProbes(LmbVolume volume, uint brick, uvec3 cell, vec3 t, out uint 
         return false;
     }
     uint rank = lmbBits(cut & below) + (half_ == 1u ? lmbBits(lmbVolumeWord(brick + 2u)) : 0u);
-    uint record = volume.cuts + lmbVolumeWord(volume.cutOffsets + lmbVolumeWord(brick + 29u) + rank);
-    uint head = lmbVolumeWord(record), regions = head & 255u;
-    uint region = lmbVolumeRegion(record + 1u + 8u * regions, head >> 8u & 255u, t);
-    for (uint c = 0u; c < 8u; ++c) {
-        probe[c] = lmbVolumeWord(record + 1u + 8u * region + c);
+    if (volume.cutOffsets != 0u) {
+        lmbVolumeProbes3(volume, lmbVolumeWord(brick + 29u) + rank, t, probe);
+    } else {
+        lmbVolumeProbesCut(volume, brick, rank, cell, t, probe);
     }
     return true;
 }

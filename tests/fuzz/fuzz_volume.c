@@ -102,4 +102,6 @@ void fuzz_seeds(void)
 {
     fuzz_seed_file(LMB_GOLDEN_DIR "/small.lmb");
     fuzz_seed_file(LMB_GOLDEN_DIR "/small_keys.lmb");
+    fuzz_seed_file(LMB_GOLDEN_DIR "/levels_3.lmb");
+    fuzz_seed_file(LMB_GOLDEN_DIR "/levels_4.lmb");
 }

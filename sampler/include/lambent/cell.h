@@ -5,6 +5,7 @@
 #ifndef LAMBENT_CELL_H
 #define LAMBENT_CELL_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -25,6 +26,19 @@ enum {
     LMB_CELL_REGIONS_MOST = 32,
     LMB_CELL_REGION = 128
 };
+
+/* Whether every child of a cell's planes is a plane further on, or a region of the cell. */
+static inline bool lmb_cell_planes_are_sane(const lmb_cell_plane *plane, uint32_t planes, uint32_t regions)
+{
+    bool sane = planes <= LMB_CELL_PLANES_MOST && regions >= 1 && regions <= LMB_CELL_REGIONS_MOST;
+    for (uint32_t i = 0; sane && i < planes; ++i) {
+        for (int side = 0; side < 2; ++side) {
+            const uint32_t child = plane[i].child[side];
+            sane = sane && (child < LMB_CELL_REGION ? child > i && child < planes : child - LMB_CELL_REGION < regions);
+        }
+    }
+    return sane;
+}
 
 /* The region of a cell of so many planes that t is in. No NaN. */
 static inline uint32_t lmb_cell_region(const lmb_cell_plane *plane, uint32_t count, const float t[3])

@@ -125,7 +125,7 @@ typedef struct lmb_volume_gpu_constants {
     uint32_t probe_units;
     uint32_t entries[3]; /* of the directory: along y and z to the next block, and before the first */
     uint32_t is_compact;
-    uint32_t directory, bricks, probes, cut_offsets, cuts; /* where they begin, in words */
+    uint32_t directory, bricks, probes, cut_offsets, cuts; /* where they begin, in words; 0: there are none */
     float slack; /* spacings that a position may be off the box and count as inside, as floats round */
     uint32_t padding[2];
 } lmb_volume_gpu_constants;

@@ -1,7 +1,7 @@
-/* The layout of a .lmb file, version 3, as C structs: for those who write one. docs/formats.md is normative and says
+/* The layout of a .lmb file, version 4, as C structs: for those who write one. docs/formats.md is normative and says
  * what every field means and what must hold; everything is little-endian, and the structs have no padding of their own.
  *
- *     header | directory | heads of bricks | probes, with what is seen of key lights | cut cells' offsets | cut cells
+ *     header | directory | heads of bricks | probes, with what is seen of key lights | cut cells
  *     | local sets (lambent/local_set_format.h)
  *
  * each part from the next multiple of 64 on. A brick is 4 x 4 x 4 cells of one level. The directory has a word for each
@@ -28,7 +28,8 @@ extern "C" {
 
 enum {
     LMB_VOLUME_MAGIC_SIZE = 8,
-    LMB_VOLUME_VERSION = 3,
+    LMB_VOLUME_VERSION = 4,
+    LMB_VOLUME_VERSION_OLDEST = 3, /* that is read: its cut cells are lmb_volume_cut_3 */
     LMB_VOLUME_HEADER_BYTES = 256,
     LMB_VOLUME_CHECKSUM_START = 32, /* the checksum covers everything from here to the end */
     LMB_VOLUME_ALIGNMENT = 64,      /* of every part, in the file */
@@ -40,7 +41,10 @@ enum {
     LMB_BRICK_ROWS = 25,         /* of points along x: y + 5 z */
     LMB_PROBE_COEFFICIENTS = 27, /* red 0..8, green 0..8, blue 0..8 */
     LMB_PROBE_UNIT = 2,          /* bytes that places of probes are counted in */
-    LMB_PROBE_READ_BYTES = 64    /* that may be read from the last probe on */
+    LMB_PROBE_READ_BYTES = 64,   /* that may be read from the last probe on */
+    LMB_CUT_UNIT = 16,           /* bytes that cut cells' slots and records begin at multiples of */
+    LMB_CUT_SHIFT_MOST = 2,      /* slots are 16, 32 or 64 bytes */
+    LMB_CUT_READ_BYTES = 64      /* that may be read from the end of the last cut cell on */
 };
 
 /* The file's checksum. Eight hashes of every eighth word each, so that processors multiply several at once; every step
@@ -93,22 +97,25 @@ typedef struct lmb_volume_header {
     uint32_t key_light_count;
     uint32_t probe_bytes; /* of a probe in the array: lmb_volume_probe_bytes */
     uint32_t cut_count;   /* cut cells */
-    uint64_t cut_bytes;   /* of all of them */
+    uint64_t cut_bytes;   /* of all of them, with what may be read behind */
     uint32_t probe_form;  /* lmb_volume_form */
     uint32_t reserved[11];
     uint64_t local_bytes;                         /* of local sets; 0: there are none */
     lmb_key_light key_light[LMB_KEY_LIGHTS_MOST]; /* those beyond the count are 0 */
 } lmb_volume_header;
 
-/* Bit x + 4 (y + 4 z) of a mask is a cell. A cell is plain, cut, or not there. */
+/* Bit x + 4 (y + 4 z) of a mask is a cell. A cell is plain, cut, or not there. Cut cells have slots of one size in the
+ * order of their bits. */
 typedef struct lmb_volume_brick {
     uint64_t plain; /* its eight corners are interpolated */
     uint64_t cut;
     uint32_t
         row[LMB_BRICK_ROWS]; /* [y + 5 z] place of the probe at x = 0 in units, modulo 2^32: where the row begins at
                                 a later x, there may be none before it. 0 where no cell has a point of the row */
-    uint32_t cut_first;      /* its first cut cell, among all; the others follow in the order of their bits */
-    uint32_t reserved[2];
+    uint32_t cut_first;      /* where the slots of its cut cells begin, in LMB_CUT_UNIT bytes from the first brick's;
+                                version 3: number of its first cut cell among all */
+    uint32_t ghost_first;    /* number of the probe that its cut cells count their ghosts from */
+    uint32_t cut_shift;      /* a slot has LMB_CUT_UNIT << cut_shift bytes */
 } lmb_volume_brick;
 
 /* How the coefficients of a probe are stored. */
@@ -135,17 +142,42 @@ static inline float lmb_compact_share(int k)
     return k < 4 ? 1.0738726e-4f : 1.3863636e-4f; /* sqrt(3) / 127^2, sqrt(5) / 127^2 */
 }
 
-/* A cut cell: this, then places of 8 probes (uint32_t, in units) for each region, corner by corner, then its planes
- * (lmb_cell_plane), then zeros up to a multiple of 4 bytes. */
+/* A cut cell's record: this, then its regions, then its planes (lmb_cell_plane), then its ghosts, region by region and
+ * corner by corner: int16_t each, numbers of probes from the brick's ghost_first. It lies in the cell's slot; where the
+ * slot is too small, that holds a lmb_volume_cut_apart. Behind the last there are LMB_CUT_READ_BYTES of 0. */
 typedef struct lmb_volume_cut {
     uint8_t region_count; /* 1 to LMB_CELL_REGIONS_MOST */
     uint8_t plane_count;  /* 0 to LMB_CELL_PLANES_MOST */
-    uint16_t reserved;
 } lmb_volume_cut;
 
-static inline size_t lmb_volume_cut_bytes(uint32_t regions, uint32_t planes)
+typedef struct lmb_volume_cut_region {
+    uint8_t ghosts; /* bit i: corner i is a ghost; the others are where a plain cell has them */
+    uint8_t first;  /* of its ghosts, among the cell's: how many the regions before have */
+} lmb_volume_cut_region;
+
+typedef struct lmb_volume_cut_apart {
+    uint16_t zero;
+    uint16_t reserved;
+    uint32_t record; /* where it begins, in LMB_CUT_UNIT bytes from the first brick's slots */
+} lmb_volume_cut_apart;
+
+static inline size_t lmb_volume_cut_bytes(uint32_t regions, uint32_t planes, uint32_t ghosts)
 {
-    return (sizeof(lmb_volume_cut) + regions * 8 * sizeof(uint32_t) + planes * sizeof(lmb_cell_plane) + 3) / 4 * 4;
+    return sizeof(lmb_volume_cut) + regions * sizeof(lmb_volume_cut_region) + planes * sizeof(lmb_cell_plane) +
+           ghosts * sizeof(int16_t);
+}
+
+/* A cut cell of version 3: this, then places of 8 probes (uint32_t, in units) for each region, corner by corner, then
+ * its planes, then zeros up to a multiple of 4 bytes. */
+typedef struct lmb_volume_cut_3 {
+    uint8_t region_count;
+    uint8_t plane_count;
+    uint16_t reserved;
+} lmb_volume_cut_3;
+
+static inline size_t lmb_volume_cut_3_bytes(uint32_t regions, uint32_t planes)
+{
+    return (sizeof(lmb_volume_cut_3) + regions * 8 * sizeof(uint32_t) + planes * sizeof(lmb_cell_plane) + 3) / 4 * 4;
 }
 
 /* Where everything lies, in bytes. */
@@ -186,7 +218,7 @@ static inline bool lmb_volume_layout_find(const lmb_volume_header *header, lmb_v
                              layout->entries * sizeof(uint32_t),
                              (uint64_t)header->brick_count * sizeof(lmb_volume_brick),
                              (uint64_t)header->stored_count * header->probe_bytes + LMB_PROBE_READ_BYTES,
-                             (uint64_t)header->cut_count * sizeof(uint32_t),
+                             header->version == 3 ? (uint64_t)header->cut_count * sizeof(uint32_t) : 0,
                              header->cut_bytes,
                              header->local_bytes};
     uint64_t *const place[] = {&layout->directory, &layout->bricks, &layout->probes, &layout->cut_offsets,
