@@ -93,12 +93,16 @@ static lmb_result bake_finish(lmb_bake *bake, const lmb_bake_settings *asked, co
     bake->parts = NULL;
     bake->kept = NULL;
     lmb_bake_parts_free(&parts);
+    if (result == LMB_ERROR_WRITE && !lmb_bake_work_is_shard(work)) { /* of what is kept */
+        lmb_bake_folder_explain(folder, error);
+    }
     if (result == LMB_OK && lmb_bake_work_is_shard(work)) {
         return lmb_bake_shard_write(asked, work, folder, bake->record.content_hash, error);
     }
-    if (result == LMB_OK) {
-        result = lmb_bake_write(bake, folder, error);
+    if (result != LMB_OK) {
+        return result;
     }
+    result = lmb_bake_write(bake, folder, error);
     if (result == LMB_ERROR_WRITE) { /* a full disk may have room without them */
         lmb_bake_folder_drop_parts(folder);
         result = lmb_bake_write(bake, folder, error);
@@ -141,16 +145,16 @@ static lmb_result kept_begin(lmb_bake *bake, lmb_bake_folder *folder, lmb_kept *
     return lmb_bake_folder_stage(folder, &kept->write_to, error);
 }
 
-/* Says what of the level is not as in the folder's bake, and what is done about it. */
-static void changes_say(const lmb_bake *bake, const lmb_bake_work *work, const char *directory)
+/* Says what of the level is not as in the folder's bake, and whether a part of that stays. */
+static void changes_say(const lmb_bake *bake, const char *directory, bool stays)
 {
     char changed[128];
     lmb_bake_changes(directory, &bake->record, changed, sizeof changed);
     if (changed[0]) {
         lmb_warn(&bake->level->warnings, "%s: changed since it was baked into %s (%s): %s", bake->level->scene->path,
                  directory, changed,
-                 work->only ? "what lies outside of the box stays as it was"
-                            : "all is baked anew; --only bakes a part, after a bake with --keep-gathered");
+                 stays ? "what lies outside of the box stays as it was"
+                       : "all is baked anew; --only bakes a part, after a bake with --keep-gathered");
     }
 }
 
@@ -173,18 +177,19 @@ static lmb_result bake_whole(lmb_bake *bake, const lmb_bake_settings *asked, con
 {
     const char *const directory = lmb_bake_folder_directory(folder);
     const bool keeps = work->keep || work->only;
-    lmb_kept kept;
+    lmb_kept kept = {.read_from = NULL};
     bake->record.is_current = bake_is_done(&bake->record, work, directory);
     if (bake->record.is_current) {
         return LMB_OK;
     }
-    changes_say(bake, work, directory);
     if (work->prepare) {
         const lmb_result result = bake_solve(bake, NULL, error);
         return result == LMB_OK ? lmb_bake_prepared_write(bake, directory, error) : result;
     }
     lmb_result result = keeps ? kept_find(bake, asked, work, directory, &kept, error) : LMB_OK;
     if (result == LMB_OK) {
+        lmb_scene_part_hashes(bake->level->scene, bake->record.content);
+        changes_say(bake, directory, kept.read_from != NULL);
         result = bake_prepare(bake, work->prepared, report, error);
     }
     if (result == LMB_OK && keeps) {

@@ -60,7 +60,6 @@ lmb_bake lmb_bake_begin(const lmb_bake_settings *settings, lmb_level *level, con
     record->settings = *settings;
     record->settings.denoise = settings->denoise && settings->estimator != LMB_ESTIMATOR_REFERENCE;
     record->content_hash = level->scene->content_hash;
-    lmb_scene_part_hashes(level->scene, record->content);
     record->threads = lmb_pool_threads(level->pool);
     record->triangles_dropped = level->scene->dropped_triangle_count;
     record->key_light_count = lmb_scene_key_lights(level->scene, record->key_light);

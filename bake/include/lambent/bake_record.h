@@ -50,7 +50,7 @@ typedef struct lmb_bake_record {
     /* As they were used: spacing and lightmap density are set, seeds are where floats are. They make the same again. */
     lmb_bake_settings settings;
     uint64_t content_hash;             /* of level and environment */
-    uint64_t content[LMB_SCENE_PARTS]; /* of the level's parts, each by itself */
+    uint64_t content[LMB_SCENE_PARTS]; /* of the level's parts, each by itself; of whole bakes */
     uint64_t key;                      /* of all that decides the bytes, this program's version too */
     bool is_part;                      /* what does not lie in `only` was taken from the bake that the folder held */
     lmb_vec3d only[2];                 /* least and greatest coordinates; else 0 */
