@@ -53,7 +53,7 @@ const char *arguments_next(lmb_arguments *arguments)
         return path_of_dashed(arguments, argument);
     }
     if (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0) {
-        fputs(arguments->usage, stdout);
+        console_print(arguments->usage);
         arguments->help = true;
         arguments->at = arguments->count;
         return NULL;
@@ -121,31 +121,42 @@ int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t 
     return value;
 }
 
-/* "X,Y,Z", finite as floats too. */
-static bool position_parse(const char *text, lmb_vec3d *position)
+/* "X,Y,...", finite as floats too. */
+static bool numbers_parse(const char *text, double *parsed, int count)
 {
-    double parsed[3];
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < count; ++i) {
         char *end;
         parsed[i] = strtod(text, &end);
-        if (end == text || !isfinite((float)parsed[i]) || *end != (i < 2 ? ',' : '\0')) {
+        if (end == text || !isfinite((float)parsed[i]) || *end != (i < count - 1 ? ',' : '\0')) {
             return false;
         }
         text = end + 1;
     }
-    *position = (lmb_vec3d){parsed[0], parsed[1], parsed[2]};
     return true;
 }
 
 lmb_vec3d arguments_position(lmb_arguments *arguments, const char *option)
 {
     const char *text = arguments_text(arguments, option);
-    lmb_vec3d position = {0.0, 0.0, 0.0};
-    if (!arguments->failed && !position_parse(text, &position)) {
+    double position[3] = {0.0, 0.0, 0.0};
+    if (!arguments->failed && !numbers_parse(text, position, 3)) {
         fprintf(stderr, "lambent %s: %s takes three numbers X,Y,Z, not '%s'\n", arguments->command, option, text);
         arguments->failed = true;
     }
-    return position;
+    return (lmb_vec3d){position[0], position[1], position[2]};
+}
+
+void arguments_box(lmb_arguments *arguments, const char *option, lmb_vec3d box[2])
+{
+    const char *text = arguments_text(arguments, option);
+    double c[6] = {0.0};
+    if (!arguments->failed && !numbers_parse(text, c, 6)) {
+        fprintf(stderr, "lambent %s: %s takes two corners X0,Y0,Z0,X1,Y1,Z1, not '%s'\n", arguments->command, option,
+                text);
+        arguments->failed = true;
+    }
+    box[0] = (lmb_vec3d){fmin(c[0], c[3]), fmin(c[1], c[4]), fmin(c[2], c[5])};
+    box[1] = (lmb_vec3d){fmax(c[0], c[3]), fmax(c[1], c[4]), fmax(c[2], c[5])};
 }
 
 lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option)

@@ -112,6 +112,10 @@ static void summary_print(const lmb_bake_record *record, const char *directory)
            lmb_bake_record_mrays_per_s(record));
     printf("error     %.2f %% estimated (standard error, relative, of probes and texels)\n",
            100.0 * lmb_bake_record_error(record));
+    if (record->is_part) {
+        printf("taken     %llu probes and texels as the earlier bake had gathered them\n",
+               (unsigned long long)record->taken);
+    }
     printf("memory    %.0f MB at most\n", record->peak_rss_mb);
     printf("written   %s (probes.vdb %.1f kB, probes.lmb %.1f kB, lightmaps %.1f kB)\n", directory,
            1e-3 * (double)record->bytes_vdb, 1e-3 * (double)record->bytes_lmb, 1e-3 * (double)record->bytes_lightmaps);

@@ -10,6 +10,7 @@
 typedef struct bake_options {
     lmb_bake_settings settings;
     lmb_bake_work work;
+    lmb_vec3d only[2]; /* what work.only points to, where it does */
     const char *directory;
     bool dry_run;
     bool json_progress;

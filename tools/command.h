@@ -54,6 +54,8 @@ double arguments_number(lmb_arguments *arguments, const char *option, double min
 int64_t arguments_integer(lmb_arguments *arguments, const char *option, int64_t minimum, int64_t maximum);
 lmb_vec3 arguments_vector(lmb_arguments *arguments, const char *option);    /* X,Y,Z: a direction */
 lmb_vec3d arguments_position(lmb_arguments *arguments, const char *option); /* X,Y,Z: a position in the world */
+/* X0,Y0,Z0,X1,Y1,Z1: two corners of a box in the world. Its least and its greatest coordinates. */
+void arguments_box(lmb_arguments *arguments, const char *option, lmb_vec3d box[2]);
 
 /* What commands share, besides their own options: paths in their order, -o, --threads and --quiet. */
 enum { ARGUMENTS_PATHS = 2 };
@@ -110,6 +112,9 @@ void console_result(struct cJSON *result);
 
 /* For the thread that interrupts: says so. */
 void console_interrupted(void);
+
+/* Prints a text that may be longer than what standard output buffers; console_end knows why it was not taken. */
+void console_print(const char *text);
 
 /* The exit status after a command that ended with `status`: EXIT_FAILED where standard output did not take all. */
 int console_end(int status);

@@ -17,6 +17,10 @@ static const char usage[] =
     "  --resume              go on from what a bake into DIR that was cut off has left there\n"
     "  --force               bake even where DIR holds this very bake\n"
     "  --shard K/N           gather the K-th of N shares alone, for lambent merge\n"
+    "  --keep-gathered       leave what was gathered in DIR too, for --only: 400 bytes a probe or texel\n"
+    "  --only X0,Y0,Z0,X1,Y1,Z1\n"
+    "                        gather anew what lies between these corners, and take all else from what the bake in DIR\n"
+    "                        has kept\n"
     "  --prepare             place probes and solve the light on surfaces alone, and leave them in DIR\n"
     "  --prepared FROM       take them from the folder where --prepare has left them for this bake\n"
     "  --json-progress       progress, warnings and the result or error as JSON lines on standard output\n" BAKE_USAGE
@@ -53,6 +57,11 @@ static bool option_take(bake_options *options, lmb_arguments *arguments, const c
         options->work.again = true;
     } else if (strcmp(argument, "--shard") == 0) {
         shard_read(&options->work, arguments, argument);
+    } else if (strcmp(argument, "--keep-gathered") == 0) {
+        options->work.keep = true;
+    } else if (strcmp(argument, "--only") == 0) {
+        arguments_box(arguments, argument, options->only);
+        options->work.only = options->only;
     } else if (strcmp(argument, "--prepare") == 0) {
         options->work.prepare = true;
     } else if (strcmp(argument, "--prepared") == 0) {
@@ -63,6 +72,29 @@ static bool option_take(bake_options *options, lmb_arguments *arguments, const c
         return bake_argument(&options->settings, arguments, argument);
     }
     return true;
+}
+
+/* Options of which one alone may be given. */
+static void pairs_check(const bake_options *options, lmb_arguments *arguments)
+{
+    const lmb_bake_work *const work = &options->work;
+    const bool shard = work->shard_count > 0;
+    const struct {
+        bool both;
+        const char *text, *option;
+    } pairs[] = {
+        {work->prepare && work->prepared, "--prepared does not go with", "--prepare"},
+        {work->prepare && shard, "--shard does not go with", "--prepare"},
+        {work->prepare && work->only, "--only does not go with", "--prepare"},
+        {work->only && shard, "--shard does not go with", "--only"},
+        {work->only && options->dry_run, "--dry-run does not go with", "--only"},
+        {work->keep && shard, "it is lambent merge that takes", "--keep-gathered"},
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0] && !arguments->failed; ++i) {
+        if (pairs[i].both) {
+            arguments_error(arguments, pairs[i].text, pairs[i].option);
+        }
+    }
 }
 
 /* Reads the command line. False: a usage error was printed, or --help. */
@@ -81,12 +113,10 @@ static bool options_read(bake_options *options, lmb_arguments *arguments)
         arguments_error(arguments, "missing argument", "LEVEL");
     } else if (options->settings.no_probes && !options->settings.lightmaps) {
         arguments_error(arguments, "--lightmaps has to go with", "--no-probes");
-    } else if (options->work.prepare && (options->work.prepared || options->work.shard_count > 0)) {
-        arguments_error(arguments, options->work.prepared ? "--prepared does not go with" : "--shard does not go with",
-                        "--prepare");
     } else if (!options->directory && !options->dry_run) {
         arguments_error(arguments, "missing option", "-o DIR");
     }
+    pairs_check(options, arguments);
     return !arguments->failed;
 }
 

@@ -14,6 +14,7 @@ static const char usage[] =
     "  -o DIR                where to write\n"
     "  --level LEVEL         the level, where it lies elsewhere now\n"
     "  --prepared FROM       a folder where lambent bake --prepare has left what comes before gathering\n"
+    "  --keep-gathered       leave what was gathered in DIR too, for lambent bake --only\n"
     "  --threads N           threads (default: one for each processor)\n"
     "  --json-progress       progress, warnings and the result or error as JSON lines on standard output\n"
     "  --quiet               no progress and no closing lines\n";
@@ -22,6 +23,7 @@ typedef struct merge_options {
     const char **from;
     uint32_t from_count;
     const char *level, *prepared;
+    bool keep;
     int threads;
     bake_options bake;
 } merge_options;
@@ -34,6 +36,8 @@ static bool option_take(merge_options *options, lmb_arguments *arguments, const 
         options->level = arguments_text(arguments, argument);
     } else if (strcmp(argument, "--prepared") == 0) {
         options->prepared = arguments_text(arguments, argument);
+    } else if (strcmp(argument, "--keep-gathered") == 0) {
+        options->keep = true;
     } else if (strcmp(argument, "--threads") == 0) {
         options->threads = (int)arguments_integer(arguments, argument, 1, 4096);
     } else if (strcmp(argument, "--json-progress") == 0) {
@@ -78,8 +82,11 @@ static int merge_run(merge_options *options)
     }
     settings->level.path = options->level ? options->level : settings->level.path;
     settings->level.threads = options->threads;
-    options->bake.work = (lmb_bake_work){
-        .from = options->from, .from_count = options->from_count, .merge = true, .prepared = options->prepared};
+    options->bake.work = (lmb_bake_work){.from = options->from,
+                                         .from_count = options->from_count,
+                                         .merge = true,
+                                         .prepared = options->prepared,
+                                         .keep = options->keep};
     const int status = bake_command_run(&options->bake);
     cJSON_Delete(json);
     return status;

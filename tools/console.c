@@ -24,14 +24,24 @@ static atomic_bool bar_open; /* the line that the cursor is in is the bar's */
 /* The first reason why standard output did not take something; -1: not known. */
 static int output_fault;
 
-static bool output_flush(void)
+static bool output_note(bool good)
 {
-    errno = 0;
-    const bool good = fflush(stdout) == 0 && !ferror(stdout);
     if (!good && output_fault == 0) {
         output_fault = errno != 0 ? errno : -1;
     }
     return good;
+}
+
+static bool output_flush(void)
+{
+    errno = 0;
+    return output_note(fflush(stdout) == 0 && !ferror(stdout));
+}
+
+void console_print(const char *text)
+{
+    errno = 0;
+    output_note(fputs(text, stdout) != EOF);
 }
 
 double seconds_now(void)

@@ -1,5 +1,7 @@
 #include <lambent/bake.h>
 
+#include <string.h>
+
 #include <lambent/bake_phases.h>
 
 #include "base/clock.h"
@@ -8,6 +10,7 @@
 #include "run/bake_work.h"
 #include "run/bake_write.h"
 #include "run/forecast.h"
+#include "run/kept.h"
 #include "run/prepared.h"
 
 /* Between the work, which names what it does, and who listens to the bake. */
@@ -88,13 +91,18 @@ static lmb_result bake_finish(lmb_bake *bake, const lmb_bake_settings *asked, co
     bake->parts = &parts;
     lmb_result result = bake_gather(bake, error);
     bake->parts = NULL;
+    bake->kept = NULL;
     lmb_bake_parts_free(&parts);
+    if (result == LMB_ERROR_WRITE && !lmb_bake_work_is_shard(work)) { /* of what is kept */
+        lmb_bake_folder_explain(folder, error);
+    }
     if (result == LMB_OK && lmb_bake_work_is_shard(work)) {
         return lmb_bake_shard_write(asked, work, folder, bake->record.content_hash, error);
     }
-    if (result == LMB_OK) {
-        result = lmb_bake_write(bake, folder, error);
+    if (result != LMB_OK) {
+        return result;
     }
+    result = lmb_bake_write(bake, folder, error);
     if (result == LMB_ERROR_WRITE) { /* a full disk may have room without them */
         lmb_bake_folder_drop_parts(folder);
         result = lmb_bake_write(bake, folder, error);
@@ -105,24 +113,89 @@ static lmb_result bake_finish(lmb_bake *bake, const lmb_bake_settings *asked, co
     return result;
 }
 
+/* What is to be taken from the folder's bake, and kept there: for bake_finish, once the level is prepared. */
+static lmb_result kept_find(lmb_bake *bake, const lmb_bake_settings *asked, const lmb_bake_work *work,
+                            const char *directory, lmb_kept *kept, lmb_error *error)
+{
+    bool suns_differ;
+    *kept = (lmb_kept){.settings = lmb_kept_settings(asked), .suns = lmb_kept_suns(&bake->record)};
+    if (!work->only) {
+        return LMB_OK;
+    }
+    kept->read_from = directory;
+    memcpy(kept->box, work->only, sizeof kept->box);
+    const lmb_result result = lmb_kept_check(kept, !asked->no_probes, asked->lightmaps, &suns_differ, error);
+    if (result == LMB_OK && suns_differ) {
+        lmb_warn(&bake->level->warnings, "%s: the sun is not that of the earlier bake: all is baked anew",
+                 bake->level->scene->path);
+        kept->read_from = NULL;
+    }
+    return result;
+}
+
+static lmb_result kept_begin(lmb_bake *bake, lmb_bake_folder *folder, lmb_kept *kept, lmb_error *error)
+{
+    lmb_bake_record *const record = &bake->record;
+    bake->kept = kept;
+    if (kept->read_from) {
+        record->is_part = true;
+        memcpy(record->only, kept->box, sizeof record->only);
+        record->key = lmb_bake_part_key(record->key, kept->box);
+    }
+    return lmb_bake_folder_stage(folder, &kept->write_to, error);
+}
+
+/* Says what of the level is not as in the folder's bake, and whether a part of that stays. */
+static void changes_say(const lmb_bake *bake, const char *directory, bool stays)
+{
+    char changed[128];
+    lmb_bake_changes(directory, &bake->record, changed, sizeof changed);
+    if (changed[0]) {
+        lmb_warn(&bake->level->warnings, "%s: changed since it was baked into %s (%s): %s", bake->level->scene->path,
+                 directory, changed,
+                 stays ? "what lies outside of the box stays as it was"
+                       : "all is baked anew; --only bakes a part, after a bake with --keep-gathered");
+    }
+}
+
+/* Whether nothing is to be done. */
+static bool bake_is_done(const lmb_bake_record *record, const lmb_bake_work *work, const char *directory)
+{
+    if (work->again || lmb_bake_work_is_shard(work)) {
+        return false;
+    }
+    if (work->prepare) {
+        return lmb_bake_prepared_is_current(directory, record->key);
+    }
+    return lmb_bake_is_current(directory, record->key, work->keep) ||
+           (work->only && lmb_bake_is_current(directory, lmb_bake_part_key(record->key, work->only), true));
+}
+
 /* All of an open level's bake. */
 static lmb_result bake_whole(lmb_bake *bake, const lmb_bake_settings *asked, const lmb_bake_work *work,
                              lmb_bake_folder *folder, bake_report *report, lmb_error *error)
 {
-    lmb_bake_record *const record = &bake->record;
     const char *const directory = lmb_bake_folder_directory(folder);
-    record->is_current = !work->again && !lmb_bake_work_is_shard(work) &&
-                         (work->prepare ? lmb_bake_prepared_is_current : lmb_bake_is_current)(directory, record->key);
-    if (record->is_current) {
+    const bool keeps = work->keep || work->only;
+    lmb_kept kept = {.read_from = NULL};
+    bake->record.is_current = bake_is_done(&bake->record, work, directory);
+    if (bake->record.is_current) {
         return LMB_OK;
     }
-    lmb_result result =
-        work->prepare ? bake_solve(bake, NULL, error) : bake_prepare(bake, work->prepared, report, error);
-    if (result == LMB_OK) {
-        result = work->prepare ? lmb_bake_prepared_write(bake, directory, error)
-                               : bake_finish(bake, asked, work, folder, error);
+    if (work->prepare) {
+        const lmb_result result = bake_solve(bake, NULL, error);
+        return result == LMB_OK ? lmb_bake_prepared_write(bake, directory, error) : result;
     }
-    return result;
+    lmb_result result = keeps ? kept_find(bake, asked, work, directory, &kept, error) : LMB_OK;
+    if (result == LMB_OK) {
+        lmb_scene_part_hashes(bake->level->scene, bake->record.content);
+        changes_say(bake, directory, kept.read_from != NULL);
+        result = bake_prepare(bake, work->prepared, report, error);
+    }
+    if (result == LMB_OK && keeps) {
+        result = kept_begin(bake, folder, &kept, error);
+    }
+    return result == LMB_OK ? bake_finish(bake, asked, work, folder, error) : result;
 }
 
 /* `folder` NULL: a plan. */
@@ -167,6 +240,9 @@ lmb_result lmb_bake_run_as(const lmb_bake_settings *settings, const lmb_bake_wor
     }
     if (!settings->level.path) {
         return lmb_error_set(error, LMB_ERROR_ARGUMENT, "no level");
+    }
+    if (work->only && (work->merge || lmb_bake_work_is_shard(work))) {
+        return lmb_error_set(error, LMB_ERROR_ARGUMENT, "a part of a level is baked as a whole");
     }
     return bake_level(settings, work, folder, listener, record, error);
 }

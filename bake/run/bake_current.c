@@ -1,11 +1,13 @@
 #include "run/bake_current.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <lambent/file.h>
 
 #include "run/bake_settings_internal.h"
+#include "run/kept.h"
 
 /* As text; false when it cannot be read. */
 static bool file_hash(const char *directory, const char *name, char text[17])
@@ -39,7 +41,8 @@ cJSON *lmb_bake_hashes(const char *directory, const cJSON *files)
     return good ? hashes : NULL;
 }
 
-bool lmb_bake_is_current(const char *directory, uint64_t key)
+/* The record that lies in a folder; NULL where there is none. */
+static cJSON *record_read(const char *directory)
 {
     char *const path = lmb_file_in(directory, "bake.json");
     unsigned char *text = NULL;
@@ -47,11 +50,28 @@ bool lmb_bake_is_current(const char *directory, uint64_t key)
     cJSON *const record = path && lmb_file_read(path, &text, &size, NULL) == LMB_OK
                               ? cJSON_ParseWithLength((const char *)text, size)
                               : NULL;
+    free(text);
+    free(path);
+    return record;
+}
+
+static bool text_is(const cJSON *object, const char *name, const char *wanted)
+{
+    const char *const own = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(object, name));
+    return own && strcmp(own, wanted) == 0;
+}
+
+bool lmb_bake_is_current(const char *directory, uint64_t key, bool kept)
+{
+    cJSON *const record = record_read(directory);
     char wanted[17];
     lmb_bake_settings_hash_text(key, wanted);
-    const char *const own = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(record, "key"));
     const cJSON *const hashes = cJSON_GetObjectItemCaseSensitive(record, "hashes");
-    bool current = own && strcmp(own, wanted) == 0 && cJSON_GetArraySize(hashes) > 0;
+    bool current = text_is(record, "key", wanted) && cJSON_GetArraySize(hashes) > 0;
+    if (kept) {
+        current = current &&
+                  (cJSON_HasObjectItem(hashes, LMB_KEPT_PROBES) || cJSON_HasObjectItem(hashes, LMB_KEPT_LIGHTMAPS));
+    }
     const cJSON *item;
     cJSON_ArrayForEach(item, hashes)
     {
@@ -60,7 +80,24 @@ bool lmb_bake_is_current(const char *directory, uint64_t key)
                   strcmp(found, item->valuestring) == 0;
     }
     cJSON_Delete(record);
-    free(text);
-    free(path);
     return current;
+}
+
+void lmb_bake_changes(const char *directory, const lmb_bake_record *record, char *text, size_t size)
+{
+    cJSON *const earlier = record_read(directory);
+    const cJSON *const content = cJSON_GetObjectItemCaseSensitive(earlier, "content");
+    const bool is_ours =
+        content && text_is(cJSON_GetObjectItemCaseSensitive(earlier, "settings"), "level", record->settings.level.path);
+    size_t length = 0;
+    text[0] = '\0';
+    for (int part = 0; part < LMB_SCENE_PARTS && is_ours; ++part) {
+        const char *const name = lmb_scene_part_name((lmb_scene_part)part);
+        char hash[17];
+        lmb_bake_settings_hash_text(record->content[part], hash);
+        if (!text_is(content, name, hash) && length < size) {
+            length += (size_t)snprintf(text + length, size - length, "%s%s", length > 0 ? ", " : "", name);
+        }
+    }
+    cJSON_Delete(earlier);
 }

@@ -14,6 +14,7 @@
 
 #include <lambent/file.h>
 
+#include "run/kept.h"
 #include "run/parts.h"
 
 #define LOCK_NAME ".lambent-lock"
@@ -243,6 +244,8 @@ static lmb_result targets_check(const lmb_bake_folder *folder, lmb_error *error)
         RECORD_NAME,
         "probes.lmb",
         "probes.vdb",
+        LMB_KEPT_PROBES,
+        LMB_KEPT_LIGHTMAPS,
         LIGHTMAP_NAME "/lightmap.json",
         LIGHTMAP_NAME "/level_uv2.glb",
         LIGHTMAP_NAME "/lightmap_0.exr",
@@ -250,7 +253,7 @@ static lmb_result targets_check(const lmb_bake_folder *folder, lmb_error *error)
         LIGHTMAP_NAME "/lightmap_0.dds",
     };
     lmb_result result = LMB_OK;
-    const size_t count = folder->lightmaps ? sizeof names / sizeof names[0] : 3;
+    const size_t count = folder->lightmaps ? sizeof names / sizeof names[0] : 5;
     for (size_t i = 0; i < count && result == LMB_OK; ++i) {
         result = target_check(folder, names[i], true, error);
     }
@@ -270,7 +273,8 @@ static bool name_is_ours(const char *name)
         name += folder;
         return name[0] != '\0' && name[0] != '.' && !strchr(name, '/') && strlen(name) + folder < MAX_NAME;
     }
-    return strcmp(name, "probes.lmb") == 0 || strcmp(name, "probes.vdb") == 0;
+    return strcmp(name, "probes.lmb") == 0 || strcmp(name, "probes.vdb") == 0 || strcmp(name, LMB_KEPT_PROBES) == 0 ||
+           strcmp(name, LMB_KEPT_LIGHTMAPS) == 0;
 }
 
 /* The change of that name, made where there is none yet. NULL: out of memory. */

@@ -16,7 +16,8 @@ const char *lmb_bake_folder_directory(const lmb_bake_folder *folder);
 void lmb_bake_folder_drop_parts(const lmb_bake_folder *folder);
 
 /* Makes the empty folder to write the new files into, under the names that they are to have: probes.lmb, probes.vdb,
- * lightmap/..., bake.json. `*path` lives as long as the folder. */
+ * what is kept of gathering (run/kept.h), lightmap/..., bake.json. It may be asked for again. `*path` lives as long as
+ * the folder. */
 lmb_result lmb_bake_folder_stage(lmb_bake_folder *folder, const char **path, lmb_error *error);
 
 /* Names of what lies there, but for bake.json: in order, relative to the folder. NULL when out of memory. */

@@ -9,7 +9,7 @@
 #include "base/clock.h"
 #include "run/bake_phases_internal.h"
 #include "run/bake_phases_levels.h"
-#include "run/parts.h"
+#include "run/kept.h"
 #include "run/step.h"
 
 /* Probes farther apart than so many steps between floats are told apart well enough. */
@@ -212,12 +212,26 @@ lmb_gather_effort lmb_bake_effort(const lmb_bake_settings *settings, const lmb_l
                                .floor = DARK_SHARE * UNIT_LENGTH * level->mean_light};
 }
 
-/* What is wrong with parts has been said. */
+/* What is wrong with files has been said. */
 static lmb_result phase_result(lmb_bake_phase phase, lmb_result result, lmb_error *error)
 {
-    return result == LMB_OK || result == LMB_ERROR_WRITE || result == LMB_ERROR_UNSUPPORTED
-               ? result
-               : lmb_error_set(error, result, "%s: %s", lmb_bake_phase_name(phase), lmb_result_text(result));
+    const bool is_said = result != LMB_ERROR_MEMORY && result != LMB_ERROR_INTERRUPTED && result != LMB_ERROR_ARGUMENT;
+    return is_said ? result
+                   : lmb_error_set(error, result, "%s: %s", lmb_bake_phase_name(phase), lmb_result_text(result));
+}
+
+static lmb_result list_gather(lmb_bake *bake, const lmb_gather_job *job, lmb_gathered *gathered,
+                              lmb_gather_stats *stats, lmb_error *error)
+{
+    lmb_kept_stats what;
+    const lmb_result result = lmb_kept_gather(bake, job, gathered, stats, &what, error);
+    bake->record.taken += what.taken;
+    if (result == LMB_OK && what.missing > 0) {
+        lmb_warn(&bake->level->warnings,
+                 "%s: %llu of %zu outside of the box stand elsewhere than in the earlier bake: they are baked anew too",
+                 job->list->name, (unsigned long long)what.missing, job->list->count);
+    }
+    return result;
 }
 
 static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list, lmb_error *error)
@@ -229,8 +243,7 @@ static lmb_result probes_gather(lmb_bake *bake, const lmb_probe_list *list, lmb_
     lmb_gathered *gathered = malloc((list->count + 1) * sizeof *gathered);
     lmb_result result = LMB_ERROR_MEMORY;
     if (gathered) {
-        result =
-            lmb_parts_gather(bake->parts, &job, bake->level->pool, bake->progress, gathered, &record->gathered, error);
+        result = list_gather(bake, &job, gathered, &record->gathered, error);
     }
     if (result == LMB_OK && lmb_parts_are_a_shard(bake->parts)) {
         free(gathered);
@@ -285,8 +298,7 @@ static lmb_result texels_gather(lmb_bake *bake, const lmb_gather_list *elements,
     const double start = lmb_clock_seconds();
     lmb_bake_record *record = &bake->record;
     const lmb_gather_job job = lmb_gather_job_all(&bake->level->transport, elements, effort);
-    const lmb_result result =
-        lmb_parts_gather(bake->parts, &job, bake->level->pool, bake->progress, gathered, &record->lightmap, error);
+    const lmb_result result = list_gather(bake, &job, gathered, &record->lightmap, error);
     record->seconds[LMB_PHASE_LIGHTMAPS] = lmb_clock_seconds() - start;
     record->rays[LMB_PHASE_LIGHTMAPS] = record->lightmap.rays;
     return result;

@@ -148,6 +148,25 @@ static void json_add_steps(cJSON *json, const char *name, const lmb_seam_steps *
     cJSON_AddNumberToObject(object, "p95", steps->p95);
 }
 
+static void json_add_content(cJSON *json, const lmb_bake_record *record)
+{
+    cJSON *object = cJSON_AddObjectToObject(json, "content");
+    for (int part = 0; part < LMB_SCENE_PARTS; ++part) {
+        char text[17];
+        lmb_bake_settings_hash_text(record->content[part], text);
+        cJSON_AddStringToObject(object, lmb_scene_part_name((lmb_scene_part)part), text);
+    }
+}
+
+/* Of a bake of a part of the level. */
+static void json_add_part(cJSON *json, const lmb_bake_record *record)
+{
+    const lmb_vec3d *const low = &record->only[0], *const high = &record->only[1];
+    const double box[6] = {low->x, low->y, low->z, high->x, high->y, high->z};
+    cJSON_AddItemToObject(json, "only", cJSON_CreateDoubleArray(box, 6));
+    cJSON_AddNumberToObject(json, "taken", (double)record->taken);
+}
+
 static void json_add_seams(cJSON *json, const lmb_bake_record *record)
 {
     cJSON *seams = cJSON_AddObjectToObject(json, "seams");
@@ -169,6 +188,9 @@ cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files, cJSON *
     if (record->settings.lightmaps) {
         json_add_seams(json, record);
     }
+    if (record->is_part) {
+        json_add_part(json, record);
+    }
     cJSON_AddNumberToObject(json, "seed", (double)record->settings.level.seed);
     cJSON *bytes = cJSON_AddObjectToObject(json, "bytes");
     cJSON_AddNumberToObject(bytes, "vdb", (double)record->bytes_vdb);
@@ -182,6 +204,7 @@ cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files, cJSON *
     char key[17];
     lmb_bake_settings_hash_text(record->key, key);
     cJSON_AddStringToObject(json, "key", key);
+    json_add_content(json, record);
     if (hashes) {
         cJSON_AddItemToObject(json, "hashes", hashes);
     }

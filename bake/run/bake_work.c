@@ -36,6 +36,11 @@ uint64_t lmb_bake_key(const lmb_bake_settings *settings, uint64_t content_hash)
     return key;
 }
 
+uint64_t lmb_bake_part_key(uint64_t key, const lmb_vec3d box[2])
+{
+    return lmb_hash(key, box, 2 * sizeof *box);
+}
+
 void lmb_bake_parts_free(lmb_parts *parts)
 {
     for (uint32_t i = 0; i < parts->read_count; ++i) {

@@ -10,6 +10,9 @@
  * version. Not of the level's path. 0: out of memory. */
 uint64_t lmb_bake_key(const lmb_bake_settings *settings, uint64_t content_hash);
 
+/* Of a bake with that key, of a box alone. */
+uint64_t lmb_bake_part_key(uint64_t key, const lmb_vec3d box[2]);
+
 static inline bool lmb_bake_work_is_shard(const lmb_bake_work *work)
 {
     return work->shard_count > 1;

@@ -36,9 +36,12 @@ typedef struct lmb_bake_work {
                                     on. 0: all */
     const char *const *from;     /* folders of shards, from which what they have gathered is taken */
     uint32_t from_count;
-    bool merge;           /* what none of them has is an error, rather than gathered */
-    bool prepare;         /* leaves in the folder what comes before gathering (placement, light on surfaces), no more */
-    const char *prepared; /* a folder in which `prepare` left that for the same bake, to be taken; NULL: none */
+    bool merge;   /* what none of them has is an error, rather than gathered */
+    bool prepare; /* leaves in the folder what comes before gathering (placement, light on surfaces), no more */
+    bool keep;    /* leaves what was gathered in the folder, for `only` */
+    const lmb_vec3d *only; /* [2] a box in the world, least and greatest coordinates: gathers anew what lies in it, and
+                              takes the rest from what the earlier bake in the folder has kept; keeps. NULL: all */
+    const char *prepared;  /* a folder in which `prepare` left that for the same bake, to be taken; NULL: none */
 } lmb_bake_work;
 
 /* Bakes into `folder`, opened for lightmaps if the settings have them: probes.lmb, probes.vdb, lightmap/ and bake.json.
@@ -52,8 +55,9 @@ lmb_result lmb_bake_run(const lmb_bake_settings *settings, lmb_bake_folder *fold
 /* The same, done in pieces. A bake that took more than a second leaves what it gathered in the folder when it fails, is
  * stopped or killed. Where the folder holds this very bake, of this program's version, nothing is done, unless `again`,
  * and `record->is_current` says so; so it is where it is prepared already. A shard writes nothing but what it gathered.
- * @return as above, and LMB_ERROR_UNSUPPORTED (`merge`: a part is missing; `prepared` is of another bake), _IO, _FORMAT,
- * _TRUNCATED, _CHECKSUM (`prepared`) */
+ * @return as above, and LMB_ERROR_UNSUPPORTED (`merge`: a part is missing; `prepared` is of another bake), _IO,
+ * _FORMAT, _TRUNCATED, _CHECKSUM (`prepared`, or what is kept); _UNSUPPORTED (`only`: nothing is kept, or of other
+ * settings), _ARGUMENT (`only` with a shard or a merge) */
 lmb_result lmb_bake_run_as(const lmb_bake_settings *settings, const lmb_bake_work *work, lmb_bake_folder *folder,
                            const lmb_bake_listener *listener, lmb_bake_record *record, lmb_error *error);
 

@@ -13,7 +13,8 @@ extern "C" {
 typedef struct lmb_bake {
     lmb_level *level;
     const lmb_progress *progress;  /* NULL: silent */
-    const struct lmb_parts *parts; /* where what is gathered is kept; NULL: in memory alone */
+    const struct lmb_parts *parts; /* where what is gathered is kept until all is; NULL: in memory alone */
+    const struct lmb_kept *kept;   /* what of it is taken from an earlier bake, and kept for the next; NULL: nothing */
     lmb_probes *probes;            /* once placed, if wanted */
     lmb_regions *regions;          /* likewise */
     lmb_lightmap *lightmap;        /* once laid out, if wanted */

@@ -6,6 +6,7 @@
 #include <lambent/probes_bake.h>
 #include <lambent/lightmap.h>
 #include <lambent/placement.h>
+#include <lambent/scene_content.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -48,9 +49,13 @@ enum { LMB_BAKE_LEVELS_MOST = 24 };
 typedef struct lmb_bake_record {
     /* As they were used: spacing and lightmap density are set, seeds are where floats are. They make the same again. */
     lmb_bake_settings settings;
-    uint64_t content_hash; /* of level and environment */
-    uint64_t key;          /* of all that decides the bytes, this program's version too */
-    bool is_current;       /* nothing was done: the folder held this very bake */
+    uint64_t content_hash;             /* of level and environment */
+    uint64_t content[LMB_SCENE_PARTS]; /* of the level's parts, each by itself; of whole bakes */
+    uint64_t key;                      /* of all that decides the bytes, this program's version too */
+    bool is_part;                      /* what does not lie in `only` was taken from the bake that the folder held */
+    lmb_vec3d only[2];                 /* least and greatest coordinates; else 0 */
+    uint64_t taken;                    /* probes, points of regions and texels */
+    bool is_current;                   /* nothing was done: the folder held this very bake */
     int threads;
     uint32_t triangles_dropped;
     uint32_t key_light_count;
