@@ -6,7 +6,9 @@
 #include <lambent/specular.h>
 #include <lambent/vector.h>
 
+#include "lamps_seen.h"
 #include "level_builder.h"
+#include "level_fixture.h"
 
 #define OUTPUT LMB_TEST_OUTPUT_DIR "/reflections"
 
@@ -175,15 +177,66 @@ static void lamps_have_highlights(void)
     const picture truth = picture_draw("lamp", options);
     if (final.drawn && truth.drawn) {
         for (int c = 0; c < 3; ++c) {
-            CHECK(pictures_differ(&final, &truth, c) < 0.2, "channel %d: %g off", c,
+            CHECK(pictures_differ(&final, &truth, c) < 0.03, "channel %d: %g off", c,
                   pictures_differ(&final, &truth, c));
         }
+    }
+}
+
+/* Ten lamps, each half as bright as the one before, of which every third one is hidden from where the harmonics are. */
+static void lamps_are_taken_out(void)
+{
+    enum { COUNT = 10 };
+    static const lmb_vec3 ways[COUNT] = {{1, 0, 0},  {0, 1, 0}, {0, 0, 1},  {-1, 0, 0}, {0, -1, 0},
+                                         {0, 0, -1}, {1, 1, 0}, {0, 1, -1}, {-1, 0, 1}, {1, -1, 1}};
+    mkdir(OUTPUT, 0777);
+    for (int lit = 0; lit < 2; ++lit) {
+        lmb_level_builder *builder = lmb_level_builder_create(0.1f);
+        const lmb_level_material white = lmb_level_material_default();
+        const int material = lmb_level_builder_add_material(builder, &white);
+        const int floor = lmb_level_builder_add_mesh(builder, "floor");
+        lmb_level_builder_add_quad(builder, floor, material, (lmb_vec3){-1, -9, 1}, (lmb_vec3){2, 0, 0},
+                                   (lmb_vec3){0, 0, -2});
+        lmb_level_builder_place(builder, "floor", floor, (lmb_vec3){0, 0, 0});
+        lmb_sh3_rgb light = {{{{0}}}};
+        for (int i = 0; i < COUNT && lit; ++i) {
+            const lmb_vec3 way = lmb_vec3_unit_or(ways[i], ways[i]);
+            const lmb_level_light lamp = {
+                .name = "lamp", .type = LMB_LEVEL_LIGHT_POINT, .color = {{1, 1, 1}}, .intensity = ldexpf(64.0f, -i)};
+            lmb_level_node node = lmb_level_node_default("lamp");
+            node.light = lmb_level_builder_add_light(builder, &lamp);
+            node.translation = lmb_vec3_scale(way, 2.0f);
+            lmb_level_builder_add_node(builder, &node);
+            const float arrives = i % 3 == 1 ? 0.0f : lamp.intensity / 4.0f;
+            lmb_sh3_rgb_add_light(&light, way, lmb_rgb_of(arrives, arrives, arrives));
+        }
+        level_fixture level;
+        if (!level_end(builder, OUTPUT "/ten.glb") || !level_fixture_load(&level, OUTPUT "/ten.glb", "none", 1)) {
+            return;
+        }
+        lamps_seen lamps;
+        const float before = light.channel[1].c[0];
+        lamps_take(level.transport.emitters, lmb_vec3_of(0, 0, 0), NULL, &light, &lamps);
+        CHECK(lamps.present == (lit == 1) && lamps.count == (lit ? LAMPS_MOST : 0), "%u lamps", lamps.count);
+        for (uint32_t i = 0; i < lamps.count; ++i) {
+            const double given = ldexp(16.0, -(int)i) / 3.14159265;
+            CHECK_NEAR(lamps.light[i].irradiance.c[1], given, 1e-4 * given, "lamp %u", i);
+            CHECK_NEAR(lmb_vec3_dot(lamps.light[i].direction, lmb_vec3_unit_or(ways[i], ways[i])), 1.0, 1e-5, "%u", i);
+        }
+        if (lit) {
+            CHECK(lamps.visibility[0] > 0.9f && lamps.visibility[1] < 0.2f, "%g of the first, %g of the hidden",
+                  (double)lamps.visibility[0], (double)lamps.visibility[1]);
+            CHECK(fabsf(light.channel[1].c[0]) < 0.2f * before, "%g of %g left", (double)light.channel[1].c[0],
+                  (double)before);
+        }
+        level_fixture_close(&level);
     }
 }
 
 static const test_case cases[] = {
     {"textures say what is metal", textures_say_what_is_metal},
     {"lamps have highlights", lamps_have_highlights},
+    {"lamps are taken out", lamps_are_taken_out},
 };
 
 TEST_MAIN(cases)

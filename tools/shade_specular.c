@@ -83,7 +83,7 @@ lmb_rgb specular_reflected(specular_layers layers, const specular_light_here *li
     if (layers == LAYERS_NONE) {
         return (lmb_rgb){{0.0f, 0.0f, 0.0f}};
     }
-    const bool lamps = layers != LAYERS_LAMPLESS && light->lamps.present;
+    const bool lamps = light->lamps.present && layers != LAYERS_LAMPLESS && layers != LAYERS_DOMINANT;
     lmb_sh3_rgb rest = lamps ? light->lampless : light->radiance;
     lmb_rgb sum = highlights(place, light->keys.light, light->keys.visibility, light->keys.count);
     if (lamps) {

@@ -16,8 +16,8 @@ typedef enum specular_layers {
     LAYERS_ANALYTIC,    /* key lights and lamps, or, where the level has neither, the dominant light */
     LAYERS_AREA,        /* and the area layer of what remains */
     LAYERS_LAMPLESS,    /* the same without lamps, which stay in the area layer */
-    LAYERS_DOMINANT,    /* beside key lights and lamps the dominant light too, and the area layer of what remains */
-    LAYERS_ENVIRONMENT, /* environment maps in its place */
+    LAYERS_DOMINANT,    /* in place of lamps the dominant light of what is not key lights */
+    LAYERS_ENVIRONMENT, /* key lights, lamps and environment maps in place of the area layer */
     LAYERS_ALL, /* either by the roughness: the map up to SPECULAR_MAP_UP_TO, the area layer from SPECULAR_AREA_FROM
                    on, and something of both between */
     LAYERS_COUNT

@@ -23,12 +23,14 @@ enum { MOST_LIGHTS = 16, NORMALS = 96 };
 
 static const float ROUGHNESS[] = {0.05f, 0.1f, 0.2f, 0.3f, 0.4f, 0.6f, 0.8f, 1.0f};
 static const float VIEW_COSINE[] = {1.0f, 0.8f, 0.5f, 0.2f};
+static const float ROUGHNESS_BY_VIEW[] = {0.1f, 0.4f, 0.8f};
 static const char *const LAYER_NAME[SPECULAR_LAYERS] = {
     "area", "env. map", "env. split", "key", "key+area", "key+env. map", "dominant+rest", "dominant+area", "area"};
 
 enum {
     ROUGHNESSES = sizeof ROUGHNESS / sizeof ROUGHNESS[0],
     VIEWS = sizeof VIEW_COSINE / sizeof VIEW_COSINE[0],
+    BY_VIEW = sizeof ROUGHNESS_BY_VIEW / sizeof ROUGHNESS_BY_VIEW[0],
     SURFACES = NORMALS * VIEWS
 };
 
@@ -162,11 +164,14 @@ static void tables_print(const specular_light *lights, const specular_options *o
         lights_compare(lights, options, ROUGHNESS[i], -1, &sum);
         row_print("roughness", ROUGHNESS[i], &sum);
     }
-    for (int i = 0; i < VIEWS; ++i) {
-        lights_compare(lights, options, 0.4f, i, &sum);
-        row_print("N.V", VIEW_COSINE[i], &sum);
+    for (int i = 0; i < BY_VIEW * VIEWS; ++i) {
+        const float roughness = ROUGHNESS_BY_VIEW[i / VIEWS];
+        if (i % VIEWS == 0) {
+            printf("by N.V, at a roughness of %g\n", (double)roughness);
+        }
+        lights_compare(lights, options, roughness, i % VIEWS, &sum);
+        row_print("N.V", VIEW_COSINE[i % VIEWS], &sum);
     }
-    printf("(by N.V: at a roughness of 0.4)\n");
 }
 
 static void call_time(const char *name, const specular_light *light, int which)

@@ -36,7 +36,7 @@ static const float slopes[] = {0.0f, 0.05f, 0.1f, 0.2f, 0.4f, 0.7f};
 enum { SLOPES = sizeof slopes / sizeof slopes[0] };
 
 static const char *const layer_name[LAYERS_COUNT] = {
-    "none", "analytic", "analytic + area", "lampless", "and dominant", "analytic + map", "all"};
+    "none", "analytic", "analytic + area", "lampless", "dominant", "analytic + map", "all"};
 
 /* Whose harmonics the layers have. */
 enum { BY_PROBES, BY_TEXELS, SOURCES };
@@ -155,8 +155,8 @@ static void round_print(const measured *work)
             } else {
                 printf("materials");
             }
-            printf("\t%s\t%s\t%.3f\t%.3f\t%.3f\n", source_name[source], layer_name[layers], summary.rel_rmse,
-                   summary.median, summary.p95);
+            printf("\t%s\t%s\t%.3f\t%.3f\t%.3f\t%.3f\n", source_name[source], layer_name[layers], summary.rel_rmse,
+                   summary.median, summary.p95, summary.share_over_10pct);
         }
     }
     fflush(stdout);
@@ -190,7 +190,7 @@ static lmb_result measure(const level_options *options, const lmb_baked *baked, 
 {
     measured work = {.baked = baked, .maps = maps, .points = options->points, .samples = options->samples};
     lmb_result result = work_allocate(&work) ? LMB_OK : LMB_ERROR_MEMORY;
-    printf("slopes\tharmonics of\tlayers\trel_rmse\tmedian\tp95\n");
+    printf("slopes\tharmonics of\tlayers\trel_rmse\tmedian\tp95\tshare_over_10pct\n");
     for (int i = 0; i < SLOPES && result == LMB_OK; ++i) {
         work.slope = slopes[i];
         result = lmb_pool_run(baked->level.pool, work.points, point_task, &work, "points", NULL);

@@ -8,7 +8,7 @@
 
 #include "tonemap.h"
 
-static const float ROUGHNESS[] = {0.1f, 0.2f, 0.4f};
+static const float ROUGHNESS[] = {0.05f, 0.1f, 0.2f, 0.4f, 0.8f};
 
 enum {
     SIDE = 128, /* pixels of a sphere with its margin */
@@ -16,7 +16,7 @@ enum {
     COLUMNS = 6,
     WIDTH = SIDE * COLUMNS,
     HEIGHT = SIDE * ROWS,
-    SAMPLES = 256
+    SAMPLES = 2048
 };
 
 #define MARGIN 1.08f /* over a sphere's radius */
