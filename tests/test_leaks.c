@@ -71,6 +71,23 @@ static void rooms_are_sealed_or_open(void)
     CHECK(!lmb_leak_scene_find("nowhere"), "an unknown name");
 }
 
+/* Nobody is in the lamp under a ceiling, which is lit from inside. */
+static void lamps_are_in_no_room(void)
+{
+    static const float below_m[] = {0.001f, 0.014f, 0.016f};
+    const lmb_leak_scene *scene = lmb_leak_scene_find("floors");
+    lmb_leak_room room[LMB_LEAK_MOST_ROOMS];
+    const int rooms = lmb_leak_scene_rooms(scene, room);
+    for (int i = 0; i < rooms; ++i) {
+        for (size_t k = 0; k < sizeof below_m / sizeof below_m[0]; ++k) {
+            const lmb_vec3 at = {0.5f * (room[i].min.x + room[i].max.x), room[i].max.y - below_m[k],
+                                 0.5f * (room[i].min.z + room[i].max.z)};
+            const int found = lmb_leak_scene_room_at(scene, lmb_leak_scene_to_world(scene, at));
+            CHECK(found == (k < 2 ? -1 : i), "room %d, %g m below its ceiling: %d", i, (double)below_m[k], found);
+        }
+    }
+}
+
 /* --- figures by hand --------------------------------------------------------------------------------------------- */
 
 typedef struct hand_field {
@@ -290,6 +307,7 @@ static void levels_keep_own_light(void)
 
 static const test_case cases[] = {
     {"rooms are sealed or open", rooms_are_sealed_or_open},
+    {"lamps are in no room", lamps_are_in_no_room},
     {"a step of known height is found", a_step_of_known_height_is_found},
     {"figures by hand", figures_by_hand},
     {"sealed rooms tell methods apart", sealed_rooms_tell_methods_apart},
