@@ -9,7 +9,7 @@ typedef struct leaks_method {
     const char *name;
     const char *about;
     /* Makes `*state` from a field, which outlives it; `*bytes` is what a game would hold of it, probes among it.
-     * @return LMB_ERROR_MEMORY; then there is no state */
+     * @return LMB_ERROR_MEMORY, and what phases of a bake return; then there is no state */
     lmb_result (*prepare)(const leaks_field *field, void **state, size_t *bytes);
     /* The light at a position. `normal` is that of the surface that is lit there, or NULL: of nothing. */
     void (*sample)(const void *state, lmb_vec3 position, const lmb_vec3 *normal, lmb_sh3_rgb *radiance);
@@ -31,6 +31,9 @@ extern const leaks_method leaks_chebyshev;
 
 /* What the product bakes: cells that geometry cuts have eight corners for each of their regions of free space. */
 extern const leaks_method leaks_regions;
+
+/* Likewise, and levels where light changes fast, down to an eighth of the field's spacing, or an eighth of a metre. */
+extern const leaks_method leaks_levels;
 
 /* All of them; `*count`. */
 const leaks_method *const *leaks_methods(size_t *count);

@@ -1,13 +1,15 @@
 /* How few probes levels could do with: the octree that an oracle would choose, beside even lattices.
  *
  *     lambent_levels_bound LEVEL --spacing M --min-spacing M [bake options] [--points N] [--truth N] [--cells N]
+ *                          [--absolute]
  *
  * bakes an even lattice of each spacing between the two, in memory, and knows the error of each at random places of
- * free space. The octree minimises the sum of squared relative errors (none counted as more than 1) and a price times
- * probes, bottom up (Breiman et al. 1984, pruning by cost and complexity); half of the places choose it, the other half
- * say what it reaches. Nodes are cubes of --cells (2, as files have them, or 1) cells along each axis. Probes are
- * counted as the corners of all regions of all cells of all leaves; what a probe costs a node is shared with the other
- * leaves that have it, which some rounds settle. One line for each, tabs between:
+ * free space. The octree minimises the sum of squared relative errors (none counted as more than 1; with --absolute all
+ * are relative to the RMS of all places' light) and a price times probes, bottom up (Breiman et al. 1984, pruning by
+ * cost and complexity); half of the places choose it, the other half say what it reaches. Nodes are cubes of --cells
+ * (2, as files have them, or 1) cells along each axis. Probes are counted as the corners of all regions of all cells of
+ * all leaves; what a probe costs a node is shared with the other leaves that have it, which some rounds settle. One
+ * line for each, tabs between:
  *
  *     "even" and its spacing; probes; RMS, by the half that chooses and by the other
  *     "oracle" and its price; probes; of these not on coarser leaves; RMS likewise; how many times as many probes an
@@ -29,7 +31,9 @@ static const char usage[] =
     "\n"
     "  --points N            places in free space (default 20000)\n"
     "  --truth N             samples at each (default 512)\n"
-    "  --cells N             of a node of the octree along each axis, 1 or 2 (default 2)\n" BAKE_USAGE LEVEL_USAGE;
+    "  --cells N             of a node of the octree along each axis, 1 or 2 (default 2)\n"
+    "  --absolute            errors relative to the RMS light of all places, not to each one's own\n" BAKE_USAGE
+        LEVEL_USAGE;
 
 enum { MOST_LEVELS = 12, ROUNDS = 4, PRICES = 10, HALVES = 2 };
 
@@ -59,6 +63,8 @@ typedef struct bound_level {
 typedef struct bound {
     level_places places;
     int32_t cells;
+    bool absolute; /* errors are relative to the RMS of all places' light, not to the place's own */
+    double mean_squared_light;
     int count;
     bound_level level[MOST_LEVELS]; /* the coarsest first */
 } bound;
@@ -85,8 +91,8 @@ static int32_t node_add(bound_level *level, const int32_t point[3])
         }
         level->node = grown;
     }
-    level->node[level->node_count] = (bound_node){.point = {point[0], point[1], point[2]},
-                                                  .child = {-1, -1, -1, -1, -1, -1, -1, -1}};
+    level->node[level->node_count] =
+        (bound_node){.point = {point[0], point[1], point[2]}, .child = {-1, -1, -1, -1, -1, -1, -1, -1}};
     return lmb_probe_index_add(&level->index, point, level->node_count) == LMB_OK ? level->node_count++ : -1;
 }
 
@@ -322,8 +328,8 @@ static lmb_result level_copy(const bound_level *from, lmb_probes *to)
     for (int32_t i = 0; i < from->cell_count && result == LMB_OK; ++i) {
         const int32_t *const cell = from->cell[i];
         for (int corner = 0; corner < 8 && from->node[from->cell_node[i]].leaf; ++corner) {
-            const int32_t probe = lmb_probes_find(even, 0, cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1),
-                                                  cell[2] + (corner >> 2));
+            const int32_t probe =
+                lmb_probes_find(even, 0, cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2));
             if (probe >= 0) {
                 used[probe] = true;
             }
@@ -381,7 +387,9 @@ static void shares_measure(const bound *work, const lmb_probes *probes, float *s
     for (uint32_t i = 0; i < work->places.count; ++i) {
         double squared, share;
         const bool has = place_error(&work->places, probes, &work->places.place[i], &squared, &share);
-        const double counted = has ? fmin(share, 1.0) : 1.0;
+        const double own = has ? fmin(share, 1.0) : 1.0;
+        const double light = work->places.place[i].squared_light;
+        const double counted = work->absolute ? (has ? squared : light) / work->mean_squared_light : own;
         if (shares) {
             shares[i] = (float)counted;
         }
@@ -412,6 +420,7 @@ static lmb_result level_begin(bound *work, int at, double spacing, lmb_error *er
     lmb_bake_settings settings = work->places.settings;
     settings.min_spacing = 0.0f;
     settings.spacing = (float)spacing;
+    settings.max_probes = INT32_MAX; /* the spacing is to stay */
     lmb_result result = places_bake(&work->places, &settings, &level->bake, error);
     work->count = at + 1;
     if (result != LMB_OK) {
@@ -486,6 +495,9 @@ static lmb_result bound_measure(bound *work, lmb_error *error)
 {
     const double coarsest = (double)work->places.settings.spacing, finest = (double)work->places.settings.min_spacing;
     lmb_result result = places_make(&work->places, finest, error);
+    for (uint32_t i = 0; i < work->places.count; ++i) {
+        work->mean_squared_light += work->places.place[i].squared_light / work->places.count;
+    }
     for (int at = 0; at < MOST_LEVELS && ldexp(coarsest, -at) > 0.99 * finest && result == LMB_OK; ++at) {
         result = level_begin(work, at, ldexp(coarsest, -at), error);
     }
@@ -531,6 +543,8 @@ int main(int count, char **values)
             work.places.wanted = (uint32_t)arguments_integer(&arguments, argument, 1, 1 << 24);
         } else if (strcmp(argument, "--truth") == 0) {
             work.places.truth_samples = (uint32_t)arguments_integer(&arguments, argument, 4, 1 << 28);
+        } else if (strcmp(argument, "--absolute") == 0) {
+            work.absolute = true;
         } else if (strcmp(argument, "--cells") == 0) {
             work.cells = (int32_t)arguments_integer(&arguments, argument, 1, 2);
         } else {

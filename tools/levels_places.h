@@ -35,13 +35,11 @@ lmb_result places_make(level_places *places, double spacing, lmb_error *error);
 
 /* The squared error of what probes of places_bake give at a place, and `*share` that over the place's squared light,
  * which can be below 0 by noise. @return false, and nothing is set, where they have no cell */
-bool place_error(const level_places *places, const lmb_probes *probes, const place *at, double *squared,
-                 double *share);
+bool place_error(const level_places *places, const lmb_probes *probes, const place *at, double *squared, double *share);
 
 /* Places probes of these settings on the level, and levels of them where the settings ask for some, in memory, and
  * gathers at them. `*bake` is to be ended, whatever is returned. */
-lmb_result places_bake(const level_places *places, const lmb_bake_settings *settings, lmb_bake *bake,
-                       lmb_error *error);
+lmb_result places_bake(const level_places *places, const lmb_bake_settings *settings, lmb_bake *bake, lmb_error *error);
 
 /* Gathers at what is placed: set 0 is the light, set 1 what its halves differ by. No denoising. */
 lmb_result places_gather(lmb_bake *bake);

@@ -8,6 +8,9 @@
 #include "level_blocks.h"
 
 #define HULL_M 0.3f
+
+/* Half of a lamp's thickness. */
+#define LAMP_HALF_M 0.015f
 #define HALL_HALF_LENGTH_M 4.0f
 
 static const lmb_leak_scene scenes[] = {
@@ -239,11 +242,22 @@ int lmb_leak_scene_rooms(const lmb_leak_scene *scene, lmb_leak_room room[LMB_LEA
     return all.room_count;
 }
 
+static bool is_in_lamp(const layout *all, lmb_vec3 at)
+{
+    bool inside = false;
+    for (int i = 0; i < all->room_count && !inside; ++i) {
+        const lmb_vec3 from = lmb_vec3_sub(at, all->lamp[i]);
+        inside =
+            fabsf(from.x) <= all->lamp_half[i] && fabsf(from.y) <= LAMP_HALF_M && fabsf(from.z) <= all->lamp_half[i];
+    }
+    return inside;
+}
+
 int lmb_leak_scene_room_at(const lmb_leak_scene *scene, lmb_vec3 world)
 {
     const lmb_vec3 at = from_world(scene, world);
     const layout all = layout_of(scene);
-    for (int i = 0; i < all.room_count; ++i) {
+    for (int i = 0; i < all.room_count && !is_in_lamp(&all, at); ++i) {
         const lmb_leak_room *room = &all.room[i];
         const float x = at.x - 0.5f * (room->min.x + room->max.x), z = at.z - 0.5f * (room->min.z + room->max.z);
         if (at.x > room->min.x && at.x < room->max.x && at.y > room->min.y && at.y < room->max.y &&
@@ -302,7 +316,7 @@ static void add_lamp(lmb_level_builder *builder, int mesh, const layout *all, in
     shining.name = home == 0 ? "red lamp" : "green lamp";
     shining.base_color = lmb_rgb_of(0, 0, 0);
     shining.emission.c[home] = radiance[home];
-    const lmb_vec3 half = {all->lamp_half[i], 0.015f, all->lamp_half[i]}, middle = all->lamp[i];
+    const lmb_vec3 half = {all->lamp_half[i], LAMP_HALF_M, all->lamp_half[i]}, middle = all->lamp[i];
     const lmb_level_box box = lmb_level_box_of(lmb_vec3_sub(middle, half), lmb_vec3_add(middle, half),
                                                lmb_level_builder_add_material(builder, &shining));
     lmb_level_builder_add_box(builder, mesh, &box);

@@ -55,7 +55,7 @@ enum { LMB_LEAK_MOST_ROOMS = 4 };
 /* Where rooms lie in one another, the inner one comes first. @return how many there are */
 int lmb_leak_scene_rooms(const lmb_leak_scene *scene, lmb_leak_room room[LMB_LEAK_MOST_ROOMS]);
 
-/* The room at a point of the world, or -1. */
+/* The room at a point of the world, or -1: in no room, or within a lamp. */
 int lmb_leak_scene_room_at(const lmb_leak_scene *scene, lmb_vec3 world);
 
 /* A point in the scene's own axes, in the world. */
