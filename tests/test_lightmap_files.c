@@ -148,6 +148,8 @@ static void files_broken_are_refused(void)
         "[]",
         "{\"format\": \"lambent lightmap\"}",
         "{\"format\": \"lambent lightmap\", \"version\": 1, \"encoding\": \"irradz-hhd\"}",
+        "{\"format\": \"lambent lightmap\", \"version\": 1000, \"encoding\": \"irradz-hhd\", \"images\": [], "
+        "\"nodes\": []}",
         "{\"format\": \"lambent lightmap\", \"version\": 2, \"encoding\": \"irradz-hhd\", "
         "\"images\": [3, null], \"nodes\": {}}",
         "{\"format\": \"lambent lightmap\", \"version\": 2, \"encoding\": \"irradz-hhd\", "

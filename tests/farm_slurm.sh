@@ -1,0 +1,183 @@
+#!/usr/bin/env bash
+# Shares under Slurm: a node that dies in the middle, a share that fails at first, one that fails for good. Run by CTest as
+#     farm_slurm.sh LAMBENT LAMBENT_DEMO_LEVEL OUTPUT FOLDER
+# Starts a Slurm of three nodes of its own: in namespaces of processes and network, so that nothing outside sees it, its
+# nodes die whole, and nothing of it outlives the test. Skips (77) where there is no Slurm, or no right to do that.
+set -euo pipefail
+
+skip() {
+    echo "skipped: $1"
+    exit 77
+}
+
+if [[ "${1-}" != --inside ]]; then
+    for program in slurmctld slurmd sbatch squeue scontrol unshare ip timeout; do
+        command -v "$program" >/dev/null || PATH=$PATH:/usr/sbin command -v "$program" >/dev/null || skip "no $program"
+    done
+    spaces=(unshare --net --pid --fork --kill-child --mount-proc)
+    "${spaces[@]}" ip link set lo up 2>/dev/null || skip "no right to make namespaces"
+    # Not below the output folder: Slurm's sockets have room for short names.
+    work=$(mktemp -d)
+    trap 'rm -rf "$work"' EXIT
+    timeout --kill-after=5 560 "${spaces[@]}" bash "$0" --inside "$work" "$@"
+    exit
+fi
+
+work=$2
+real=$3
+demo_level=$4
+output=$5
+farm=$(cd "$(dirname "$0")/../tools/farm" && pwd)
+PATH=$PATH:/usr/sbin
+nodes=(n1 n2 n3)
+export SLURM_CONF=$work/slurm.conf
+unset "${!SBATCH_@}" "${!LAMBENT_@}"
+
+fail() {
+    echo "failed: $1"
+    echo "-- runs"
+    cat "$work/runs"
+    echo "-- queue"
+    squeue || true
+    tail -n 20 "$work"/*.log "$output"/bake/*.log 2>/dev/null || true
+    exit 1
+}
+
+# wait_for SECONDS WHAT COMMAND...: until the command is true
+wait_for() {
+    local seconds=$1 what=$2
+    shift 2
+    for ((i = 0; i < 5 * seconds; ++i)); do
+        if "$@"; then
+            return
+        fi
+        sleep 0.2
+    done
+    fail "no $what in $seconds s"
+}
+
+slurm_start() {
+    local host node port=17001
+    host=$(uname -n)
+    host=${host%%.*}
+    ip link set lo up
+    ip address add 10.77.0.1/32 dev lo # getaddrinfo gives no address where there is only 127.0.0.1
+    mkdir "$work/state"
+    cat >"$SLURM_CONF" <<EOF
+ClusterName=farm
+SlurmctldHost=$host(127.0.0.1)
+SlurmUser=root
+SlurmdUser=root
+AuthType=auth/none
+CredType=cred/none
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+MpiDefault=none
+CommunicationParameters=NoCtldInAddrAny,NoInAddrAny
+SlurmctldPidFile=$work/slurmctld.pid
+SlurmdPidFile=$work/slurmd.%n.pid
+SlurmdSpoolDir=$work/%n
+StateSaveLocation=$work/state
+SlurmdTimeout=4
+KillWait=1
+SchedulerParameters=sched_interval=1,batch_sched_delay=0
+PartitionName=all Nodes=$(IFS=,; echo "${nodes[*]}") Default=YES MaxTime=10 State=UP
+EOF
+    for node in "${nodes[@]}"; do
+        mkdir "$work/$node"
+        echo "NodeName=$node NodeHostname=$host NodeAddr=127.0.0.1 Port=$((port++)) CPUs=1" >>"$SLURM_CONF"
+    done
+    slurmctld -D >"$work/slurmctld.log" 2>&1 &
+    for node in "${nodes[@]}"; do
+        unshare --pid --fork --kill-child --mount-proc slurmd -D -N "$node" >"$work/$node.log" 2>&1 &
+        init[${node#n}]=$!
+        disown # its death is no news
+    done
+    wait_for 60 "idle nodes" nodes_are_idle
+}
+
+nodes_are_idle() {
+    if grep -qi "cannot find auth plugin\|unknown.*auth/none" "$work/slurmctld.log"; then
+        skip "this Slurm has no auth/none"
+    fi
+    [[ "$(sinfo --noheader --format=%D:%t 2>/dev/null)" == "${#nodes[@]}:idle" ]]
+}
+
+# What the jobs run for lambent: notes who runs what where, and lets the share that $work/fail_once names fail once.
+program_make() {
+    cat >"$work/lambent" <<EOF
+#!/bin/sh
+echo "\${SLURMD_NODENAME:-none} \$1 \${SLURM_ARRAY_TASK_ID:-0} \${SLURM_RESTART_COUNT:-0}" >>"$work/runs"
+if [ "\$1 \${SLURM_ARRAY_TASK_ID:-0}" = "bake \$(cat "$work/fail_once")" ]; then
+    : >"$work/fail_once"
+    exit 1
+fi
+exec "$real" "\$@"
+EOF
+    chmod +x "$work/lambent"
+    export LAMBENT=$work/lambent
+    : >"$work/runs"
+    : >"$work/fail_once"
+}
+
+queue_is_empty() {
+    [[ -z "$(squeue --noheader 2>&1)" ]]
+}
+
+# A share that runs on the node and has kept a part. Sets `dying`.
+share_is_in_the_middle() {
+    dying=$(squeue --noheader --states=RUNNING --nodelist="$1" --format=%K 2>/dev/null) || return 1
+    [[ "$dying" =~ ^[0-9]+$ ]] && parts_of "$dying" | grep -q .
+}
+
+# Name, inode and time of each finished part of a share: one that is written anew is another file.
+parts_of() {
+    find "$output/bake/share$1/.lambent-parts" -name '*.part' -printf '%f %i %T@\n' 2>/dev/null | sort
+}
+
+a_node_dies() {
+    echo 3 >"$work/fail_once"
+    "$farm/slurm" 4 "$output/bake" "$output/demo.glb" "${effort[@]}"
+    wait_for 120 "share in the middle on n2" share_is_in_the_middle n2
+    kill -KILL "${init[2]}"
+    parts_of "$dying" >"$work/kept"
+    echo "n2 dies with share $dying, which has kept $(wc -l <"$work/kept") parts"
+    wait_for 200 "end of the jobs" queue_is_empty
+
+    grep -q " bake $dying 1\$" "$work/runs" || fail "share $dying was not queued again"
+    if grep -q "^n2 bake $dying 1\$" "$work/runs"; then
+        fail "share $dying ran again on the dead node"
+    fi
+    parts_of "$dying" >"$work/parts"
+    [[ -z "$(comm -23 "$work/kept" "$work/parts")" ]] || fail "share $dying began anew"
+    [[ $(wc -l <"$work/kept") -lt $(wc -l <"$work/parts") ]] || fail "share $dying was not in the middle"
+    [[ $(grep -c ' bake 3 ' "$work/runs") -ge 2 ]] || fail "share 3 was not tried again"
+    [[ $(grep -c ' merge 0 ' "$work/runs") == 1 ]] || fail "the merge did not run once"
+    for file in probes.lmb probes.vdb $(cd "$output/whole" && ls -d lightmap/*); do
+        cmp "$output/whole/$file" "$output/bake/$file" || fail "$file is not that of one bake"
+    done
+    echo "ok   a node dies, its share goes on elsewhere, the same bytes"
+}
+
+a_share_fails_for_good() {
+    : >"$work/runs"
+    LAMBENT_TRIES=2 "$farm/slurm" 2 "$output/failed" "$output/no_level.glb" 2>&1
+    wait_for 60 "end of the jobs" queue_is_empty
+    [[ $(grep -c ' bake 1 ' "$work/runs") == 2 ]] || fail "share 1 was not tried twice"
+    if grep -q ' merge ' "$work/runs" || [[ -e "$output/failed/probes.lmb" ]]; then
+        fail "merged without a share"
+    fi
+    echo "ok   a share fails for good, and the merge leaves the queue"
+}
+
+effort=(--spacing 0.5 --samples 128 --lightmaps --texels-per-m 8)
+rm -rf "$output"
+mkdir -p "$output"
+"$demo_level" "$output/demo.glb"
+"$real" bake "$output/demo.glb" -o "$output/whole" --quiet "${effort[@]}"
+program_make
+slurm_start
+a_node_dies
+a_share_fails_for_good
