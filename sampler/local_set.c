@@ -153,12 +153,15 @@ static uint32_t around_find(const lmb_local_frame *frame, lmb_vec3d position, ui
     return found;
 }
 
-static void light_add(const lmb_sh3_rgb *from, float weight, lmb_sh3_rgb *sum)
+/* Harmonics as plain numbers, which compilers make vectors of. */
+enum { NUMBERS = sizeof(lmb_sh3_rgb) / sizeof(float) };
+
+static void light_add(const lmb_sh3_rgb *from, float weight, float sum[NUMBERS])
 {
-    for (int c = 0; c < 3; ++c) {
-        for (int k = 0; k < LMB_SH3_COUNT; ++k) {
-            sum->channel[c].c[k] += weight * from->channel[c].c[k];
-        }
+    float number[NUMBERS];
+    memcpy(number, from, sizeof number);
+    for (int k = 0; k < NUMBERS; ++k) {
+        sum[k] += weight * number[k];
     }
 }
 
@@ -170,11 +173,11 @@ void lmb_local_set_sample_with_keys(const lmb_local_frame *frame, const lmb_sh3_
     uint32_t probe[8];
     float weight[8];
     const uint32_t count = around_find(frame, position, probe, weight);
-    lmb_sh3_rgb sum = {0};
+    float sum[NUMBERS] = {0.0f};
     for (uint32_t i = 0; i < count; ++i) {
-        light_add(&radiance[probe[i]], weight[i], &sum);
+        light_add(&radiance[probe[i]], weight[i], sum);
     }
-    *light = sum;
+    memcpy(light, sum, sizeof sum);
     for (uint32_t key = 0; visibility && key < LMB_KEY_LIGHTS_MOST; ++key) {
         float share = 0.0f;
         for (uint32_t i = 0; i < count; ++i) {

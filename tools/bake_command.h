@@ -11,6 +11,7 @@ typedef struct bake_options {
     lmb_bake_settings settings;
     lmb_bake_work work;
     const char *directory;
+    const char *light_sets; /* "all", or names with commas between: each into a folder of its name in `directory` */
     bool dry_run;
     bool json_progress;
     bool quiet;

@@ -17,6 +17,8 @@ static const char usage[] =
     "  --resume              go on from what a bake into DIR that was cut off has left there\n"
     "  --force               bake even where DIR holds this very bake\n"
     "  --shard K/N           gather the K-th of N shares alone, for lambent merge\n"
+    "  --light-sets NAME,... the lights of each of these sets ('base': those that name none; 'all': all sets that\n"
+    "                        give light), into DIR/NAME each, by one placement of probes and one layout\n"
     "  --json-progress       progress, warnings and the result or error as JSON lines on standard output\n" BAKE_USAGE
         LEVEL_USAGE;
 
@@ -51,6 +53,8 @@ static bool option_take(bake_options *options, lmb_arguments *arguments, const c
         options->work.again = true;
     } else if (strcmp(argument, "--shard") == 0) {
         shard_read(&options->work, arguments, argument);
+    } else if (strcmp(argument, "--light-sets") == 0) {
+        options->light_sets = arguments_text(arguments, argument);
     } else if (strcmp(argument, "--json-progress") == 0) {
         options->json_progress = true;
     } else {
@@ -75,6 +79,8 @@ static bool options_read(bake_options *options, lmb_arguments *arguments)
         arguments_error(arguments, "missing argument", "LEVEL");
     } else if (options->settings.no_probes && !options->settings.lightmaps) {
         arguments_error(arguments, "--lightmaps has to go with", "--no-probes");
+    } else if (options->light_sets && (options->settings.level.light_set || options->dry_run)) {
+        arguments_error(arguments, "--light-sets does not go with", options->dry_run ? "--dry-run" : "--light-set");
     } else if (!options->directory && !options->dry_run) {
         arguments_error(arguments, "missing option", "-o DIR");
     }

@@ -10,6 +10,7 @@
 #include <lambent/volume_format.h>
 
 #include "lightmap/lightmap_files.h"
+#include "run/bake_current.h"
 #include "run/bake_folder_internal.h"
 #include "run/bake_settings_internal.h"
 
@@ -34,6 +35,11 @@ uint64_t lmb_bake_key(const lmb_bake_settings *settings, uint64_t content_hash)
     cJSON_free(text);
     cJSON_Delete(json);
     return key;
+}
+
+bool lmb_bake_work_is_done(const lmb_bake_work *work, const lmb_bake_folder *folder, uint64_t key)
+{
+    return !work->again && !lmb_bake_work_is_shard(work) && lmb_bake_is_current(lmb_bake_folder_directory(folder), key);
 }
 
 void lmb_bake_parts_free(lmb_parts *parts)
