@@ -153,6 +153,18 @@ static uint32_t around_find(const lmb_local_frame *frame, lmb_vec3d position, ui
     return found;
 }
 
+/* Harmonics as plain numbers, which compilers make vectors of. */
+enum { NUMBERS = sizeof(lmb_sh3_rgb) / sizeof(float) };
+
+static void light_add(const lmb_sh3_rgb *from, float weight, float sum[NUMBERS])
+{
+    float number[NUMBERS];
+    memcpy(number, from, sizeof number);
+    for (int k = 0; k < NUMBERS; ++k) {
+        sum[k] += weight * number[k];
+    }
+}
+
 void lmb_local_set_sample_with_keys(const lmb_local_frame *frame, const lmb_sh3_rgb *radiance,
                                     const float (*visibility)[LMB_KEY_LIGHTS_MOST], lmb_vec3d position,
                                     lmb_sh3_rgb *light, float seen[LMB_KEY_LIGHTS_MOST])
@@ -161,20 +173,17 @@ void lmb_local_set_sample_with_keys(const lmb_local_frame *frame, const lmb_sh3_
     uint32_t probe[8];
     float weight[8];
     const uint32_t count = around_find(frame, position, probe, weight);
-    memset(light, 0, sizeof *light);
-    for (uint32_t key = 0; visibility && key < LMB_KEY_LIGHTS_MOST; ++key) {
-        seen[key] = 0.0f;
-    }
+    float sum[NUMBERS] = {0.0f};
     for (uint32_t i = 0; i < count; ++i) {
-        const lmb_sh3_rgb *const from = &radiance[probe[i]];
-        for (int k = 0; k < 3 * LMB_SH3_COUNT; ++k) {
-            light->channel[k / LMB_SH3_COUNT].c[k % LMB_SH3_COUNT] +=
-                weight[i] * from->channel[k / LMB_SH3_COUNT].c[k % LMB_SH3_COUNT];
+        light_add(&radiance[probe[i]], weight[i], sum);
+    }
+    memcpy(light, sum, sizeof sum);
+    for (uint32_t key = 0; visibility && key < LMB_KEY_LIGHTS_MOST; ++key) {
+        float share = 0.0f;
+        for (uint32_t i = 0; i < count; ++i) {
+            share += weight[i] * visibility[probe[i]][key];
         }
-        for (uint32_t key = 0; visibility && key < LMB_KEY_LIGHTS_MOST; ++key) {
-            const float sum = seen[key] + weight[i] * visibility[probe[i]][key];
-            seen[key] = sum < 1.0f ? sum : 1.0f;
-        }
+        seen[key] = share < 1.0f ? share : 1.0f;
     }
 }
 

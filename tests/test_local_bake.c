@@ -128,7 +128,7 @@ static void frame_holds(const lmb_scene *scene, const lmb_instance *instance, co
 
 static void frames_hold_their_objects(void)
 {
-    static const uint32_t sizes[NODES][3] = {{2, 4, 2}, {3, 3, 2}, {4, 4, 1}, {3, 4, 3}};
+    static const uint32_t sizes[NODES][3] = {{2, 6, 2}, {3, 3, 2}, {6, 6, 1}, {4, 6, 5}};
     lmb_scene *scene = NULL;
     lmb_error error = {{0}};
     if (!furnace_write()) {
@@ -227,11 +227,36 @@ static void marked_nodes_are_lit_by_them(void)
               LMB_COMMAND " render " LEVEL " " OUTPUT "/whole --quiet --probes --size 64x48 -o " OUTPUT "/probes.png");
 }
 
+/* In a furnace every source gives every object the same light, wherever it stands. */
+static void measured_objects_have_no_error(void)
+{
+    if (!furnace_write()) {
+        return;
+    }
+    static const char *const rows[] = {"standing\tvolume", "standing\tresampled", "standing\tlocal set",
+                                       "there\tlocal set", "moved\tvolume",       "moved\tresampled"};
+    const char *const output = OUTPUT "/objects.txt";
+    CHECK_RUN(0, NULL,
+              LMB_LOCAL_SETS " " LEVEL
+                             " --quiet --spacing 0.5 --samples 256 --points 16 --truth 64 --places 1 > " OUTPUT
+                             "/objects.txt");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        char line[256];
+        snprintf(line, sizeof line, "grep 'all\t%s' %s | awk -F'\t' '{ exit !($4 > 10 && $5 < 0.05 && $6 < 0.05) }'",
+                 rows[i], output);
+        CHECK(system(line) == 0, "%s", rows[i]);
+    }
+    CHECK_RUN(3, "no object",
+              LMB_LOCAL_SETS " " LEVEL " --quiet --node tree --exclude left --exclude right --exclude flat "
+                             "--exclude plant");
+}
+
 static const test_case cases[] = {
     {"frames hold their objects", frames_hold_their_objects},
     {"light of a furnace is constant", light_of_a_furnace_is_constant},
     {"bytes are the same however baked", bytes_are_the_same_however_baked},
     {"marked nodes are lit by them", marked_nodes_are_lit_by_them},
+    {"measured objects have no error", measured_objects_have_no_error},
 };
 
 TEST_MAIN(cases)

@@ -73,6 +73,8 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
         settings->min_spacing = (float)arguments_number(arguments, argument, 1e-6, 1e6);
     } else if (strcmp(argument, "--tolerance") == 0) {
         settings->tolerance = arguments_number(arguments, argument, 1e-6, 1e6);
+    } else if (strcmp(argument, "--placed-by-all") == 0) {
+        settings->placed_by_all = true;
     } else if (strcmp(argument, "--max-probes") == 0) {
         settings->max_probes = (int32_t)arguments_integer(arguments, argument, 27, 1 << 28);
     } else if (strcmp(argument, "--seed-point") == 0) {

@@ -20,6 +20,7 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     "  --tolerance E         error of interpolation, relative, beyond which a level finer than the\n"                  \
     "                        coarsest follows; 2.8 times that for each next one\n"                                     \
     "                        (default 0.05)\n"                                                                         \
+    "  --placed-by-all       with --light-set: levels of probes by the light of all sets, as --light-sets has them\n"  \
     "  --max-probes N        the spacing grows until there are no more (default 262144)\n"                             \
     "  --seed-point X,Y,Z    bake only free space connected to this point (repeatable)\n"                              \
     "  --texels-per-m N      lightmap density (default: from the level's size)\n"                                      \

@@ -6,6 +6,9 @@
 
 #include <cjson/cJSON.h>
 
+#include <lambent/file.h>
+#include <lambent/scene.h>
+
 #include "command.h"
 #include "interrupt.h"
 #include "level_arguments.h"
@@ -133,23 +136,22 @@ static cJSON *summary_json(const lmb_bake_record *record, const char *directory)
 }
 
 /* Says what a bake made, or with --dry-run would make. */
-static void record_report(const bake_options *options, const lmb_bake_record *record)
+static void record_report(const bake_options *options, const char *directory, const lmb_bake_record *record)
 {
     if (options->json_progress) {
-        console_result(options->dry_run ? plan_json(record) : summary_json(record, options->directory));
+        console_result(options->dry_run ? plan_json(record) : summary_json(record, directory));
     } else if (options->dry_run) {
         plan_print(record);
     } else if (record->is_current) {
         printf(options->work.prepare ? "current   %s is prepared for this bake; --force does it again\n"
                                      : "current   %s holds this bake; --force bakes it again\n",
-               options->directory);
+               directory);
     } else if (options->work.prepare) {
-        printf("prepared  in %s, for --prepared\n", options->directory);
+        printf("prepared  in %s, for --prepared\n", directory);
     } else if (options->work.shard_count > 1) {
-        printf("gathered  share %u of %u, in %s\n", options->work.shard + 1, options->work.shard_count,
-               options->directory);
+        printf("gathered  share %u of %u, in %s\n", options->work.shard + 1, options->work.shard_count, directory);
     } else if (!options->quiet) {
-        summary_print(record, options->directory);
+        summary_print(record, directory);
     }
 }
 
@@ -160,10 +162,11 @@ static void folder_abandon(void *folder)
 
 /* The folder comes first: one that cannot be written is found at once. From then on an interruption takes back what was
  * made there. */
-static lmb_result folder_open(const bake_options *options, lmb_bake_folder **folder, lmb_error *error)
+static lmb_result folder_open(const bake_options *options, const char *directory, lmb_bake_folder **folder,
+                              lmb_error *error)
 {
     interrupt_hold();
-    const lmb_result result = lmb_bake_folder_open(options->directory, options->settings.lightmaps, folder, error);
+    const lmb_result result = lmb_bake_folder_open(directory, options->settings.lightmaps, folder, error);
     if (result == LMB_OK) {
         interrupt_set_cleanup(folder_abandon, *folder);
     }
@@ -195,11 +198,81 @@ static lmb_result bake_run(const bake_options *options, const lmb_bake_listener 
         return lmb_bake_plan(&options->settings, listener, record, error);
     }
     lmb_bake_folder *folder;
-    lmb_result result = folder_open(options, &folder, error);
+    lmb_result result = folder_open(options, options->directory, &folder, error);
     if (result == LMB_OK) {
         result = lmb_bake_run_as(&options->settings, &options->work, folder, listener, record, error);
         folder_close(folder);
     }
+    return result;
+}
+
+/* A bake of several sets, for the functions that it calls. */
+typedef struct sets_context {
+    const bake_options *options;
+    lmb_console *console;
+} sets_context;
+
+/* DIR/SET; the caller frees it. NULL: out of memory. */
+static char *set_directory(const bake_options *options, const char *set)
+{
+    return lmb_file_in(options->directory, set);
+}
+
+static lmb_result set_open(void *context, const char *set, lmb_bake_folder **folder, lmb_error *error)
+{
+    const sets_context *sets = context;
+    char *const directory = set_directory(sets->options, set);
+    console_progress(sets->console, sets->options->quiet, sets->options->json_progress);
+    const lmb_result result = directory ? folder_open(sets->options, directory, folder, error)
+                                        : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    free(directory);
+    return result;
+}
+
+static void set_close(void *context, const char *set, lmb_bake_folder *folder, const lmb_bake_record *record)
+{
+    const sets_context *sets = context;
+    char *const directory = set_directory(sets->options, set);
+    folder_close(folder);
+    interrupt_reopen(); /* the files are in their places */
+    console_finish(sets->console);
+    if (record && directory) {
+        record_report(sets->options, directory, record);
+    }
+    free(directory);
+}
+
+/* A,B,... in pieces, in `text` itself; a last one beyond what there can be stays whole. @return how many; 0: all */
+static uint32_t names_split(char *text, const char *name[LMB_LIGHT_SETS_MOST + 1])
+{
+    uint32_t count = 0;
+    for (char *at = strcmp(text, "all") == 0 ? NULL : text; at;) {
+        char *const comma = count < LMB_LIGHT_SETS_MOST ? strchr(at, ',') : NULL;
+        name[count++] = at;
+        at = comma ? comma + 1 : NULL;
+        if (comma) {
+            *comma = '\0';
+        }
+    }
+    return count;
+}
+
+static lmb_result sets_run(const bake_options *options, lmb_console *console, const lmb_bake_listener *listener,
+                           lmb_error *error)
+{
+    const char *name[LMB_LIGHT_SETS_MOST + 1];
+    sets_context sets = {options, console};
+    const lmb_bake_set_folders folders = {set_open, set_close, &sets};
+    const size_t size = strlen(options->light_sets) + 1;
+    char *const text = malloc(size);
+    if (!text) {
+        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    memcpy(text, options->light_sets, size);
+    const uint32_t count = names_split(text, name);
+    const lmb_result result =
+        lmb_bake_run_sets(&options->settings, &options->work, name, count, &folders, listener, error);
+    free(text);
     return result;
 }
 
@@ -214,11 +287,14 @@ int bake_command_run(const bake_options *options)
         .progress = on_progress, .context = &console, .warnings = console_warnings(options->quiet)};
     lmb_error error = {{0}};
     lmb_bake_record record;
-    const lmb_result result = bake_run(options, &listener, &record, &error);
+    const lmb_result result = options->light_sets ? sets_run(options, &console, &listener, &error)
+                                                  : bake_run(options, &listener, &record, &error);
     console_finish(&console);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    record_report(options, &record);
+    if (!options->light_sets) {
+        record_report(options, options->directory, &record);
+    }
     return EXIT_DONE;
 }

@@ -12,6 +12,7 @@ typedef struct bake_options {
     lmb_bake_work work;
     lmb_vec3d only[2]; /* what work.only points to, where it does */
     const char *directory;
+    const char *light_sets; /* "all", or names with commas between: each into a folder of its name in `directory` */
     bool dry_run;
     bool json_progress;
     bool quiet;

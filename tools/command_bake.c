@@ -23,6 +23,8 @@ static const char usage[] =
     "                        has kept\n"
     "  --prepare             place probes and solve the light on surfaces alone, and leave them in DIR\n"
     "  --prepared FROM       take them from the folder where --prepare has left them for this bake\n"
+    "  --light-sets NAME,... the lights of each of these sets ('base': those that name none; 'all': all sets that\n"
+    "                        give light), into DIR/NAME each, by one placement of probes and one layout\n"
     "  --json-progress       progress, warnings and the result or error as JSON lines on standard output\n" BAKE_USAGE
         LEVEL_USAGE;
 
@@ -66,6 +68,8 @@ static bool option_take(bake_options *options, lmb_arguments *arguments, const c
         options->work.prepare = true;
     } else if (strcmp(argument, "--prepared") == 0) {
         options->work.prepared = arguments_text(arguments, argument);
+    } else if (strcmp(argument, "--light-sets") == 0) {
+        options->light_sets = arguments_text(arguments, argument);
     } else if (strcmp(argument, "--json-progress") == 0) {
         options->json_progress = true;
     } else {
@@ -79,6 +83,7 @@ static void pairs_check(const bake_options *options, lmb_arguments *arguments)
 {
     const lmb_bake_work *const work = &options->work;
     const bool shard = work->shard_count > 0;
+    const bool sets = options->light_sets != NULL;
     const struct {
         bool both;
         const char *text, *option;
@@ -89,6 +94,12 @@ static void pairs_check(const bake_options *options, lmb_arguments *arguments)
         {work->only && shard, "--shard does not go with", "--only"},
         {work->only && options->dry_run, "--dry-run does not go with", "--only"},
         {work->keep && shard, "it is lambent merge that takes", "--keep-gathered"},
+        {sets && work->prepare, "--light-sets does not go with", "--prepare"},
+        {sets && work->prepared, "--light-sets does not go with", "--prepared"},
+        {sets && work->only, "--light-sets does not go with", "--only"},
+        {sets && work->keep, "--light-sets does not go with", "--keep-gathered"},
+        {sets && options->settings.level.light_set, "--light-sets does not go with", "--light-set"},
+        {sets && options->dry_run, "--light-sets does not go with", "--dry-run"},
     };
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0] && !arguments->failed; ++i) {
         if (pairs[i].both) {

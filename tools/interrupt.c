@@ -94,6 +94,14 @@ void interrupt_shut(void)
     shut = true;
 }
 
+void interrupt_reopen(void)
+{
+    if (shut) {
+        shut = false;
+        pthread_mutex_unlock(&ending);
+    }
+}
+
 void interrupt_fail(const char *message)
 {
     interrupt_shut();

@@ -25,6 +25,9 @@ void interrupt_set_cleanup(void (*cleanup)(void *context), void *context);
  * replace their old versions, and before the last line of output: it is said once how a command ended. */
 void interrupt_shut(void);
 
+/* Lets them in again. */
+void interrupt_reopen(void);
+
 /* Ends the process as a failure of any thread, after the same clean-up. Does not return. */
 void interrupt_fail(const char *message);
 

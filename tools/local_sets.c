@@ -97,6 +97,7 @@ typedef struct object_work {
     size_t first; /* of its points */
     float radius, reach;
     lmb_transport transport;
+    lmb_opaque_surface surface;
     probe_light middle;
     set_light resampled, baked;
 } object_work;
@@ -125,9 +126,8 @@ static void point_task(void *context, size_t task, int worker)
     const uint64_t stream = lmb_mix(STREAM_POINTS, work->first);
     const size_t index = work->first + task;
     object_point point;
-    if (!object_point_make(all->level.tracer, all->instance[work->object], stream, (uint32_t)task, all->points,
-                           work->radius, work->reach, &point) ||
-        point.hidden) {
+    object_point_make(&work->surface, stream, (uint32_t)task, all->points, work->radius, work->reach, &point);
+    if (point.hidden) {
         return;
     }
     lmb_vec3 normals[CHECK_NORMALS];
@@ -193,7 +193,12 @@ static lmb_result object_measure(objects_work *all, int kind, uint32_t object, u
     if (kind != MOVED) {
         baked_set_read(all->volume, &all->level.scene->instances[all->instance[object]], &work.baked);
     }
-    return lmb_pool_run(all->level.pool, all->points, point_task, &work, kind_names[kind], NULL);
+    lmb_result result = lmb_opaque_surface_create_of(all->level.tracer, all->instance[object], &work.surface);
+    if (result == LMB_OK && lmb_opaque_surface_area(&work.surface) > 0.0) {
+        result = lmb_pool_run(all->level.pool, all->points, point_task, &work, kind_names[kind], NULL);
+    }
+    lmb_opaque_surface_free(&work.surface);
+    return result;
 }
 
 /* -------------------------------------------------------------------------------------------------- bakes */

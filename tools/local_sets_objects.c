@@ -5,7 +5,6 @@
 #include <math.h>
 
 #include <lambent/lightmap.h>
-#include <lambent/material.h>
 #include <lambent/placement.h>
 #include <lambent/probe_locals.h>
 #include <lambent/sequence.h>
@@ -151,14 +150,6 @@ void object_pose_apply(const object_pose *pose, lmb_instance *instance)
 
 /* ------------------------------------------------------------------------------------------------ points */
 
-static double opaque_area(const lmb_tracer *tracer, uint32_t instance, uint32_t triangle)
-{
-    const lmb_scene *const scene = lmb_tracer_scene(tracer);
-    const lmb_mesh *const mesh = &scene->meshes[scene->instances[instance].mesh];
-    const double area = (double)lmb_trace_triangle_area(tracer, instance, triangle);
-    return lmb_material_is_opaque(&scene->materials[mesh->material[triangle]]) && isfinite(area) ? area : 0.0;
-}
-
 /* The share of directions about a normal in which back faces come first. */
 static float back_share(const lmb_tracer *tracer, const lmb_gather_point *at, uint64_t stream)
 {
@@ -172,35 +163,16 @@ static float back_share(const lmb_tracer *tracer, const lmb_gather_point *at, ui
     return (float)backs / HIDDEN_RAYS;
 }
 
-bool object_point_make(const lmb_tracer *tracer, uint32_t instance, uint64_t stream, uint32_t index, uint32_t count,
-                       float radius, float reach, object_point *point)
+void object_point_make(const lmb_opaque_surface *surface, uint64_t stream, uint32_t index, uint32_t count, float radius,
+                       float reach, object_point *point)
 {
-    const lmb_scene *const scene = lmb_tracer_scene(tracer);
-    const uint32_t triangles = scene->meshes[scene->instances[instance].mesh].triangle_count;
-    float choice[2], u[2];
-    double whole = 0.0;
-    for (uint32_t t = 0; t < triangles; ++t) {
-        whole += opaque_area(tracer, instance, t);
-    }
-    if (!(whole > 0.0)) {
-        return false;
-    }
-    lmb_sequence_2d(lmb_mix(stream, index), 0, 0, choice);
-    lmb_sequence_2d(lmb_mix(stream, index), 0, 1, u);
-    double left = ((double)index + (double)choice[0]) / (double)count * whole;
-    lmb_hit hit = {.instance = instance};
-    for (double area; hit.triangle + 1 < triangles; ++hit.triangle, left -= area) {
-        area = opaque_area(tracer, instance, hit.triangle);
-        if (left < area) {
-            break;
-        }
-    }
-    lmb_triangle_point(u, &hit.u, &hit.v);
+    const lmb_tracer *const tracer = surface->tracer;
+    const uint64_t own = lmb_mix(stream, index);
+    const lmb_hit hit = lmb_opaque_surface_point(surface, stream, index, count);
     const lmb_place place = lmb_trace_place(tracer, &hit);
     bool pushed_out;
     point->at = lmb_surface_gather_point(tracer, &place, radius, &pushed_out);
-    point->hidden = back_share(tracer, &point->at, stream) > BACK_SHARE ||
-                    ambient_visibility(tracer, point->at.position, point->at.normal, reach, lmb_mix(stream, index),
-                                       HIDDEN_RAYS) < OPEN_SHARE;
-    return true;
+    point->hidden =
+        back_share(tracer, &point->at, own) > BACK_SHARE ||
+        ambient_visibility(tracer, point->at.position, point->at.normal, reach, own, HIDDEN_RAYS) < OPEN_SHARE;
 }

@@ -6,6 +6,7 @@
 #include <lambent/bake_level.h>
 #include <lambent/gather.h>
 #include <lambent/local_set.h>
+#include <lambent/opaque_surface.h>
 
 /* Where an object is that has moved: turned about a place of it, the scene's, which then moved. */
 typedef struct object_pose {
@@ -35,10 +36,9 @@ bool object_pose_find(const lmb_tracer *tracer, const lmb_local_frame *frame, ui
 void object_pose_apply(const object_pose *pose, lmb_instance *instance);
 lmb_local_frame object_pose_frame(const object_pose *pose, const lmb_scene *scene, const lmb_local_frame *frame);
 
-/* Point `index` of `count` on the opaque triangles of an instance, by area; `radius`, as of a texel, is what it is
- * pushed out of geometry by, `reach` how near something else is that hides it, metres.
- * @return false: the instance has none */
-bool object_point_make(const lmb_tracer *tracer, uint32_t instance, uint64_t stream, uint32_t index, uint32_t count,
-                       float radius, float reach, object_point *point);
+/* Point `index` of `count` on an object's surface, by area; `radius`, as of a texel, is what it is pushed out of
+ * geometry by, `reach` how near something else is that hides it, metres. */
+void object_point_make(const lmb_opaque_surface *surface, uint64_t stream, uint32_t index, uint32_t count, float radius,
+                       float reach, object_point *point);
 
 #endif

@@ -289,6 +289,23 @@ lmb_result lmb_probes_add_set(lmb_probes *probes, uint32_t *set)
     return LMB_OK;
 }
 
+void lmb_probes_clear_light(lmb_probes *probes)
+{
+    assert(probes);
+    for (uint32_t set = 0; set < probes->set_count; ++set) {
+        for (int32_t i = 0; i < probes->count; ++i) {
+            probes->radiance[set][i] = (lmb_sh3_rgb){0};
+        }
+    }
+    for (int32_t i = 0; i < probes->count; ++i) {
+        memset(probes->key_visibility[i], 0, sizeof probes->key_visibility[i]);
+    }
+    probes->key_light_count = 0;
+    lmb_probes_free_locals(probes);
+    probes->local = NULL;
+    probes->local_count = 0;
+}
+
 void lmb_probes_destroy(lmb_probes *probes)
 {
     if (!probes) {

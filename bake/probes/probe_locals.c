@@ -12,7 +12,7 @@
 #include "probes/placement_internal.h"
 
 /* Probes along the longest side, where nothing else is told. */
-enum { LONGEST_SIDE_PROBES = 4 };
+enum { LONGEST_SIDE_PROBES = 6 };
 
 /* Shares of the longest side: sides shorter than the first have one probe; the second is what steps count at least, so
  * that they keep a direction. Of the spacing of probes in the level likewise. */

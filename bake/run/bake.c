@@ -7,23 +7,15 @@
 #include "base/clock.h"
 #include "run/bake_current.h"
 #include "run/bake_folder_internal.h"
+#include "run/bake_internal.h"
 #include "run/bake_work.h"
 #include "run/bake_write.h"
-#include "run/forecast.h"
 #include "run/kept.h"
 #include "run/prepared.h"
 
-/* Between the work, which names what it does, and who listens to the bake. */
-typedef struct bake_report {
-    lmb_bake_listener listener;
-    lmb_forecast forecast;
-    lmb_bake_phase phase;
-    double phase_start;
-} bake_report;
-
 static bool report_progress(void *context, const char *name, double done)
 {
-    bake_report *report = context;
+    lmb_bake_report *report = context;
     const lmb_bake_phase phase = lmb_bake_phase_find(name);
     const double now = lmb_clock_seconds();
     if (phase < LMB_PHASE_COUNT && phase != report->phase) {
@@ -37,14 +29,20 @@ static bool report_progress(void *context, const char *name, double done)
     return !report->listener.progress || report->listener.progress(report->listener.context, &progress);
 }
 
-static lmb_result forecast_renew(const lmb_bake *bake, bake_report *report, lmb_error *error)
+lmb_progress lmb_bake_report_begin(lmb_bake_report *report, const lmb_bake_listener *listener)
+{
+    *report = (lmb_bake_report){.phase = LMB_PHASE_LOAD, .phase_start = lmb_clock_seconds()};
+    report->listener = listener ? *listener : (lmb_bake_listener){.progress = NULL};
+    return (lmb_progress){report_progress, report};
+}
+
+static lmb_result forecast_renew(const lmb_bake *bake, lmb_bake_report *report, lmb_error *error)
 {
     const lmb_result result = lmb_forecast_make(bake, &report->forecast);
     return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "trial: %s", lmb_result_text(result));
 }
 
-/* Where probes stand, and the light on surfaces. `report` NULL: without a forecast. */
-static lmb_result bake_solve(lmb_bake *bake, bake_report *report, lmb_error *error)
+lmb_result lmb_bake_geometry(lmb_bake *bake, lmb_bake_report *report, lmb_error *error)
 {
     lmb_result result = lmb_bake_place(bake, error);
     if (result == LMB_OK && report) {
@@ -53,22 +51,35 @@ static lmb_result bake_solve(lmb_bake *bake, bake_report *report, lmb_error *err
     if (result == LMB_OK && report) {
         result = forecast_renew(bake, report, error);
     }
-    if (result == LMB_OK) {
-        result = lmb_bake_surface(bake, error);
+    if (result == LMB_OK && bake->record.settings.placed_by_all) {
+        result = lmb_bake_levels_by_all(bake, error);
     }
-    return result == LMB_OK ? lmb_bake_levels(bake, error) : result;
+    return result;
+}
+
+lmb_result lmb_bake_light(lmb_bake *bake, lmb_bake_report *report, lmb_error *error)
+{
+    lmb_result result = lmb_bake_surface(bake, error);
+    if (result == LMB_OK && !bake->record.settings.placed_by_all) {
+        result = lmb_bake_levels(bake, error);
+    }
+    return result == LMB_OK && report ? forecast_renew(bake, report, error) : result;
+}
+
+static lmb_result bake_solve(lmb_bake *bake, lmb_bake_report *report, lmb_error *error)
+{
+    const lmb_result result = lmb_bake_geometry(bake, report, error);
+    return result == LMB_OK ? lmb_bake_light(bake, report, error) : result;
 }
 
 /* All that comes before light is gathered; `prepared` as lmb_bake_work has it. */
-static lmb_result bake_prepare(lmb_bake *bake, const char *prepared, bake_report *report, lmb_error *error)
+static lmb_result bake_prepare(lmb_bake *bake, const char *prepared, lmb_bake_report *report, lmb_error *error)
 {
-    lmb_result result;
-    if (prepared) {
-        result = lmb_bake_prepared_read(bake, prepared, error);
-        result = result == LMB_OK ? lmb_bake_layout(bake, error) : result;
-    } else {
-        result = bake_solve(bake, report, error);
+    if (!prepared) {
+        return bake_solve(bake, report, error);
     }
+    lmb_result result = lmb_bake_prepared_read(bake, prepared, error);
+    result = result == LMB_OK ? lmb_bake_layout(bake, error) : result;
     return result == LMB_OK ? forecast_renew(bake, report, error) : result;
 }
 
@@ -78,8 +89,8 @@ static lmb_result bake_gather(lmb_bake *bake, lmb_error *error)
     return result == LMB_OK ? lmb_bake_lightmaps(bake, error) : result;
 }
 
-static lmb_result bake_finish(lmb_bake *bake, const lmb_bake_settings *asked, const lmb_bake_work *work,
-                              lmb_bake_folder *folder, lmb_error *error)
+lmb_result lmb_bake_finish(lmb_bake *bake, const lmb_bake_settings *asked, const lmb_bake_work *work,
+                           lmb_bake_folder *folder, lmb_error *error)
 {
     if (!work->resume && !work->merge && !lmb_bake_work_is_shard(work)) {
         lmb_bake_folder_drop_parts(folder);
@@ -113,7 +124,7 @@ static lmb_result bake_finish(lmb_bake *bake, const lmb_bake_settings *asked, co
     return result;
 }
 
-/* What is to be taken from the folder's bake, and kept there: for bake_finish, once the level is prepared. */
+/* What is to be taken from the folder's bake, and kept there: for lmb_bake_finish, once the level is prepared. */
 static lmb_result kept_find(lmb_bake *bake, const lmb_bake_settings *asked, const lmb_bake_work *work,
                             const char *directory, lmb_kept *kept, lmb_error *error)
 {
@@ -158,27 +169,14 @@ static void changes_say(const lmb_bake *bake, const char *directory, bool stays)
     }
 }
 
-/* Whether nothing is to be done. */
-static bool bake_is_done(const lmb_bake_record *record, const lmb_bake_work *work, const char *directory)
-{
-    if (work->again || lmb_bake_work_is_shard(work)) {
-        return false;
-    }
-    if (work->prepare) {
-        return lmb_bake_prepared_is_current(directory, record->key);
-    }
-    return lmb_bake_is_current(directory, record->key, work->keep) ||
-           (work->only && lmb_bake_is_current(directory, lmb_bake_part_key(record->key, work->only), true));
-}
-
 /* All of an open level's bake. */
 static lmb_result bake_whole(lmb_bake *bake, const lmb_bake_settings *asked, const lmb_bake_work *work,
-                             lmb_bake_folder *folder, bake_report *report, lmb_error *error)
+                             lmb_bake_folder *folder, lmb_bake_report *report, lmb_error *error)
 {
     const char *const directory = lmb_bake_folder_directory(folder);
     const bool keeps = work->keep || work->only;
     lmb_kept kept = {.read_from = NULL};
-    bake->record.is_current = bake_is_done(&bake->record, work, directory);
+    bake->record.is_current = lmb_bake_work_is_done(work, folder, bake->record.key);
     if (bake->record.is_current) {
         return LMB_OK;
     }
@@ -195,16 +193,15 @@ static lmb_result bake_whole(lmb_bake *bake, const lmb_bake_settings *asked, con
     if (result == LMB_OK && keeps) {
         result = kept_begin(bake, folder, &kept, error);
     }
-    return result == LMB_OK ? bake_finish(bake, asked, work, folder, error) : result;
+    return result == LMB_OK ? lmb_bake_finish(bake, asked, work, folder, error) : result;
 }
 
 /* `folder` NULL: a plan. */
 static lmb_result bake_level(const lmb_bake_settings *settings, const lmb_bake_work *work, lmb_bake_folder *folder,
                              const lmb_bake_listener *listener, lmb_bake_record *record, lmb_error *error)
 {
-    bake_report report = {.phase = LMB_PHASE_LOAD, .phase_start = lmb_clock_seconds()};
-    report.listener = listener ? *listener : (lmb_bake_listener){.progress = NULL};
-    const lmb_progress progress = {report_progress, &report};
+    lmb_bake_report report;
+    const lmb_progress progress = lmb_bake_report_begin(&report, listener);
     lmb_level level;
     lmb_result result = lmb_level_open(&settings->level, &report.listener.warnings, &progress, &level, error);
     if (result != LMB_OK) {

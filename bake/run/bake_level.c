@@ -72,26 +72,37 @@ static void sets_list(const lmb_scene *scene, char *text, size_t size)
     }
 }
 
-static lmb_result light_set_show(lmb_level *level, lmb_error *error)
+lmb_result lmb_level_find_light_set(const lmb_level *level, const char *name, uint32_t *set, lmb_error *error)
 {
-    const char *const name = level->settings.light_set;
-    lmb_scene *const scene = level->scene;
-    if (!name) {
-        return LMB_OK;
+    const lmb_scene *const scene = level->scene;
+    uint32_t found = scene->light_set_count;
+    while (found > 0 && strcmp(lmb_scene_light_set_name(scene, found), name) != 0) {
+        --found;
     }
-    uint32_t set = scene->light_set_count;
-    while (set > 0 && strcmp(lmb_scene_light_set_name(scene, set), name) != 0) {
-        --set;
-    }
-    if (set == 0 && strcmp(name, LMB_LIGHT_SET_BASE) != 0) {
+    if (found == 0 && strcmp(name, LMB_LIGHT_SET_BASE) != 0) {
         char known[256];
         sets_list(scene, known, sizeof known);
         return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: no light is of the set '%s'; there %s %s%s%s%s",
                              scene->path, name, scene->light_set_count > 0 ? "are" : "is no other than", known,
                              scene->light_set_count > 0 ? " and '" : "'", LMB_LIGHT_SET_BASE, "'");
     }
-    return lmb_scene_show_light_set(scene, set) == LMB_OK ? LMB_OK
-                                                          : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    *set = found;
+    return LMB_OK;
+}
+
+static lmb_result light_set_show(lmb_level *level, lmb_error *error)
+{
+    uint32_t set;
+    if (!level->settings.light_set) {
+        return LMB_OK;
+    }
+    const lmb_result result = lmb_level_find_light_set(level, level->settings.light_set, &set, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    return lmb_scene_show_light_set(level->scene, set) == LMB_OK
+               ? LMB_OK
+               : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
 }
 
 static lmb_result level_load(lmb_level *level, const lmb_progress *progress, lmb_error *error)

@@ -114,6 +114,9 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
         cJSON_AddNumberToObject(json, "min_spacing", (double)settings->min_spacing);
         cJSON_AddNumberToObject(json, "tolerance", settings->tolerance);
     }
+    if (settings->placed_by_all) {
+        cJSON_AddTrueToObject(json, "placed_by_all");
+    }
     cJSON_AddNumberToObject(json, "max_probes", settings->max_probes);
     cJSON *seeds = cJSON_AddArrayToObject(json, "seed_points");
     for (uint32_t i = 0; i < settings->seed_count; ++i) {
@@ -299,6 +302,7 @@ bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
     read.noise = number_or(json, "noise", read.noise);
     read.min_spacing = (float)number_or(json, "min_spacing", 0.0);
     read.tolerance = number_or(json, "tolerance", read.tolerance);
+    read.placed_by_all = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "placed_by_all"));
     read.no_probes = cJSON_IsFalse(cJSON_GetObjectItemCaseSensitive(json, "probes"));
     read.compact = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "compact"));
     read.lightmaps = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "lightmaps"));

@@ -10,8 +10,10 @@
 #include <lambent/volume_format.h>
 
 #include "lightmap/lightmap_files.h"
+#include "run/bake_current.h"
 #include "run/bake_folder_internal.h"
 #include "run/bake_settings_internal.h"
+#include "run/prepared.h"
 
 #define SHARD_NAME "shard.json"
 
@@ -39,6 +41,19 @@ uint64_t lmb_bake_key(const lmb_bake_settings *settings, uint64_t content_hash)
 uint64_t lmb_bake_part_key(uint64_t key, const lmb_vec3d box[2])
 {
     return lmb_hash(key, box, 2 * sizeof *box);
+}
+
+bool lmb_bake_work_is_done(const lmb_bake_work *work, const lmb_bake_folder *folder, uint64_t key)
+{
+    const char *const directory = lmb_bake_folder_directory(folder);
+    if (work->again || lmb_bake_work_is_shard(work)) {
+        return false;
+    }
+    if (work->prepare) {
+        return lmb_bake_prepared_is_current(directory, key);
+    }
+    return lmb_bake_is_current(directory, key, work->keep) ||
+           (work->only && lmb_bake_is_current(directory, lmb_bake_part_key(key, work->only), true));
 }
 
 void lmb_bake_parts_free(lmb_parts *parts)

@@ -18,6 +18,9 @@ static inline bool lmb_bake_work_is_shard(const lmb_bake_work *work)
     return work->shard_count > 1;
 }
 
+/* Whether there is nothing to do: the folder holds what is asked for, of the bake of that key. */
+bool lmb_bake_work_is_done(const lmb_bake_work *work, const lmb_bake_folder *folder, uint64_t key);
+
 /* The parts of a bake into `folder`. @return LMB_ERROR_MEMORY */
 lmb_result lmb_bake_parts_make(const lmb_bake_work *work, const lmb_bake_folder *folder, uint64_t key,
                                lmb_parts *parts);

@@ -11,6 +11,8 @@
 /* Dimension pairs of a point's sequence. */
 enum { PAIR_TRIANGLE, PAIR_POINT };
 
+#define ALL_STATIC UINT32_MAX
+
 static bool triangle_is_opaque(const lmb_scene *scene, const lmb_mesh *mesh, uint32_t triangle)
 {
     const lmb_material *material = &scene->materials[mesh->material[triangle]];
@@ -23,7 +25,8 @@ static double triangle_area(const lmb_tracer *tracer, uint32_t instance, uint32_
     return isfinite(area) ? area : 0.0;
 }
 
-lmb_result lmb_opaque_surface_create(const lmb_tracer *tracer, lmb_opaque_surface *surface)
+/* Of one instance, or, where that is none, of all static ones. */
+static lmb_result surface_create(const lmb_tracer *tracer, uint32_t only, lmb_opaque_surface *surface)
 {
     const lmb_scene *scene = lmb_tracer_scene(tracer);
     lmb_opaque_surface created = {.tracer = tracer};
@@ -34,7 +37,7 @@ lmb_result lmb_opaque_surface_create(const lmb_tracer *tracer, lmb_opaque_surfac
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const lmb_instance *instance = &scene->instances[i];
         created.first[i + 1] = created.first[i];
-        if (!instance->dynamic) {
+        if (only == ALL_STATIC ? !instance->dynamic : i == only) {
             created.first[i + 1] += scene->meshes[instance->mesh].triangle_count;
         }
     }
@@ -60,6 +63,16 @@ lmb_result lmb_opaque_surface_create(const lmb_tracer *tracer, lmb_opaque_surfac
     created.area_before[created.entry_count] = area;
     *surface = created;
     return LMB_OK;
+}
+
+lmb_result lmb_opaque_surface_create(const lmb_tracer *tracer, lmb_opaque_surface *surface)
+{
+    return surface_create(tracer, ALL_STATIC, surface);
+}
+
+lmb_result lmb_opaque_surface_create_of(const lmb_tracer *tracer, uint32_t instance, lmb_opaque_surface *surface)
+{
+    return surface_create(tracer, instance, surface);
 }
 
 void lmb_opaque_surface_free(lmb_opaque_surface *surface)

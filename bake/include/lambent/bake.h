@@ -61,6 +61,24 @@ lmb_result lmb_bake_run(const lmb_bake_settings *settings, lmb_bake_folder *fold
 lmb_result lmb_bake_run_as(const lmb_bake_settings *settings, const lmb_bake_work *work, lmb_bake_folder *folder,
                            const lmb_bake_listener *listener, lmb_bake_record *record, lmb_error *error);
 
+/* Where bakes of several sets go. Both are called on the thread that called them. */
+typedef struct lmb_bake_set_folders {
+    /* Opens the folder of a set, as lmb_bake_run_as takes it. */
+    lmb_result (*open)(void *context, const char *set, lmb_bake_folder **folder, lmb_error *error);
+    /* Closes it; `record` NULL: the bake failed. */
+    void (*close)(void *context, const char *set, lmb_bake_folder *folder, const lmb_bake_record *record);
+    void *context;
+} lmb_bake_set_folders;
+
+/* Bakes of a level's sets of lights (lambent/light_sets.h), one after another into a folder each, by one loading, one
+ * placement of probes and one layout of lightmaps: as lmb_bake_run_as makes each with `level.light_set` and
+ * `placed_by_all`, to the byte. `name`: `count` of them, LMB_LIGHT_SET_BASE among them, or, where the count is 0, all
+ * that give light. Those that are done when one fails stay. @return as lmb_bake_run_as; what `open` returns;
+ * LMB_ERROR_ARGUMENT (the settings are of one set already) */
+lmb_result lmb_bake_run_sets(const lmb_bake_settings *settings, const lmb_bake_work *work, const char *const *name,
+                             uint32_t count, const lmb_bake_set_folders *folders, const lmb_bake_listener *listener,
+                             lmb_error *error);
+
 /* What a shard in that folder was asked for: settings for lmb_bake_run_as. Their strings lie in `*json`, which the
  * caller frees by cJSON_Delete. @return LMB_ERROR_IO, _FORMAT, _MEMORY; then `*json` is NULL */
 struct cJSON;

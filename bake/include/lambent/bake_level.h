@@ -77,6 +77,9 @@ lmb_result lmb_level_open(const lmb_level_settings *settings, const lmb_warnings
                           const lmb_progress *progress, lmb_level *level, lmb_error *error);
 void lmb_level_close(lmb_level *level);
 
+/* The set of lights of that name: LMB_LIGHT_SET_BASE is 0. @return LMB_ERROR_UNSUPPORTED (no light names it) */
+lmb_result lmb_level_find_light_set(const lmb_level *level, const char *name, uint32_t *set, lmb_error *error);
+
 /* Lights one of the level's sets of lights alone, or all (lambent/light_sets.h); the estimator is the reference again.
  * @return LMB_ERROR_MEMORY */
 lmb_result lmb_level_show_light_set(lmb_level *level, uint32_t set, lmb_error *error);

@@ -36,6 +36,14 @@ lmb_result lmb_bake_levels(lmb_bake *bake, lmb_error *error); /* of probes, wher
 lmb_result lmb_bake_probes(lmb_bake *bake, lmb_error *error);
 lmb_result lmb_bake_lightmaps(lmb_bake *bake, lmb_error *error);
 
+/* lmb_bake_levels by the light of all of the level's sets, where the settings ask for levels: solves that first, and
+ * shows the set again that was shown. */
+lmb_result lmb_bake_levels_by_all(lmb_bake *bake, lmb_error *error);
+
+/* Shows another set of lights, and makes the bake one of that set alone, placed and laid out as it is, which has yet to
+ * solve the light on surfaces. `record` is what it was after the phases that all sets share. */
+lmb_result lmb_bake_show_light_set(lmb_bake *bake, uint32_t set, const lmb_bake_record *record, lmb_error *error);
+
 /* Frees what the bake holds, but not the level; its record stays. */
 void lmb_bake_end(lmb_bake *bake);
 

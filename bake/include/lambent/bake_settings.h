@@ -20,6 +20,8 @@ typedef struct lmb_bake_settings {
     float
         min_spacing;  /* metres: levels of half the spacing each, as far as none is less than this; 0: one even level */
     double tolerance; /* of interpolation, relative: decides where levels are */
+    bool placed_by_all; /* levels are where the light of all sets wants them, rather than that of level.light_set: so
+                           that the volumes of all sets have the same probes */
     int32_t max_probes;
     lmb_vec3d seeds[LMB_BAKE_MAX_SEEDS]; /* in the world */
     uint32_t seed_count;

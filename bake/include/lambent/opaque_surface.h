@@ -21,6 +21,9 @@ typedef struct lmb_opaque_surface {
 
 /* @return LMB_ERROR_MEMORY */
 lmb_result lmb_opaque_surface_create(const lmb_tracer *tracer, lmb_opaque_surface *surface);
+
+/* Those of one instance alone, also if it is a moving one. @return LMB_ERROR_MEMORY */
+lmb_result lmb_opaque_surface_create_of(const lmb_tracer *tracer, uint32_t instance, lmb_opaque_surface *surface);
 void lmb_opaque_surface_free(lmb_opaque_surface *surface);
 
 /* Square metres; 0 when there is no opaque triangle: then no point may be asked for. */

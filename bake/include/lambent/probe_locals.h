@@ -10,7 +10,7 @@ extern "C" {
 #endif
 
 /* The box around an instance in its own axes, made square where it is skewed, as a frame in the world. Without a size
- * of the instance's own, 4 probes along its longest side, and along the others as many as make them about as far apart,
+ * of the instance's own, 6 probes along its longest side, and along the others as many as make them about as far apart,
  * at least 2; or 1 along a side of less than a thousandth of that.
  * @return false: the instance has no triangles */
 bool lmb_probe_local_frame(const lmb_scene *scene, uint32_t instance, lmb_local_frame *frame);

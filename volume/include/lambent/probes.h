@@ -195,6 +195,9 @@ bool lmb_probes_hangs(const lmb_probes *probes, int32_t probe, lmb_probe_parents
 /* Gives all hanging probes their light in every set, and what is seen of key lights, coarse levels first. */
 void lmb_probes_hang(lmb_probes *probes);
 
+/* Takes all light out of them, as they were placed; local sets too, which are no more. */
+void lmb_probes_clear_light(lmb_probes *probes);
+
 /* Gives every probe with validity below LMB_PROBES_MIN_VALIDITY the mean radiance, and the mean visibility of key
  * lights, of its 26 neighbours on its level that have light (valid, or filled by an earlier pass), nearer ones weighing
  * more, pass after pass until nothing changes, in each set by itself. Probes that no valid one reaches stay dark.
