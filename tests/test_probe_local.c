@@ -4,6 +4,7 @@
 #include "harness.h"
 #include "probes_fixture.h"
 
+#include <lambent/file.h>
 #include <lambent/local_set_format.h>
 #include <lambent/pack.h>
 #include <lambent/vdb.h>
@@ -143,6 +144,38 @@ static void exchange_file_has_them(void)
           "packed again they are the same bytes");
     free(one);
     free(two);
+    lmb_probes_destroy(read);
+    lmb_probes_destroy(probes);
+}
+
+/* What tests/golden/local_sets.* hold, files of versions 4 (.lmb) and 3 (.vdb), is read for ever. Where it is not these
+ * probes, files of today lie in the tests' output folder. */
+static void golden_files_have_them(void)
+{
+    lmb_probes *const probes = probes_make();
+    lmb_probes *read = NULL;
+    unsigned char *golden = NULL, *now = NULL, *then = NULL;
+    size_t golden_size = 0, now_size = 0, then_size = 0;
+    lmb_error error = {{0}};
+    CHECK(lmb_pack(probes, &now, &now_size, NULL) == LMB_OK, "packed");
+    CHECK(lmb_file_read(LMB_GOLDEN_DIR "/local_sets.lmb", &golden, &golden_size, &error) == LMB_OK &&
+              lmb_vdb_read(LMB_GOLDEN_DIR "/local_sets.vdb", &read, NULL, NULL, &error) == LMB_OK &&
+              lmb_pack(read, &then, &then_size, NULL) == LMB_OK,
+          "%s", error.message);
+    const bool as_stored = now && golden && now_size == golden_size && memcmp(now, golden, now_size) == 0;
+    const bool as_read = now && then && now_size == then_size && memcmp(now, then, now_size) == 0;
+    CHECK(as_stored, "local_sets.lmb has %zu bytes, packed they are %zu", golden_size, now_size);
+    CHECK(as_read, "local_sets.vdb packs to %zu bytes, not to these %zu", then_size, now_size);
+    if (!as_stored || !as_read) {
+        static const lmb_vdb_metadata metadata = {"{}", "0"};
+        mkdir(LMB_TEST_OUTPUT_DIR, 0777);
+        mkdir(OUTPUT, 0777);
+        lmb_file_write(OUTPUT "/local_sets.lmb", now, now_size, NULL);
+        lmb_vdb_write(OUTPUT "/local_sets.vdb", probes, &metadata, NULL);
+    }
+    free(golden);
+    free(now);
+    free(then);
     lmb_probes_destroy(read);
     lmb_probes_destroy(probes);
 }
@@ -352,6 +385,7 @@ static void sets_move_with_objects(void)
 static const test_case cases[] = {
     {"the run-time file has them", run_time_file_has_them},
     {"the exchange file has them", exchange_file_has_them},
+    {"golden files have them", golden_files_have_them},
     {"forged bytes are harmless", forged_bytes_are_harmless},
     {"broken sections are refused", broken_sections_are_refused},
     {"frames that are none are refused", frames_that_are_none_are_refused},
