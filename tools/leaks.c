@@ -9,7 +9,7 @@
  *     of own      the worst of these three over the own light there
  *     mean, rmse  of the own light: error of the mean, relative RMSE of irradiance, the worst of the three
  *     step        the largest along straight lines within a room, over its light
- *     bytes, ns   a probe, everything counted; a sample, CPU time
+ *     bytes, ns   of the whole over the probes of the even lattice; a sample, CPU time
  *
  * Where light gets from room to room by ways of its own only what goes beyond the truth is a leak. Tables and what they
  * say are in docs/leaks.md. */
