@@ -225,7 +225,7 @@ typedef struct room_fixture {
     leaks_field field;
 } room_fixture;
 
-static bool room_fixture_open(room_fixture *rooms, const char *name, float spacing)
+static bool room_fixture_open(room_fixture *rooms, const char *name, float spacing, uint32_t points)
 {
     lmb_error error = {{0}};
     const lmb_result opened = leaks_level_open(lmb_leak_scene_find(name), output_path(name), 2, &rooms->level, &error);
@@ -233,7 +233,7 @@ static bool room_fixture_open(room_fixture *rooms, const char *name, float spaci
     if (opened != LMB_OK) {
         return false;
     }
-    const lmb_result placed = leaks_places_make(&rooms->level, 128, 128, &rooms->places);
+    const lmb_result placed = leaks_places_make(&rooms->level, points, 128, &rooms->places);
     const lmb_result baked =
         placed == LMB_OK ? leaks_field_bake(&rooms->level, spacing, 64, &rooms->field, &error) : placed;
     CHECK(baked == LMB_OK, "%s: %s", name, error.message);
@@ -278,7 +278,7 @@ static double worst_leak(const leaks_figures *figures)
 static void sealed_rooms_tell_methods_apart(void)
 {
     room_fixture rooms;
-    if (!room_fixture_open(&rooms, "turned.200mm", 1.0f)) {
+    if (!room_fixture_open(&rooms, "turned.200mm", 1.0f, 128)) {
         return;
     }
     size_t at[LEAKS_KINDS] = {0};
@@ -308,13 +308,13 @@ static void sealed_rooms_tell_methods_apart(void)
 /* --- regions ----------------------------------------------------------------------------------------------------- */
 
 /* A cell of 2 m holds a corner of the house, or many facets of the round wall: planes have to be chosen together, and
- * by what lies right beside walls. */
+ * by what lies right beside walls; and where facets meet, which few points are near to. */
 static void many_planes_part_two_regions(void)
 {
     static const char *const names[] = {"nested", "curved"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         room_fixture rooms;
-        if (!room_fixture_open(&rooms, names[i], 2.0f)) {
+        if (!room_fixture_open(&rooms, names[i], 2.0f, 1024)) {
             continue;
         }
         const leaks_figures trilinear = figures_of(&rooms, "trilinear"), regions = figures_of(&rooms, "regions");
@@ -330,7 +330,7 @@ static void many_planes_part_two_regions(void)
 static void levels_keep_own_light(void)
 {
     room_fixture rooms;
-    if (!room_fixture_open(&rooms, "curved", 2.0f)) {
+    if (!room_fixture_open(&rooms, "curved", 2.0f, 128)) {
         return;
     }
     const leaks_figures regions = figures_of(&rooms, "regions"), levels = figures_of(&rooms, "levels");
