@@ -88,6 +88,25 @@ static void lamps_are_in_no_room(void)
     }
 }
 
+/* Nor in the roof of the house, over its lamp, nor in a column; but beside them somebody is. */
+static void solids_are_in_no_room(void)
+{
+    static const struct {
+        const char *scene;
+        lmb_vec3 at;
+        int room;
+    } table[] = {
+        {"nested", {0.0f, 2.25f, 0.0f}, -1}, {"nested", {0.0f, 2.31f, 0.0f}, 1}, {"nested", {0.0f, 2.15f, 0.0f}, 0},
+        {"nested", {1.3f, 1.0f, 0.0f}, -1},  {"nested", {1.36f, 1.0f, 0.0f}, 1}, {"column", {0.24f, 1.0f, 0.0f}, -1},
+        {"column", {0.26f, 1.0f, 0.0f}, 1},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
+        const lmb_leak_scene *scene = lmb_leak_scene_find(table[i].scene);
+        const int found = lmb_leak_scene_room_at(scene, lmb_leak_scene_to_world(scene, table[i].at));
+        CHECK(found == table[i].room, "%s, row %zu: %d", table[i].scene, i, found);
+    }
+}
+
 /* --- figures by hand --------------------------------------------------------------------------------------------- */
 
 typedef struct hand_field {
@@ -176,6 +195,27 @@ static void figures_by_hand(void)
     CHECK_NEAR(leaks_measure(&sampler, &places).at[LEAKS_10_CM].leak, (2.3 - 1.5) / 8.0, 1e-6, "the excess counts");
 }
 
+/* Of four points with the truths 1, 1, 3 and 3 and a light of 2 each is 1, 1, -1 and -1 off: the ratio is 1, and its
+ * error 2 / 8. */
+static void the_mean_has_a_standard_error(void)
+{
+    leaks_point point[4] = {{.kind = LEAKS_10_CM}, {.kind = LEAKS_10_CM}, {.kind = LEAKS_10_CM}, {.kind = LEAKS_10_CM}};
+    for (int i = 0; i < 4; ++i) {
+        point[i].truth.channel[0].c[0] = i < 2 ? 1.0f : 3.0f;
+    }
+    leaks_places places = {.point = point, .point_count = 4};
+    leaks_home_means(&places);
+    static const struct {
+        double red, mean, error;
+    } table[] = {{2.0, 0.0, 0.0}, {2.2, 0.1, 0.275}, {1.0, -0.5, 0.125}};
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i) {
+        const hand_field field = {.red = table[i].red};
+        const leaks_errors at = leaks_measure(&(leaks_sampler){&by_hand, &field}, &places).at[LEAKS_10_CM];
+        CHECK_NEAR(at.own_mean, table[i].mean, 1e-6, "red is %g", table[i].red);
+        CHECK_NEAR(at.own_std_error, table[i].error, 1e-6, "red is %g", table[i].red);
+    }
+}
+
 /* --- rooms ------------------------------------------------------------------------------------------------------- */
 
 /* A scene baked with few samples. */
@@ -185,7 +225,7 @@ typedef struct room_fixture {
     leaks_field field;
 } room_fixture;
 
-static bool room_fixture_open(room_fixture *rooms, const char *name, float spacing)
+static bool room_fixture_open(room_fixture *rooms, const char *name, float spacing, uint32_t points)
 {
     lmb_error error = {{0}};
     const lmb_result opened = leaks_level_open(lmb_leak_scene_find(name), output_path(name), 2, &rooms->level, &error);
@@ -193,7 +233,7 @@ static bool room_fixture_open(room_fixture *rooms, const char *name, float spaci
     if (opened != LMB_OK) {
         return false;
     }
-    const lmb_result placed = leaks_places_make(&rooms->level, 128, &rooms->places);
+    const lmb_result placed = leaks_places_make(&rooms->level, points, 128, &rooms->places);
     const lmb_result baked =
         placed == LMB_OK ? leaks_field_bake(&rooms->level, spacing, 64, &rooms->field, &error) : placed;
     CHECK(baked == LMB_OK, "%s: %s", name, error.message);
@@ -238,7 +278,7 @@ static double worst_leak(const leaks_figures *figures)
 static void sealed_rooms_tell_methods_apart(void)
 {
     room_fixture rooms;
-    if (!room_fixture_open(&rooms, "turned.200mm", 1.0f)) {
+    if (!room_fixture_open(&rooms, "turned.200mm", 1.0f, 128)) {
         return;
     }
     size_t at[LEAKS_KINDS] = {0};
@@ -268,13 +308,13 @@ static void sealed_rooms_tell_methods_apart(void)
 /* --- regions ----------------------------------------------------------------------------------------------------- */
 
 /* A cell of 2 m holds a corner of the house, or many facets of the round wall: planes have to be chosen together, and
- * by what lies right beside walls. */
+ * by what lies right beside walls; and where facets meet, which few points are near to. */
 static void many_planes_part_two_regions(void)
 {
     static const char *const names[] = {"nested", "curved"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         room_fixture rooms;
-        if (!room_fixture_open(&rooms, names[i], 2.0f)) {
+        if (!room_fixture_open(&rooms, names[i], 2.0f, 1024)) {
             continue;
         }
         const leaks_figures trilinear = figures_of(&rooms, "trilinear"), regions = figures_of(&rooms, "regions");
@@ -290,7 +330,7 @@ static void many_planes_part_two_regions(void)
 static void levels_keep_own_light(void)
 {
     room_fixture rooms;
-    if (!room_fixture_open(&rooms, "curved", 2.0f)) {
+    if (!room_fixture_open(&rooms, "curved", 2.0f, 128)) {
         return;
     }
     const leaks_figures regions = figures_of(&rooms, "regions"), levels = figures_of(&rooms, "levels");
@@ -308,8 +348,10 @@ static void levels_keep_own_light(void)
 static const test_case cases[] = {
     {"rooms are sealed or open", rooms_are_sealed_or_open},
     {"lamps are in no room", lamps_are_in_no_room},
+    {"solids are in no room", solids_are_in_no_room},
     {"a step of known height is found", a_step_of_known_height_is_found},
     {"figures by hand", figures_by_hand},
+    {"the mean has a standard error", the_mean_has_a_standard_error},
     {"sealed rooms tell methods apart", sealed_rooms_tell_methods_apart},
     {"many planes part two regions", many_planes_part_two_regions},
     {"levels keep own light", levels_keep_own_light},

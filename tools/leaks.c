@@ -9,7 +9,7 @@
  *     of own      the worst of these three over the own light there
  *     mean, rmse  of the own light: error of the mean, relative RMSE of irradiance, the worst of the three
  *     step        the largest along straight lines within a room, over its light
- *     bytes, ns   a probe, everything counted; a sample, CPU time
+ *     bytes, ns   of the whole over the probes of the even lattice; a sample, CPU time
  *
  * Where light gets from room to room by ways of its own only what goes beyond the truth is a leak. Tables and what they
  * say are in docs/leaks.md. */
@@ -33,7 +33,7 @@ static const char usage[] =
     "  --json                one JSON object in place of the tables\n"
     "  --pictures DIR        plans as PNG, for each scene, spacing and method\n";
 
-enum { PROBE_SAMPLES = 256, TRUTH_SAMPLES = 1024, MOST_SPACINGS = 8 };
+enum { PROBE_SAMPLES = 256, TRUTH_SAMPLES = 1024, POINTS = 1024, MOST_SPACINGS = 8 };
 
 /* By default scenes that are not small have no probes nearer to each other: it would take minutes more. */
 #define LEAST_OF_LARGE_M 0.5
@@ -101,8 +101,9 @@ static void row_print_json(const leaks_row *row, bool first)
            row->probes);
     for (int kind = 0; kind < LEAKS_KINDS; ++kind) {
         const leaks_errors *at = &row->figures.at[kind];
-        printf("\"%s\": {\"leak\": %.6g, \"of_own\": %.6g, \"own_mean\": %.6g, \"own_rmse\": %.6g},\n   ", kinds[kind],
-               at->leak, at->of_own, at->own_mean, at->own_rmse);
+        printf("\"%s\": {\"leak\": %.6g, \"of_own\": %.6g, \"own_mean\": %.6g, \"own_std_error\": %.6g, "
+               "\"own_rmse\": %.6g},\n   ",
+               kinds[kind], at->leak, at->of_own, at->own_mean, at->own_std_error, at->own_rmse);
     }
     printf("\"step\": %.6g, \"bytes_per_probe\": %.4g, \"ns_per_sample\": %.4g}", row->figures.step, row->bytes,
            row->ns);
@@ -176,7 +177,7 @@ static lmb_result scene_measure(leaks_run *run, const lmb_leak_scene *scene, lmb
         return result;
     }
     leaks_places places;
-    result = leaks_places_make(&level, TRUTH_SAMPLES, &places);
+    result = leaks_places_make(&level, POINTS, TRUTH_SAMPLES, &places);
     if (result != LMB_OK) {
         lmb_error_set(error, result, "out of memory for points");
     } else {

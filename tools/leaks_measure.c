@@ -18,6 +18,7 @@ static void sample_at(const leaks_sampler *sampler, const leaks_point *point, lm
 /* Sums over the points of one kind in the rooms of one home. */
 typedef struct sums {
     double count, foreign, own, own_truth, squared_off, squared;
+    double own_squared, own_product, truth_squared; /* of the own channel, found and true */
 } sums;
 
 static void sums_add(sums *to, const leaks_point *point, const lmb_sh3_rgb *found, bool open)
@@ -25,8 +26,12 @@ static void sums_add(sums *to, const leaks_point *point, const lmb_sh3_rgb *foun
     const int home = point->home, foreign = 1 - home;
     to->count += 1.0;
     to->foreign += (double)found->channel[foreign].c[0] - (open ? (double)point->truth.channel[foreign].c[0] : 0.0);
-    to->own += (double)found->channel[home].c[0];
-    to->own_truth += (double)point->truth.channel[home].c[0];
+    const double own = (double)found->channel[home].c[0], own_truth = (double)point->truth.channel[home].c[0];
+    to->own += own;
+    to->own_truth += own_truth;
+    to->own_squared += own * own;
+    to->own_product += own * own_truth;
+    to->truth_squared += own_truth * own_truth;
     for (int i = 0; i < 6; ++i) {
         const double truth = (double)lmb_sh3_irradiance(&point->truth.channel[home], axes[i]);
         const double off = (double)lmb_sh3_irradiance(&found->channel[home], axes[i]) - truth;
@@ -35,16 +40,24 @@ static void sums_add(sums *to, const leaks_point *point, const lmb_sh3_rgb *foun
     }
 }
 
-static void keep_worse(double *kept, double found)
+/* Of the ratio of two means, over points that are drawn alike (Cochran 1977, "Sampling Techniques", chapter 6). */
+static double ratio_std_error(const sums *at)
 {
-    if (fabs(found) > fabs(*kept)) {
-        *kept = found;
-    }
+    const double ratio = at->own / at->own_truth;
+    const double squares = at->own_squared - 2.0 * ratio * at->own_product + ratio * ratio * at->truth_squared;
+    return sqrt(fmax(squares, 0.0)) / at->own_truth;
+}
+
+static bool keep_worse(double *kept, double found)
+{
+    const bool worse = fabs(found) > fabs(*kept);
+    *kept = worse ? found : *kept;
+    return worse;
 }
 
 static leaks_errors errors_of(const sums home[2], const double home_mean[2])
 {
-    leaks_errors worst = {0.0, 0.0, 0.0, 0.0};
+    leaks_errors worst = {0};
     for (int i = 0; i < 2; ++i) {
         const sums *at = &home[i];
         if (!(at->count > 0.0 && at->own_truth > 0.0)) {
@@ -52,7 +65,9 @@ static leaks_errors errors_of(const sums home[2], const double home_mean[2])
         }
         keep_worse(&worst.leak, home_mean[1 - i] > 0.0 ? at->foreign / at->count / home_mean[1 - i] : 0.0);
         keep_worse(&worst.of_own, at->foreign / at->own_truth);
-        keep_worse(&worst.own_mean, at->own / at->own_truth - 1.0);
+        if (keep_worse(&worst.own_mean, at->own / at->own_truth - 1.0)) {
+            worst.own_std_error = ratio_std_error(at);
+        }
         keep_worse(&worst.own_rmse, sqrt(at->squared_off / at->squared));
     }
     return worst;

@@ -31,9 +31,10 @@ typedef struct leaks_places {
     bool open;           /* the foreign light of the truth is no leak */
 } leaks_places;
 
-/* Finds points and lines and gathers the truth with `samples` samples at each point.
+/* Finds `points` points at each distance, a power of two, four times as many anywhere, and lines, and gathers the truth
+ * with `samples` samples at each point.
  * @return LMB_ERROR_MEMORY; then there is nothing to free */
-lmb_result leaks_places_make(const leaks_level *level, uint32_t samples, leaks_places *places);
+lmb_result leaks_places_make(const leaks_level *level, uint32_t points, uint32_t samples, leaks_places *places);
 void leaks_places_free(leaks_places *places);
 
 /* `home_mean` of points whose truth is known. */
@@ -42,10 +43,11 @@ void leaks_home_means(leaks_places *places);
 /* Mean radiance is meant, or l0: what arrives from all sides. Of the two channels, or the rooms of either home, each
  * has the one that is worst. */
 typedef struct leaks_errors {
-    double leak;     /* mean of the foreign channel beyond its truth, over the mean that it has at home */
-    double of_own;   /* the same over the own channel's mean there */
-    double own_mean; /* mean of the own channel over its truth, less 1 */
-    double own_rmse; /* of the own channel's irradiance on six normals, relative to its truth */
+    double leak;          /* mean of the foreign channel beyond its truth, over the mean that it has at home */
+    double of_own;        /* the same over the own channel's mean there */
+    double own_mean;      /* mean of the own channel over its truth, less 1 */
+    double own_std_error; /* of that, from the spread between points */
+    double own_rmse;      /* of the own channel's irradiance on six normals, relative to its truth */
 } leaks_errors;
 
 typedef struct leaks_figures {

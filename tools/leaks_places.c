@@ -9,7 +9,10 @@
 
 #include "leaks_measure.h"
 
-enum { POINTS = 128, POINTS_ANYWHERE = 512, LINES = 64, TRIES = 1 << 15 };
+enum { LINES = 64, TRIES_PER_POINT = 1 << 8 };
+
+/* Points anywhere, for each at a distance. */
+enum { ANYWHERE = 4 };
 
 /* Behind a surface that divides, a foreign room is nearer than this. */
 #define DIVIDES_M 0.6f
@@ -43,12 +46,14 @@ static bool divides(const leaks_level *level, lmb_vec3 surface, lmb_vec3 normal,
 }
 
 static void find_beside_surfaces(const leaks_level *level, const lmb_opaque_surface *surface, leaks_kind kind,
-                                 leaks_places *places)
+                                 uint32_t points, leaks_places *places)
 {
-    int found = 0;
-    for (uint32_t i = 0; i < TRIES && found < POINTS; ++i) {
+    const uint32_t tries = points * TRIES_PER_POINT;
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < tries && found < points; ++i) {
         /* Strides through the strata, so that the first that are found lie everywhere. */
-        const lmb_hit hit = lmb_opaque_surface_point(surface, (uint64_t)kind, i * 4057u % TRIES, TRIES);
+        const lmb_hit hit =
+            lmb_opaque_surface_point(surface, (uint64_t)kind, (uint32_t)(UINT64_C(4057) * i % tries), tries);
         const lmb_place place = lmb_trace_place(level->level.tracer, &hit);
         const lmb_vec3 at = lmb_vec3_mad(place.position, place.geometric_normal, distance_m[kind]);
         const int home = home_at(level->scene, at);
@@ -75,10 +80,10 @@ static bool room_point(const leaks_level *level, uint32_t index, lmb_vec3 *at, i
     return *home >= 0 && is_free(level, *at);
 }
 
-static void find_anywhere(const leaks_level *level, leaks_places *places)
+static void find_anywhere(const leaks_level *level, uint32_t points, leaks_places *places)
 {
-    int found = 0;
-    for (uint32_t i = 0; i < TRIES && found < POINTS_ANYWHERE; ++i) {
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < points * TRIES_PER_POINT && found < points; ++i) {
         leaks_point point = {.kind = LEAKS_ANYWHERE};
         if (room_point(level, i, &point.position, &point.home)) {
             places->point[places->point_count++] = point;
@@ -147,18 +152,18 @@ void leaks_home_means(leaks_places *places)
     }
 }
 
-lmb_result leaks_places_make(const leaks_level *level, uint32_t samples, leaks_places *places)
+lmb_result leaks_places_make(const leaks_level *level, uint32_t points, uint32_t samples, leaks_places *places)
 {
-    *places = (leaks_places){.point = malloc((2 * POINTS + POINTS_ANYWHERE) * sizeof *places->point),
+    *places = (leaks_places){.point = malloc((2 + ANYWHERE) * (size_t)points * sizeof *places->point),
                              .line = malloc(LINES * sizeof *places->line),
                              .open = level->scene->open};
     lmb_opaque_surface surface = {.tracer = NULL};
     lmb_result result =
         places->point && places->line ? lmb_opaque_surface_create(level->level.tracer, &surface) : LMB_ERROR_MEMORY;
     if (result == LMB_OK) {
-        find_beside_surfaces(level, &surface, LEAKS_1_CM, places);
-        find_beside_surfaces(level, &surface, LEAKS_10_CM, places);
-        find_anywhere(level, places);
+        find_beside_surfaces(level, &surface, LEAKS_1_CM, points, places);
+        find_beside_surfaces(level, &surface, LEAKS_10_CM, points, places);
+        find_anywhere(level, ANYWHERE * points, places);
         find_lines(level, places);
         lmb_opaque_surface_free(&surface);
         result = find_truth(level, samples, places);

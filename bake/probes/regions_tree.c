@@ -17,16 +17,32 @@
 
 enum {
     MOST_PLANES = 64,
-    /* Each line has nodes, one more beyond either face, and two ends for each part of it that something stands in. */
-    MOST_SAMPLES = LMB_REGION_NODES + 3 * LMB_REGION_LINES * 2 * (LMB_REGION_SIDE - 1)
+    MOST_MET = 256,
+    /* Each line has nodes, one more beyond either face, and two ends for each part of it that something stands in;
+     * triangles have three corners and three sides. */
+    MOST_SAMPLES = LMB_REGION_NODES + 3 * LMB_REGION_LINES * 2 * (LMB_REGION_SIDE - 1) + 6 * MOST_MET
 };
+
+/* Of the way from where a ray met a triangle to its corners. */
+#define TO_CORNER 0.95f
 
 typedef struct tree_plane {
     int16_t normal[3], offset;
     int votes; /* surfaces met that lie in it */
 } tree_plane;
 
+/* A side of a triangle, by the region that it is seen from. */
+typedef struct tree_met {
+    uint32_t instance, triangle;
+    uint8_t name;
+} tree_met;
+
 typedef struct tree_work {
+    const lmb_tracer *tracer;
+    lmb_region_frame frame;
+    uint64_t *rays;
+    tree_met met[MOST_MET];
+    int met_count;
     float t[MOST_SAMPLES][3];
     uint8_t name[MOST_SAMPLES];
     int count;
@@ -82,9 +98,10 @@ static void plane_add(tree_work *work, lmb_vec3 normal, float offset)
     }
 }
 
-static void surface_add(tree_work *work, const lmb_region_work *all, const lmb_region_frame *frame, const lmb_hit *hit)
+static void surface_add(tree_work *work, const lmb_hit *hit)
 {
-    const lmb_place place = lmb_trace_place(all->tracer, hit);
+    const lmb_region_frame *const frame = &work->frame;
+    const lmb_place place = lmb_trace_place(work->tracer, hit);
     const float inverse = 1.0f / frame->spacing;
     const lmb_vec3 from = lmb_vec3_scale(lmb_vec3_sub(place.position, frame->first), inverse);
     const lmb_vec3 n = place.geometric_normal;
@@ -92,6 +109,58 @@ static void surface_add(tree_work *work, const lmb_region_work *all, const lmb_r
         lmb_vec3_of(inverse * lmb_vec3_dot(n, frame->step[0]), inverse * lmb_vec3_dot(n, frame->step[1]),
                     inverse * lmb_vec3_dot(n, frame->step[2]));
     plane_add(work, normal, lmb_vec3_dot(n, from));
+}
+
+static bool met_before(tree_work *work, const lmb_hit *hit, uint8_t name)
+{
+    for (int i = 0; i < work->met_count; ++i) {
+        const tree_met *const met = &work->met[i];
+        if (met->instance == hit->instance && met->triangle == hit->triangle && met->name == name) {
+            return true;
+        }
+    }
+    const bool full = work->met_count == MOST_MET;
+    if (!full) {
+        work->met[work->met_count++] = (tree_met){hit->instance, hit->triangle, name};
+    }
+    return full;
+}
+
+/* How much of a way in the cell stays within it. */
+static float share_within(const float from[3], const float way[3])
+{
+    float share = 1.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float room = way[axis] > 0.0f ? 1.0f - from[axis] : from[axis];
+        share = fminf(share, fmaxf(room, 0.0f) / fmaxf(fabsf(way[axis]), 1e-6f));
+    }
+    return share;
+}
+
+/* From a sample beside a triangle along it, to its corners, or to where it leaves the cell: as far as that is seen, it
+ * is the same region. Facets meet there, and lines of nodes are too far apart to find which side of each is which. */
+static void corners_add(tree_work *work, const lmb_hit *hit, const float from[3], uint8_t name)
+{
+    if (name == LMB_REGION_NONE || met_before(work, hit, name)) {
+        return;
+    }
+    lmb_vec3 corner[3];
+    lmb_trace_corners(work->tracer, hit->instance, hit->triangle, corner);
+    const lmb_vec3 at = lmb_trace_place(work->tracer, hit).position;
+    const float inverse = TO_CORNER / (work->frame.spacing * work->frame.spacing);
+    for (int i = 0; i < 6; ++i) {
+        const lmb_vec3 side = lmb_vec3_scale(lmb_vec3_add(corner[i % 3], corner[(i + 1) % 3]), 0.5f);
+        const lmb_vec3 along_it = lmb_vec3_scale(lmb_vec3_sub(i < 3 ? corner[i] : side, at), inverse);
+        const float way[3] = {lmb_vec3_dot(along_it, work->frame.step[0]), lmb_vec3_dot(along_it, work->frame.step[1]),
+                              lmb_vec3_dot(along_it, work->frame.step[2])};
+        const float share = share_within(from, way);
+        const float to[3] = {from[0] + share * way[0], from[1] + share * way[1], from[2] + share * way[2]};
+        const lmb_rgb through = lmb_trace_transmittance(work->tracer, lmb_region_position(&work->frame, from),
+                                                        lmb_region_position(&work->frame, to), work->rays);
+        if (lmb_rgb_max(through) > 0.0f) {
+            sample_add(work, to, name);
+        }
+    }
 }
 
 /* Both ends of what stands between two nodes of a line: the first and the last surface. */
@@ -108,19 +177,20 @@ static void ends_add(tree_work *work, const uint8_t *name, int axis, int line, c
             lmb_region_node_at(low, t);
             t[axis] = found->at[i] - lmb_smaller(BEFORE_SHARE * (found->at[i] - t[axis]), BEFORE_MOST);
             sample_add(work, t, name[low]);
+            corners_add(work, &found->hit[i], t, name[low]);
         }
         if (i + 1 == found->count || lmb_region_node_before(found->at[i + 1]) != node) {
             lmb_region_node_at(high, t);
             t[axis] = found->at[i] + lmb_smaller(BEFORE_SHARE * (t[axis] - found->at[i]), BEFORE_MOST);
             sample_add(work, t, name[high]);
+            corners_add(work, &found->hit[i], t, name[high]);
         }
     }
 }
 
 static void samples_find(tree_work *work, const lmb_region_work *all, const lmb_region_cell *cell,
-                         const uint8_t name[LMB_CELL_REGIONS_MOST], uint64_t *rays)
+                         const uint8_t name[LMB_CELL_REGIONS_MOST])
 {
-    const lmb_region_frame frame = lmb_region_frame_of(all->probes, cell);
     const lmb_region_look *const look = &all->look[cell->look];
     uint8_t node_name[LMB_REGION_NODES];
     for (int node = 0; node < LMB_REGION_NODES; ++node) {
@@ -132,9 +202,9 @@ static void samples_find(tree_work *work, const lmb_region_work *all, const lmb_
     for (int axis = 0; axis < 3; ++axis) {
         for (int line = 0; line < LMB_REGION_LINES; ++line) {
             lmb_region_line found;
-            lmb_region_line_trace(all->tracer, &frame, axis, line, &found, rays);
+            lmb_region_line_trace(work->tracer, &work->frame, axis, line, &found, work->rays);
             for (int i = 0; i < found.count; ++i) {
-                surface_add(work, all, &frame, &found.hit[i]);
+                surface_add(work, &found.hit[i]);
             }
             ends_add(work, node_name, axis, line, &found);
         }
@@ -306,14 +376,17 @@ void lmb_region_tree_grow(const lmb_region_work *all, const lmb_region_cell *cel
                           const uint8_t name[LMB_CELL_REGIONS_MOST], lmb_region_tree *tree, uint64_t *rays)
 {
     tree_work work;
-    work.count = work.plane_count = 0;
+    work.tracer = all->tracer;
+    work.frame = lmb_region_frame_of(all->probes, cell);
+    work.rays = rays;
+    work.count = work.plane_count = work.met_count = 0;
     work.regions = 1;
     for (uint32_t i = 0; i < cell->count; ++i) {
         if (name[i] != LMB_REGION_NONE && name[i] >= work.regions) {
             work.regions = name[i] + 1u;
         }
     }
-    samples_find(&work, all, cell, name, rays);
+    samples_find(&work, all, cell, name);
     for (int i = 0; i < work.count; ++i) {
         work.order[i] = i;
     }

@@ -242,6 +242,19 @@ int lmb_leak_scene_rooms(const lmb_leak_scene *scene, lmb_leak_room room[LMB_LEA
     return all.room_count;
 }
 
+/* In a house, a column, a bar: the last block that holds the point says what is there. */
+static bool is_in_block(const layout *all, lmb_vec3 at)
+{
+    bool solid = false;
+    for (size_t i = 0; i < all->block_count; ++i) {
+        const lmb_level_block *block = &all->block[i];
+        const bool holds = at.x >= block->min.x && at.x <= block->max.x && at.y >= block->min.y &&
+                           at.y <= block->max.y && at.z >= block->min.z && at.z <= block->max.z;
+        solid = holds ? block->solid : solid;
+    }
+    return solid;
+}
+
 static bool is_in_lamp(const layout *all, lmb_vec3 at)
 {
     bool inside = false;
@@ -257,7 +270,8 @@ int lmb_leak_scene_room_at(const lmb_leak_scene *scene, lmb_vec3 world)
 {
     const lmb_vec3 at = from_world(scene, world);
     const layout all = layout_of(scene);
-    for (int i = 0; i < all.room_count && !is_in_lamp(&all, at); ++i) {
+    const bool is_free = !is_in_block(&all, at) && !is_in_lamp(&all, at);
+    for (int i = 0; i < all.room_count && is_free; ++i) {
         const lmb_leak_room *room = &all.room[i];
         const float x = at.x - 0.5f * (room->min.x + room->max.x), z = at.z - 0.5f * (room->min.z + room->max.z);
         if (at.x > room->min.x && at.x < room->max.x && at.y > room->min.y && at.y < room->max.y &&

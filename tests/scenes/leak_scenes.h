@@ -43,7 +43,7 @@ const lmb_leak_scene *lmb_leak_scene_find(const char *name);
 /* @return LMB_ERROR_MEMORY, _WRITE */
 lmb_result lmb_leak_scene_write(const lmb_leak_scene *scene, const char *path, lmb_error *error);
 
-/* Space that belongs to a lamp's colour. What stands in it (lamps, columns) is not cut out. */
+/* Space that belongs to a lamp's colour. What stands in it (lamps, columns, houses) is not cut out. */
 typedef struct lmb_leak_room {
     lmb_vec3 min, max; /* in the scene's own axes */
     float radius;      /* > 0: not the box, but the upright cylinder in the middle of it */
@@ -55,7 +55,8 @@ enum { LMB_LEAK_MOST_ROOMS = 4 };
 /* Where rooms lie in one another, the inner one comes first. @return how many there are */
 int lmb_leak_scene_rooms(const lmb_leak_scene *scene, lmb_leak_room room[LMB_LEAK_MOST_ROOMS]);
 
-/* The room at a point of the world, or -1: in no room, or within a lamp. */
+/* The room at a point of the world, or -1: in no room, or within a lamp or what else stands in it, but for round walls.
+ */
 int lmb_leak_scene_room_at(const lmb_leak_scene *scene, lmb_vec3 world);
 
 /* A point in the scene's own axes, in the world. */

@@ -28,7 +28,7 @@ typedef struct lmb_regions_stats {
     int64_t fitted; /* probes of the lattice that were not baked and get light from their cells */
     int64_t points; /* that light is gathered at for that */
     int64_t planes;
-    int64_t strays; /* nodes, and ends of rays at surfaces, that planes take for another region's, of cells cut */
+    int64_t strays; /* nodes, and places beside surfaces, that planes take for another region's, of cells cut */
     uint64_t rays;
 } lmb_regions_stats;
 
