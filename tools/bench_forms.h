@@ -6,7 +6,7 @@
 
 #include "bench_sampler.h"
 
-enum { BENCH_FORMS = 4, BENCH_CHUNK = 256 };
+enum { BENCH_FORMS = 4 };
 
 /* Of an lmb_volume, by single calls and by one for all. */
 void bench_sample_single(const void *volume, const lmb_vec3 *position, size_t count, lmb_sh3_rgb *radiance);
