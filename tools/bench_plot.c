@@ -31,7 +31,7 @@ typedef struct picture {
     int volume_count;
     const lmb_bench_volume **volume;
     int series_count;
-    const char *series[BENCH_VOLUME_MOST_SAMPLERS];
+    const char *series[BENCH_MOST_SAMPLERS];
     double low[2], high[2];
 } picture;
 
@@ -220,7 +220,7 @@ static void series_write(const picture *made, const panel *at, const char *name,
 
 static void panel_write(const picture *made, const panel *at)
 {
-    double end[2], name_y[BENCH_VOLUME_MOST_SAMPLERS];
+    double end[2], name_y[BENCH_MOST_SAMPLERS];
     const int threads = bench_volume_threads(made->volume[0], at->load);
     fprintf(made->page, "<text class='title' x='%.1f' y='%.1f'>%s, %d thread%s</text>\n", at->left, at->top - 10,
             at->pattern == BENCH_COHERENT ? "Coherent" : "Random", threads, threads > 1 ? "s" : "");

@@ -4,13 +4,10 @@
 #include <stdlib.h>
 
 #include <lambent/file.h>
-#include <lambent/pack.h>
 #include <lambent/vdb.h>
 #include <lambent/volume.h>
 
-#include "bench_dense.h"
-#include "bench_forms.h"
-#include "bench_grids.h"
+#include "bench_samplers.h"
 #include "bench_time.h"
 #include "house.h"
 
@@ -18,14 +15,12 @@
 enum { ERROR_SAMPLES = 4096 };
 
 typedef struct bench_work {
-    lmb_volume *volume;
-    unsigned char *data; /* that the volume lies in; NULL: it is mapped */
+    lmb_volume *volume; /* NULL: a house */
     lmb_probes *probes;
     const lmb_bench_settings *settings;
     int loads;
     lmb_vec3 *position[BENCH_PATTERNS];
-    lmb_bench_sampler sampler[BENCH_VOLUME_MOST_SAMPLERS];
-    int sampler_count;
+    lmb_bench_samplers samplers;
     double *seconds; /* [((sampler * BENCH_LOADS + load) * BENCH_PATTERNS + pattern) * repeats + repeat] */
 } bench_work;
 
@@ -80,8 +75,9 @@ static bool turn_run(bench_work *work, int sampler, int repeat)
 {
     for (int load = 0; load < work->loads; ++load) {
         for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {
-            const double seconds = bench_time(&work->sampler[sampler], work->position[pattern], work->settings->samples,
-                                              load == BENCH_ALONE ? 1 : work->settings->threads);
+            const double seconds =
+                bench_time(&work->samplers.sampler[sampler], work->position[pattern], work->settings->samples,
+                           load == BENCH_ALONE ? 1 : work->settings->threads);
             if (seconds < 0.0) {
                 return false;
             }
@@ -97,7 +93,7 @@ static bool turn_run(bench_work *work, int sampler, int repeat)
 static lmb_result rounds_run(bench_work *work, lmb_error *error)
 {
     for (int repeat = -1; repeat < work->settings->repeats; ++repeat) {
-        for (int i = 0; i < work->sampler_count; ++i) {
+        for (int i = 0; i < work->samplers.count; ++i) {
             if (!turn_run(work, i, repeat)) {
                 return lmb_error_set(error, LMB_ERROR_ARGUMENT, "%d threads cannot be started",
                                      work->settings->threads);
@@ -109,9 +105,11 @@ static lmb_result rounds_run(bench_work *work, lmb_error *error)
 
 static void rows_fill(bench_work *work, lmb_bench_volume *bench)
 {
-    bench->row_count = work->sampler_count;
-    for (int i = 0; i < work->sampler_count; ++i) {
-        const lmb_bench_sampler *const sampler = &work->sampler[i];
+    bench->dense_kernel = work->samplers.dense_kernel;
+    bench->has_nanovdb = work->samplers.has_nanovdb;
+    bench->row_count = work->samplers.count;
+    for (int i = 0; i < work->samplers.count; ++i) {
+        const lmb_bench_sampler *const sampler = &work->samplers.sampler[i];
         lmb_bench_volume_row *const row = &bench->row[i];
         row->name = sampler->name;
         row->bytes_per_probe = sampler->bytes / bench->probes;
@@ -123,34 +121,6 @@ static void rows_fill(bench_work *work, lmb_bench_volume *bench)
             row->rel_rmse[pattern] = pattern_error(work, sampler, (lmb_bench_pattern)pattern);
         }
     }
-}
-
-static lmb_result samplers_create(bench_work *work, lmb_bench_volume *bench, lmb_error *error)
-{
-    const double bytes = (double)lmb_volume_get_info(work->volume).file_bytes;
-    work->sampler[work->sampler_count++] =
-        (lmb_bench_sampler){"lambent", work->volume, bytes, bench_sample_single, NULL};
-    work->sampler[work->sampler_count++] =
-        (lmb_bench_sampler){"lambent.batch", work->volume, bytes, bench_sample_batch, NULL};
-    lmb_result result = bench_dense_create(work->probes, &work->sampler[work->sampler_count]);
-    if (result == LMB_OK) {
-        work->sampler_count += BENCH_DENSE_SAMPLERS;
-        bench->dense_kernel = bench_dense_kernel_name();
-    } else if (result != LMB_ERROR_ARGUMENT) {
-        return lmb_error_set(error, result, "dense arrays: %s", lmb_result_text(result));
-    }
-    const int grids = bench_grids_create(work->probes, &work->sampler[work->sampler_count]);
-    if (grids == 0) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "OpenVDB: the grids cannot be made");
-    }
-    work->sampler_count += grids;
-    result = bench_forms_create(work->probes, &work->sampler[work->sampler_count]);
-    if (result != LMB_OK) {
-        return lmb_error_set(error, result, "other forms of the volume: %s", lmb_result_text(result));
-    }
-    work->sampler_count += BENCH_FORMS;
-    bench->has_nanovdb = grids == BENCH_GRID_SAMPLERS;
-    return LMB_OK;
 }
 
 static lmb_result files_open(bench_work *work, const char *folder, lmb_error *error)
@@ -183,21 +153,10 @@ cleanup:
     return result;
 }
 
-static lmb_result house_make(bench_work *work, double wanted, lmb_error *error)
-{
-    size_t size;
-    work->probes = house_probes(wanted);
-    lmb_result result = work->probes ? lmb_pack(work->probes, &work->data, &size, NULL) : LMB_ERROR_MEMORY;
-    if (result == LMB_OK) {
-        result = lmb_volume_open_memory(work->data, size, &work->volume);
-    }
-    return result == LMB_OK ? result : lmb_error_set(error, result, "house: %s", lmb_result_text(result));
-}
-
 static lmb_result points_make(bench_work *work, const lmb_bench_source *source, lmb_error *error)
 {
     const size_t samples = work->settings->samples;
-    const size_t series = (size_t)BENCH_VOLUME_MOST_SAMPLERS * BENCH_LOADS * BENCH_PATTERNS;
+    const size_t series = (size_t)BENCH_MOST_SAMPLERS * BENCH_LOADS * BENCH_PATTERNS;
     work->seconds = malloc(series * (size_t)work->settings->repeats * sizeof *work->seconds);
     lmb_result result = work->seconds ? LMB_OK : LMB_ERROR_MEMORY;
     for (int pattern = 0; pattern < BENCH_PATTERNS && result == LMB_OK; ++pattern) {
@@ -215,15 +174,12 @@ static lmb_result points_make(bench_work *work, const lmb_bench_source *source, 
 
 static void work_free(bench_work *work)
 {
-    for (int i = 0; i < work->sampler_count; ++i) {
-        bench_sampler_destroy(&work->sampler[i]);
-    }
+    bench_samplers_destroy(&work->samplers);
     for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {
         free(work->position[pattern]);
     }
     free(work->seconds);
     lmb_volume_close(work->volume);
-    free(work->data);
     lmb_probes_destroy(work->probes);
 }
 
@@ -232,14 +188,19 @@ lmb_result bench_volume_measure(const lmb_bench_source *source, const lmb_bench_
 {
     bench_work work = {.settings = settings, .loads = settings->threads > 1 ? BENCH_LOADS : 1};
     *bench = (lmb_bench_volume){.threads = settings->threads};
-    lmb_result result =
-        source->folder ? files_open(&work, source->folder, error) : house_make(&work, source->house, error);
+    lmb_result result = LMB_OK;
+    if (source->folder) {
+        result = files_open(&work, source->folder, error);
+    } else {
+        work.probes = house_probes(source->house);
+        result = work.probes ? LMB_OK : lmb_error_set(error, LMB_ERROR_MEMORY, "house: out of memory");
+    }
     if (result == LMB_OK) {
         bench->probes = work.probes->count;
         result = points_make(&work, source, error);
     }
     if (result == LMB_OK) {
-        result = samplers_create(&work, bench, error);
+        result = bench_samplers_create(work.probes, work.volume, &work.samplers, error);
     }
     if (result == LMB_OK) {
         result = rounds_run(&work, error);

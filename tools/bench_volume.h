@@ -5,8 +5,9 @@
 #include <lambent/error.h>
 
 #include "bench_points.h"
+#include "bench_samplers.h"
 
-enum { BENCH_VOLUME_MOST_SAMPLERS = 12, BENCH_VOLUME_MOST_SAMPLES = 1 << 26 };
+enum { BENCH_VOLUME_MOST_SAMPLES = 1 << 26 };
 
 /* Alone, or `threads` at once. */
 enum { BENCH_ALONE, BENCH_TOGETHER, BENCH_LOADS };
@@ -36,7 +37,7 @@ typedef struct lmb_bench_volume {
     const char *dense_kernel; /* instructions that the dense arrays are sampled with; NULL: too large for them */
     bool has_nanovdb;
     int row_count;
-    lmb_bench_volume_row row[BENCH_VOLUME_MOST_SAMPLERS];
+    lmb_bench_volume_row row[BENCH_MOST_SAMPLERS];
 } lmb_bench_volume;
 
 /* How many loads were measured, and the threads of one. */
