@@ -66,34 +66,3 @@ lmb_result bench_form_create(const lmb_probes *probes, lmb_volume_form form, con
     sampler[1] = (lmb_bench_sampler){name[1], owned, (double)size, sample_owned_batch, NULL};
     return LMB_OK;
 }
-
-/* Cuts a cell by its first probe, in three regions between two planes, unless it is cut. */
-static lmb_result cell_cut(lmb_probes *probes, int32_t first)
-{
-    static const lmb_cell_plane planes[2] = {
-        {.normal = {9830, 0, 13106}, .offset = 9000, .child = {LMB_CELL_REGION, 1}},
-        {.normal = {0, 13106, -9830}, .offset = 2000, .child = {LMB_CELL_REGION + 1, LMB_CELL_REGION + 2}}};
-    const int32_t *const point = probes->point[first];
-    int32_t corner[3][8];
-    if (lmb_probe_index_find(&probes->level[0].cut, point) >= 0) {
-        return LMB_OK; /* by geometry */
-    }
-    for (int32_t i = 0; i < 8; ++i) {
-        const int32_t probe =
-            lmb_probes_find(probes, 0, point[0] + (i & 1), point[1] + (i >> 1 & 1), point[2] + (i >> 2));
-        if (probe < 0) {
-            return LMB_OK; /* not whole */
-        }
-        corner[0][i] = corner[1][i] = corner[2][i] = probe;
-    }
-    return lmb_probes_cut(probes, 0, point, planes, 2, (const int32_t(*)[8])corner, 3);
-}
-
-lmb_result bench_cells_cut(lmb_probes *probes)
-{
-    lmb_result result = LMB_OK;
-    for (int32_t probe = 0; probe < probes->count - probes->ghost_count && result == LMB_OK; ++probe) {
-        result = cell_cut(probes, probe);
-    }
-    return result;
-}

@@ -1,4 +1,4 @@
-/* The library's own volumes in other forms, for `lambent bench`: compact, and with every cell cut. */
+/* The library's own volumes as samplers of `lambent bench`. */
 #ifndef LMB_TOOLS_BENCH_FORMS_H
 #define LMB_TOOLS_BENCH_FORMS_H
 
@@ -15,10 +15,5 @@ void bench_sample_batch(const void *volume, const lmb_vec3 *position, size_t cou
  * @return LMB_ERROR_MEMORY, or what packing and opening can: then there is none */
 lmb_result bench_form_create(const lmb_probes *probes, lmb_volume_form form, const char *const name[2],
                              lmb_bench_sampler sampler[2]);
-
-/* Cuts whole cells of a level by two planes into three regions, all of which have the cell's own corners, so that light
- * stays what it was.
- * @return LMB_ERROR_MEMORY */
-lmb_result bench_cells_cut(lmb_probes *probes);
 
 #endif

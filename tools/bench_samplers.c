@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 
+#include "bench_cut.h"
 #include "bench_dense.h"
 #include "bench_forms.h"
 #include "bench_grids.h"
@@ -57,18 +58,18 @@ static void *compact_make(void *context)
     return NULL;
 }
 
-static lmb_result cut_make(lmb_probes *probes, lmb_bench_samplers *samplers)
+static void *cut_make(void *context)
 {
     static const char *const names[2] = {"lambent.cut", "lambent.cut.batch"};
-    lmb_result result = bench_cells_cut(probes);
-    if (result == LMB_OK) {
-        result = bench_form_create(probes, LMB_VOLUME_HALFS, names, &samplers->sampler[samplers->count]);
-    }
-    samplers->count += result == LMB_OK ? 2 : 0;
-    return result;
+    part *const cut = context;
+    lmb_probes *const probes = bench_cut_probes(cut->probes);
+    cut->result = probes ? bench_form_create(probes, LMB_VOLUME_HALFS, names, cut->sampler) : LMB_ERROR_MEMORY;
+    cut->count = cut->result == LMB_OK ? 2 : 0;
+    lmb_probes_destroy(probes);
+    return NULL;
 }
 
-enum { OWN, DENSE, GRIDS, COMPACT, PARTS };
+enum { OWN, DENSE, GRIDS, COMPACT, CUT, PARTS };
 
 /* Hands a part's samplers on. @return its result */
 static lmb_result part_take(const part *made, lmb_bench_samplers *samplers)
@@ -82,7 +83,7 @@ static lmb_result part_take(const part *made, lmb_bench_samplers *samplers)
 /* @return false where a thread cannot be started */
 static bool parts_make(part made[PARTS])
 {
-    static void *(*const make[PARTS])(void *) = {own_make, dense_make, grids_make, compact_make};
+    static void *(*const make[PARTS])(void *) = {own_make, dense_make, grids_make, compact_make, cut_make};
     pthread_t thread[PARTS];
     int started = 0;
     while (started < PARTS && pthread_create(&thread[started], NULL, make[started], &made[started]) == 0) {
@@ -94,10 +95,11 @@ static bool parts_make(part made[PARTS])
     return started == PARTS;
 }
 
-lmb_result bench_samplers_create(lmb_probes *probes, const lmb_volume *volume, lmb_bench_samplers *samplers,
+lmb_result bench_samplers_create(const lmb_probes *probes, const lmb_volume *volume, lmb_bench_samplers *samplers,
                                  lmb_error *error)
 {
-    static const char *const names[PARTS] = {"the volume", "dense arrays", "OpenVDB's grids", "the compact volume"};
+    static const char *const names[PARTS] = {"the volume", "dense arrays", "OpenVDB's grids", "the compact volume",
+                                             "the volume with cut cells"};
     part made[PARTS];
     *samplers = (lmb_bench_samplers){0};
     for (int i = 0; i < PARTS; ++i) {
@@ -115,12 +117,6 @@ lmb_result bench_samplers_create(lmb_probes *probes, const lmb_volume *volume, l
     }
     samplers->dense_kernel = made[DENSE].count > 0 ? bench_dense_kernel_name() : NULL;
     samplers->has_nanovdb = made[GRIDS].count == BENCH_GRID_SAMPLERS;
-    if (result == LMB_OK) {
-        result = cut_make(probes, samplers);
-        if (result != LMB_OK) {
-            lmb_error_set(error, result, "the volume with cut cells: %s", lmb_result_text(result));
-        }
-    }
     if (result != LMB_OK) {
         bench_samplers_destroy(samplers);
     }

@@ -16,10 +16,10 @@ typedef struct lmb_bench_samplers {
     lmb_bench_sampler sampler[BENCH_MOST_SAMPLERS];
 } lmb_bench_samplers;
 
-/* Makes them of one level's probes, several at once, and cuts the probes' cells then. `volume` is what was packed of
+/* Makes them of one level's probes, several at once. `volume` is what was packed of
  * them, and outlives the samplers; NULL: it is packed here.
  * @return what packing can, LMB_ERROR_MEMORY, LMB_ERROR_ARGUMENT (a thread cannot be started): then there is none */
-lmb_result bench_samplers_create(lmb_probes *probes, const lmb_volume *volume, lmb_bench_samplers *samplers,
+lmb_result bench_samplers_create(const lmb_probes *probes, const lmb_volume *volume, lmb_bench_samplers *samplers,
                                  lmb_error *error);
 
 void bench_samplers_destroy(lmb_bench_samplers *samplers);
