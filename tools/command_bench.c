@@ -249,12 +249,16 @@ static bool volume_arguments(lmb_arguments *arguments, volume_options *options)
 }
 
 /* Measures all, and says each that is done. */
-static lmb_result volumes_measure(const volume_options *options, lmb_bench_volume *bench, lmb_error *error)
+static lmb_result volumes_measure(const volume_options *options, const char *machine, lmb_bench_volume *bench,
+                                  lmb_error *error)
 {
     lmb_result result = options->plot ? output_file_check(options->plot, error) : LMB_OK;
     for (int i = 0; i < options->source_count && result == LMB_OK; ++i) {
         result = bench_volume_measure(&options->source[i], &options->settings, &bench[i], error);
         if (result == LMB_OK && !options->json) {
+            if (i == 0) {
+                printf("%s\nCPU time of a thread for a sample; `ratio`: to dense.fp32.\n", machine);
+            }
             bench_report_print(&bench[i]);
             fflush(stdout);
         }
@@ -285,10 +289,7 @@ static int bench_volumes(int count, char **values)
     lmb_bench_volume bench[MOST_VOLUMES];
     char machine[512];
     machine_text(machine);
-    if (!options.json) {
-        printf("%s\nCPU time of a thread for a sample; `ratio`: to dense.fp32.\n", machine);
-    }
-    lmb_result result = volumes_measure(&options, bench, &error);
+    lmb_result result = volumes_measure(&options, machine, bench, &error);
     if (result == LMB_OK && options.plot) {
         result = bench_plot_write(options.plot, bench, options.source_count, machine, &error);
     }
