@@ -70,34 +70,32 @@ static double median(double *values, int count)
     return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
 }
 
-/* One sampler's turn: each pattern alone and together. @return false where threads cannot be started */
-static bool turn_run(bench_work *work, int sampler, int repeat)
+/* One sampler's turn. @return false where threads cannot be started */
+static bool turn_run(bench_work *work, int sampler, int load, int repeat)
 {
-    for (int load = 0; load < work->loads; ++load) {
-        for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {
-            const double seconds =
-                bench_time(&work->samplers.sampler[sampler], work->position[pattern], work->settings->samples,
-                           load == BENCH_ALONE ? 1 : work->settings->threads);
-            if (seconds < 0.0) {
-                return false;
-            }
-            if (repeat >= 0) {
-                times_of(work, sampler, load, pattern)[repeat] = seconds;
-            }
+    for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {
+        const double seconds = bench_time(&work->samplers.sampler[sampler], work->position[pattern],
+                                          work->settings->samples, load == BENCH_ALONE ? 1 : work->settings->threads);
+        if (seconds < 0.0) {
+            return false;
+        }
+        if (repeat >= 0) {
+            times_of(work, sampler, load, pattern)[repeat] = seconds;
         }
     }
     return true;
 }
 
-/* All samplers in turn, so that what else the machine does meets them alike. The first round warms up. */
+/* All samplers in turn, so that what else the machine does meets them alike, and each finds the caches full of
+ * another's light. The first round warms up. */
 static lmb_result rounds_run(bench_work *work, lmb_error *error)
 {
-    for (int repeat = -1; repeat < work->settings->repeats; ++repeat) {
-        for (int i = 0; i < work->samplers.count; ++i) {
-            if (!turn_run(work, i, repeat)) {
-                return lmb_error_set(error, LMB_ERROR_ARGUMENT, "%d threads cannot be started",
-                                     work->settings->threads);
-            }
+    const int turns = work->loads * work->samplers.count;
+    for (int i = -turns; i < work->settings->repeats * turns; ++i) {
+        const int turn = (i + turns) % turns;
+        const int load = turn / work->samplers.count, sampler = turn % work->samplers.count;
+        if (!turn_run(work, sampler, load, i < 0 ? -1 : i / turns)) {
+            return lmb_error_set(error, LMB_ERROR_ARGUMENT, "%d threads cannot be started", work->settings->threads);
         }
     }
     return LMB_OK;
