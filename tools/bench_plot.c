@@ -278,7 +278,7 @@ static void picture_write(const picture *made, const char *machine)
     fputs("What a sample costs, by probes</text>\n", made->page);
     fprintf(made->page, "<text x='%d' y='38'>", LEFT);
     text_write(made->page, machine);
-    fputs(". Dashed: asks for memory ahead of use.</text>\n", made->page);
+    fputs(". Dashed: asks for memory ahead of use. Bytes and errors: of the largest volume.</text>\n", made->page);
     for (int load = 0; load < loads; ++load) {
         for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {
             const panel at = {pattern * PANEL_WIDTH + LEFT, HEAD + load * PANEL_HEIGHT + TITLE, load, pattern};
