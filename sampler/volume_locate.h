@@ -54,6 +54,13 @@ static inline uint32_t planes_ask(const lmb_cell_plane plane[2], fraction at)
 
 #define places_find lmb_volume_cut_places
 
+static inline void places_point(const lmb_volume *volume, const uint32_t place[8], const unsigned char *corner[8])
+{
+    for (int i = 0; i < 8; ++i) {
+        corner[i] = lmb_volume_probe_at(volume, place[i]);
+    }
+}
+
 static inline void weights_store(fraction at, float weight[8])
 {
     const float u[2] = {1.0f - at.t[0], at.t[0]}, v[2] = {1.0f - at.t[1], at.t[1]}, w[2] = {1.0f - at.t[2], at.t[2]};

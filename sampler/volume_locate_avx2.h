@@ -64,25 +64,53 @@ static inline uint32_t planes_ask(const lmb_cell_plane plane[2], fraction at)
     return (uint32_t)_mm_movemask_ps(_mm_cmpgt_ps(along, _mm_movehl_ps(z_offset, z_offset))) & 3u;
 }
 
-/* lmb_volume_cut_places, all eight at once. */
-static inline void places_find(const uint32_t *row, uint32_t x, uint32_t units, uint32_t ghosts, const int16_t *ghost,
-                               uint32_t ghost_first, uint32_t place[8])
+/* The places that a plain cell's corners have, in their order. */
+static inline __m256i own_places(const uint32_t *row, uint32_t x, uint32_t units)
 {
     const __m128i near = _mm_loadl_epi64((const __m128i *)(const void *)row);
     const __m128i far = _mm_loadl_epi64((const __m128i *)(const void *)(row + LMB_BRICK_POINTS));
     const __m256i rows = _mm256_cvtepu32_epi64(_mm_unpacklo_epi64(near, far)); /* and zeros between */
     const __m256i steps = _mm256_set1_epi64x((int64_t)((uint64_t)(units * (x + 1)) << 32 | units * x));
-    const __m256i own = _mm256_add_epi32(_mm256_or_si256(rows, _mm256_slli_epi64(rows, 32)), steps);
+    return _mm256_add_epi32(_mm256_or_si256(rows, _mm256_slli_epi64(rows, 32)), steps);
+}
+
+/* Those of eight ghosts. */
+static inline __m256i ghost_places(__m128i number, uint32_t ghost_first, uint32_t units)
+{
+    const __m256i all = _mm256_add_epi32(_mm256_cvtepi16_epi32(number), _mm256_set1_epi32((int32_t)ghost_first));
+    return _mm256_mullo_epi32(all, _mm256_set1_epi32((int32_t)units));
+}
+
+/* lmb_volume_cut_places, all eight at once. */
+static inline void places_find(const uint32_t *row, uint32_t x, uint32_t units, uint32_t ghosts, const int16_t *ghost,
+                               uint32_t ghost_first, uint32_t place[8])
+{
+    const __m256i own = own_places(row, x, units);
+    const __m128i all = _mm_loadu_si128((const __m128i *)(const void *)ghost);
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+    const __m256i found = _mm256_mask_expand_epi32(own, (__mmask8)ghosts, ghost_places(all, ghost_first, units));
+#else
     /* Byte pairs of the ghosts in the corners' order. */
     const __m128i ranks = _mm_cvtsi64_si128((int64_t)lmb_volume_ranks(ghosts));
     const __m128i low = _mm_add_epi8(ranks, ranks), high = _mm_add_epi8(low, _mm_set1_epi8(1));
-    const __m128i all = _mm_loadu_si128((const __m128i *)(const void *)ghost);
-    const __m256i number = _mm256_cvtepi16_epi32(_mm_shuffle_epi8(all, _mm_unpacklo_epi8(low, high)));
-    const __m256i other = _mm256_mullo_epi32(_mm256_add_epi32(number, _mm256_set1_epi32((int32_t)ghost_first)),
-                                             _mm256_set1_epi32((int32_t)units));
+    const __m128i number = _mm_shuffle_epi8(all, _mm_unpacklo_epi8(low, high));
     const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
     const __m256i is_ghost = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int32_t)ghosts), bit), bit);
-    _mm256_storeu_si256((__m256i *)(void *)place, _mm256_blendv_epi8(own, other, is_ghost));
+    const __m256i found = _mm256_blendv_epi8(own, ghost_places(number, ghost_first, units), is_ghost);
+#endif
+    _mm256_storeu_si256((__m256i *)(void *)place, found);
+}
+
+/* lmb_volume_probe_at of all eight. */
+static inline void places_point(const lmb_volume *volume, const uint32_t place[8], const unsigned char *corner[8])
+{
+    _Static_assert(sizeof corner[0] == sizeof(int64_t), "addresses are computed by fours");
+    const __m256i first = _mm256_set1_epi64x((int64_t)(intptr_t)volume->probes);
+    for (int i = 0; i < 8; i += 4) {
+        const __m256i units = _mm256_cvtepu32_epi64(_mm_loadu_si128((const __m128i *)(const void *)(place + i)));
+        const __m256i at = _mm256_add_epi64(first, _mm256_slli_epi64(units, LMB_PROBE_UNIT / 2));
+        _mm256_storeu_si256((__m256i *)(void *)(corner + i), at);
+    }
 }
 
 /* Weights of the four corners at the low z, and of those at the high one. */

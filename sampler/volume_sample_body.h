@@ -7,6 +7,8 @@
  *     static inline void fraction_store(fraction at, float t[3]);
  *     static inline uint32_t planes_ask(const lmb_cell_plane plane[2], fraction at);   bit k: it is above plane[k]
  *     static inline void places_find(... as lmb_volume_cut_places ...);
+ *     static inline void places_point(const lmb_volume *volume, const uint32_t place[8],
+ *                                     const unsigned char *corner[8]);   the probes there
  *     static inline void blend_corners(const unsigned char *const corner[8], fraction at, float scale,
  *                                      lmb_sh3_rgb *radiance);
  *     static inline void blend_compact(... the same ...);   of compact probes
@@ -167,9 +169,7 @@ LMB_INLINE void cut_corners_find(const lmb_volume *volume, const void *slot, con
     }
     uint32_t probe[8];
     places_find(row, x, units, region.ghosts, lmb_volume_cut_ghosts(cut) + region.first, brick->ghost_first, probe);
-    for (int i = 0; i < 8; ++i) {
-        corner[i] = lmb_volume_probe_at(volume, probe[i]);
-    }
+    places_point(volume, probe, corner);
 }
 
 /* `visibility`: of key lights, or NULL. */

@@ -46,9 +46,8 @@ static void owned_destroy(void *data)
     free(owned);
 }
 
-/* Fills two samplers of a volume: single and batch. */
-static lmb_result form_create(const lmb_probes *probes, lmb_volume_form form, const char *name, const char *batch_name,
-                              lmb_bench_sampler sampler[2])
+lmb_result bench_form_create(const lmb_probes *probes, lmb_volume_form form, const char *const name[2],
+                             lmb_bench_sampler sampler[2])
 {
     owned_volume *const owned = calloc(1, sizeof *owned);
     if (!owned) {
@@ -63,48 +62,7 @@ static lmb_result form_create(const lmb_probes *probes, lmb_volume_form form, co
         owned_destroy(owned);
         return result;
     }
-    sampler[0] = (lmb_bench_sampler){name, owned, (double)size, sample_owned, owned_destroy};
-    sampler[1] = (lmb_bench_sampler){batch_name, owned, (double)size, sample_owned_batch, NULL};
+    sampler[0] = (lmb_bench_sampler){name[0], owned, (double)size, sample_owned, owned_destroy};
+    sampler[1] = (lmb_bench_sampler){name[1], owned, (double)size, sample_owned_batch, NULL};
     return LMB_OK;
-}
-
-/* Cuts a cell by its first probe, in three regions between two planes, unless it is cut. */
-static lmb_result cell_cut(lmb_probes *probes, int32_t first)
-{
-    static const lmb_cell_plane planes[2] = {
-        {.normal = {9830, 0, 13106}, .offset = 9000, .child = {LMB_CELL_REGION, 1}},
-        {.normal = {0, 13106, -9830}, .offset = 2000, .child = {LMB_CELL_REGION + 1, LMB_CELL_REGION + 2}}};
-    const int32_t *const point = probes->point[first];
-    int32_t corner[3][8];
-    if (lmb_probe_index_find(&probes->level[0].cut, point) >= 0) {
-        return LMB_OK; /* by geometry */
-    }
-    for (int32_t i = 0; i < 8; ++i) {
-        const int32_t probe =
-            lmb_probes_find(probes, 0, point[0] + (i & 1), point[1] + (i >> 1 & 1), point[2] + (i >> 2));
-        if (probe < 0) {
-            return LMB_OK; /* not whole */
-        }
-        corner[0][i] = corner[1][i] = corner[2][i] = probe;
-    }
-    return lmb_probes_cut(probes, 0, point, planes, 2, (const int32_t(*)[8])corner, 3);
-}
-
-lmb_result bench_forms_create(lmb_probes *probes, lmb_bench_sampler sampler[BENCH_FORMS])
-{
-    lmb_result result =
-        form_create(probes, LMB_VOLUME_COMPACT, "lambent.compact", "lambent.compact.batch", &sampler[0]);
-    if (result != LMB_OK) {
-        return result;
-    }
-    for (int32_t probe = 0; probe < probes->count - probes->ghost_count && result == LMB_OK; ++probe) {
-        result = cell_cut(probes, probe);
-    }
-    if (result == LMB_OK) {
-        result = form_create(probes, LMB_VOLUME_HALFS, "lambent.cut", "lambent.cut.batch", &sampler[2]);
-    }
-    if (result != LMB_OK) {
-        bench_sampler_destroy(&sampler[0]);
-    }
-    return result;
 }

@@ -10,6 +10,10 @@
 extern "C" {
 #endif
 
+/* Samples that a sampler is asked for at a time: as many objects as a game may move, whose light stays in the caches.
+ */
+enum { BENCH_CHUNK = 256 };
+
 typedef struct lmb_bench_sampler {
     const char *name;
     void *data;

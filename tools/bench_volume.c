@@ -1,59 +1,50 @@
-#define _POSIX_C_SOURCE 200809L
 #include "bench_volume.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include <lambent/file.h>
 #include <lambent/vdb.h>
 #include <lambent/volume.h>
 
-#include "bench_dense.h"
-#include "bench_forms.h"
-#include "bench_grids.h"
-
-/* Samples that a sampler is asked for at a time: as many objects as a game may move, whose light stays in the caches.
- */
-enum { CHUNK = BENCH_CHUNK };
+#include "bench_samplers.h"
+#include "bench_time.h"
+#include "house.h"
 
 /* Samples of each pattern whose error is looked at. */
 enum { ERROR_SAMPLES = 4096 };
 
 typedef struct bench_work {
-    lmb_volume *volume;
+    lmb_volume *volume; /* NULL: a house */
     lmb_probes *probes;
-    size_t samples;
-    int repeats;
+    const lmb_bench_settings *settings;
+    int loads;
     lmb_vec3 *position[BENCH_PATTERNS];
-    lmb_bench_sampler sampler[BENCH_VOLUME_MOST_SAMPLERS];
-    int sampler_count;
-    double *seconds; /* [(sampler * BENCH_PATTERNS + pattern) * repeats + repeat] */
+    lmb_bench_samplers samplers;
+    double *seconds; /* [((sampler * BENCH_LOADS + load) * BENCH_PATTERNS + pattern) * repeats + repeat] */
 } bench_work;
 
-static double thread_seconds(void)
+int bench_volume_loads(const lmb_bench_volume *bench)
 {
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    return bench->threads > 1 ? BENCH_LOADS : 1;
 }
 
-static double pattern_time(const bench_work *work, const lmb_bench_sampler *sampler, lmb_bench_pattern pattern)
+int bench_volume_threads(const lmb_bench_volume *bench, int load)
 {
-    static lmb_sh3_rgb radiance[CHUNK];
-    const double start = thread_seconds();
-    for (size_t first = 0; first < work->samples; first += CHUNK) {
-        const size_t left = work->samples - first;
-        sampler->sample(sampler->data, work->position[pattern] + first, left < CHUNK ? left : CHUNK, radiance);
-    }
-    return thread_seconds() - start;
+    return load == BENCH_ALONE ? 1 : bench->threads;
+}
+
+static double *times_of(const bench_work *work, int sampler, int load, int pattern)
+{
+    const int series = (sampler * BENCH_LOADS + load) * BENCH_PATTERNS + pattern;
+    return work->seconds + (size_t)series * (size_t)work->settings->repeats;
 }
 
 static double pattern_error(const bench_work *work, const lmb_bench_sampler *sampler, lmb_bench_pattern pattern)
 {
-    const size_t step = work->samples / ERROR_SAMPLES + 1;
+    const size_t step = work->settings->samples / ERROR_SAMPLES + 1;
     double error = 0.0, energy = 0.0;
-    for (size_t i = 0; i < work->samples; i += step) {
+    for (size_t i = 0; i < work->settings->samples; i += step) {
         lmb_sh3_rgb radiance;
         double truth[27];
         sampler->sample(sampler->data, &work->position[pattern][i], 1, &radiance);
@@ -79,63 +70,55 @@ static double median(double *values, int count)
     return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
 }
 
-/* All samplers in turn, so that what else the machine does meets them alike. The first round warms up. */
-static void rounds_run(bench_work *work)
+/* One sampler's turn. @return false where threads cannot be started */
+static bool turn_run(bench_work *work, int sampler, int load, int repeat)
 {
-    for (int repeat = -1; repeat < work->repeats; ++repeat) {
-        for (int i = 0; i < work->sampler_count; ++i) {
-            for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {
-                const double seconds = pattern_time(work, &work->sampler[i], (lmb_bench_pattern)pattern);
-                if (repeat >= 0) {
-                    work->seconds[(i * BENCH_PATTERNS + pattern) * work->repeats + repeat] = seconds;
-                }
-            }
+    for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {
+        const double seconds = bench_time(&work->samplers.sampler[sampler], work->position[pattern],
+                                          work->settings->samples, load == BENCH_ALONE ? 1 : work->settings->threads);
+        if (seconds < 0.0) {
+            return false;
+        }
+        if (repeat >= 0) {
+            times_of(work, sampler, load, pattern)[repeat] = seconds;
         }
     }
+    return true;
+}
+
+/* All samplers in turn, so that what else the machine does meets them alike, and each finds the caches full of
+ * another's light. The first round warms up. */
+static lmb_result rounds_run(bench_work *work, lmb_error *error)
+{
+    const int turns = work->loads * work->samplers.count;
+    for (int i = -turns; i < work->settings->repeats * turns; ++i) {
+        const int turn = (i + turns) % turns;
+        const int load = turn / work->samplers.count, sampler = turn % work->samplers.count;
+        if (!turn_run(work, sampler, load, i < 0 ? -1 : i / turns)) {
+            return lmb_error_set(error, LMB_ERROR_ARGUMENT, "%d threads cannot be started", work->settings->threads);
+        }
+    }
+    return LMB_OK;
 }
 
 static void rows_fill(bench_work *work, lmb_bench_volume *bench)
 {
-    bench->row_count = work->sampler_count;
-    for (int i = 0; i < work->sampler_count; ++i) {
-        const lmb_bench_sampler *const sampler = &work->sampler[i];
+    bench->dense_kernel = work->samplers.dense_kernel;
+    bench->has_nanovdb = work->samplers.has_nanovdb;
+    bench->row_count = work->samplers.count;
+    for (int i = 0; i < work->samplers.count; ++i) {
+        const lmb_bench_sampler *const sampler = &work->samplers.sampler[i];
         lmb_bench_volume_row *const row = &bench->row[i];
         row->name = sampler->name;
         row->bytes_per_probe = sampler->bytes / bench->probes;
         for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {
-            double *const seconds = &work->seconds[(i * BENCH_PATTERNS + pattern) * work->repeats];
-            row->ns_per_sample[pattern] = 1e9 * median(seconds, work->repeats) / (double)work->samples;
+            for (int load = 0; load < work->loads; ++load) {
+                const double seconds = median(times_of(work, i, load, pattern), work->settings->repeats);
+                row->ns_per_sample[load][pattern] = 1e9 * seconds / (double)work->settings->samples;
+            }
             row->rel_rmse[pattern] = pattern_error(work, sampler, (lmb_bench_pattern)pattern);
         }
     }
-}
-
-static lmb_result samplers_create(bench_work *work, lmb_bench_volume *bench, lmb_error *error)
-{
-    const double bytes = (double)lmb_volume_get_info(work->volume).file_bytes;
-    work->sampler[work->sampler_count++] =
-        (lmb_bench_sampler){"lambent", work->volume, bytes, bench_sample_single, NULL};
-    work->sampler[work->sampler_count++] =
-        (lmb_bench_sampler){"lambent.batch", work->volume, bytes, bench_sample_batch, NULL};
-    lmb_result result = bench_dense_create(work->probes, &work->sampler[work->sampler_count]);
-    if (result == LMB_OK) {
-        work->sampler_count += BENCH_DENSE_SAMPLERS;
-        bench->dense_kernel = bench_dense_kernel_name();
-    } else if (result != LMB_ERROR_ARGUMENT) {
-        return lmb_error_set(error, result, "dense arrays: %s", lmb_result_text(result));
-    }
-    const int grids = bench_grids_create(work->probes, &work->sampler[work->sampler_count]);
-    if (grids == 0) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "OpenVDB: the grids cannot be made");
-    }
-    work->sampler_count += grids;
-    result = bench_forms_create(work->probes, &work->sampler[work->sampler_count]);
-    if (result != LMB_OK) {
-        return lmb_error_set(error, result, "other forms of the volume: %s", lmb_result_text(result));
-    }
-    work->sampler_count += BENCH_FORMS;
-    bench->has_nanovdb = grids == BENCH_GRID_SAMPLERS;
-    return LMB_OK;
 }
 
 static lmb_result files_open(bench_work *work, const char *folder, lmb_error *error)
@@ -168,51 +151,61 @@ cleanup:
     return result;
 }
 
-static lmb_result points_make(bench_work *work, const char *folder, lmb_error *error)
+static lmb_result points_make(bench_work *work, const lmb_bench_source *source, lmb_error *error)
 {
-    lmb_result result = LMB_OK;
+    const size_t samples = work->settings->samples;
+    const size_t series = (size_t)BENCH_MOST_SAMPLERS * BENCH_LOADS * BENCH_PATTERNS;
+    work->seconds = malloc(series * (size_t)work->settings->repeats * sizeof *work->seconds);
+    lmb_result result = work->seconds ? LMB_OK : LMB_ERROR_MEMORY;
     for (int pattern = 0; pattern < BENCH_PATTERNS && result == LMB_OK; ++pattern) {
-        work->position[pattern] = malloc(work->samples * sizeof *work->position[pattern]);
-        result = work->position[pattern] ? bench_points_fill(work->probes, (lmb_bench_pattern)pattern, work->samples,
-                                                             work->position[pattern])
-                                         : LMB_ERROR_MEMORY;
-    }
-    const size_t times = (size_t)(BENCH_VOLUME_MOST_SAMPLERS * BENCH_PATTERNS) * (size_t)work->repeats;
-    work->seconds = malloc(times * sizeof *work->seconds);
-    if (result == LMB_OK && !work->seconds) {
-        result = LMB_ERROR_MEMORY;
+        work->position[pattern] = malloc(samples * sizeof *work->position[pattern]);
+        result = work->position[pattern]
+                     ? bench_points_fill(work->probes, (lmb_bench_pattern)pattern, samples, work->position[pattern])
+                     : LMB_ERROR_MEMORY;
     }
     if (result == LMB_ERROR_FORMAT) {
-        return lmb_error_set(error, result, "%s/probes.vdb: no cell has eight baked probes to interpolate", folder);
+        return lmb_error_set(error, result, "%s%s: no cell has eight baked probes to interpolate",
+                             source->folder ? source->folder : "house", source->folder ? "/probes.vdb" : "");
     }
     return result == LMB_OK ? result : lmb_error_set(error, result, "%s", lmb_result_text(result));
 }
 
-lmb_result bench_volume_measure(const char *folder, size_t samples, int repeats, lmb_bench_volume *bench,
-                                lmb_error *error)
+static void work_free(bench_work *work)
 {
-    bench_work work = {.samples = samples, .repeats = repeats};
-    *bench = (lmb_bench_volume){0};
-    lmb_result result = files_open(&work, folder, error);
+    bench_samplers_destroy(&work->samplers);
+    for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {
+        free(work->position[pattern]);
+    }
+    free(work->seconds);
+    lmb_volume_close(work->volume);
+    lmb_probes_destroy(work->probes);
+}
+
+lmb_result bench_volume_measure(const lmb_bench_source *source, const lmb_bench_settings *settings,
+                                lmb_bench_volume *bench, lmb_error *error)
+{
+    bench_work work = {.settings = settings, .loads = settings->threads > 1 ? BENCH_LOADS : 1};
+    *bench = (lmb_bench_volume){.threads = settings->threads};
+    lmb_result result = LMB_OK;
+    if (source->folder) {
+        result = files_open(&work, source->folder, error);
+    } else {
+        work.probes = house_probes(source->house);
+        result = work.probes ? LMB_OK : lmb_error_set(error, LMB_ERROR_MEMORY, "house: out of memory");
+    }
     if (result == LMB_OK) {
         bench->probes = work.probes->count;
-        result = points_make(&work, folder, error);
+        result = points_make(&work, source, error);
     }
     if (result == LMB_OK) {
-        result = samplers_create(&work, bench, error);
+        result = bench_samplers_create(work.probes, work.volume, &work.samplers, error);
     }
     if (result == LMB_OK) {
-        rounds_run(&work);
+        result = rounds_run(&work, error);
+    }
+    if (result == LMB_OK) {
         rows_fill(&work, bench);
     }
-    for (int i = 0; i < work.sampler_count; ++i) {
-        bench_sampler_destroy(&work.sampler[i]);
-    }
-    for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {
-        free(work.position[pattern]);
-    }
-    free(work.seconds);
-    lmb_volume_close(work.volume);
-    lmb_probes_destroy(work.probes);
+    work_free(&work);
     return result;
 }

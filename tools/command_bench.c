@@ -2,23 +2,32 @@
 #include <string.h>
 
 #include "bake_arguments.h"
+#include "bench_plot.h"
 #include "bench_rays.h"
-#include "bench_volume.h"
+#include "bench_report.h"
+#include "bench_time.h"
 #include "machine.h"
+#include "output_file.h"
 #include "query.h"
 
+enum { MOST_VOLUMES = 8, MOST_HOUSE_PROBES = 100000000 };
+
 static const char usage[] =
-    "usage: lambent bench DIR [options]\n"
+    "usage: lambent bench DIR ... [options]\n"
+    "       lambent bench --house N [--house N ...] [options]\n"
     "       lambent bench --rays LEVEL [options]\n"
     "\n"
-    "With a folder that was baked, measures how fast its probes.lmb is sampled, and how right, beside dense arrays,\n"
-    "NanoVDB and OpenVDB that hold the probes of its probes.vdb, and beside the same volume as compact probes and "
-    "with\n"
-    "every cell cut: CPU time of one thread, in cells that have eight\n"
-    "probes, along lines (coherent) and at random. Writes no files. Time it on a machine that does nothing else.\n"
+    "With folders that were baked, measures how fast the probes.lmb of each is sampled, and how right, beside dense\n"
+    "arrays, NanoVDB and OpenVDB that hold the probes of its probes.vdb, and beside the same volume as compact probes\n"
+    "and with every cell cut: CPU time, in cells that have eight probes, along lines (coherent) and at random. Time "
+    "it\n"
+    "on a machine that does nothing else.\n"
     "\n"
+    "  --house N             a made-up volume of about N probes, in the place of a folder\n"
+    "  --threads N           measures N threads at once, too\n"
     "  --samples N           of each pattern (default 262144)\n"
     "  --repeat N            medians of N rounds, in which samplers take turns (default 7)\n"
+    "  --plot FILE           writes ns against probes, an SVG\n"
     "  --json                one JSON object on standard output\n"
     "\n"
     "With --rays, measures how fast a bake with lightmaps traces its rays, phase by phase, beside bare Embree on the\n"
@@ -192,87 +201,102 @@ static int bench_rays(int count, char **values)
     return EXIT_DONE;
 }
 
-static int volume_print_json(const lmb_bench_volume *bench, const char *machine)
+typedef struct volume_options {
+    lmb_bench_source source[MOST_VOLUMES];
+    int source_count;
+    lmb_bench_settings settings;
+    const char *plot; /* NULL: none */
+    bool json;
+} volume_options;
+
+static void source_add(volume_options *options, lmb_arguments *arguments, lmb_bench_source source)
 {
-    cJSON *json = cJSON_CreateObject();
+    if (options->source_count == MOST_VOLUMES) {
+        arguments_error(arguments, "more than eight volumes, with", source.folder ? source.folder : "--house");
+    } else {
+        options->source[options->source_count++] = source;
+    }
+}
+
+/* Reads the command line. False: a usage error was printed, or --help. */
+static bool volume_arguments(lmb_arguments *arguments, volume_options *options)
+{
+    lmb_bench_settings *const settings = &options->settings;
+    for (const char *argument; (argument = arguments_next(arguments));) {
+        if (strcmp(argument, "--samples") == 0) {
+            settings->samples = (size_t)arguments_integer(arguments, argument, 1, BENCH_VOLUME_MOST_SAMPLES);
+        } else if (strcmp(argument, "--repeat") == 0) {
+            settings->repeats = (int)arguments_integer(arguments, argument, 1, BENCH_MAX_REPEATS);
+        } else if (strcmp(argument, "--threads") == 0) {
+            settings->threads = (int)arguments_integer(arguments, argument, 1, BENCH_MOST_THREADS);
+        } else if (strcmp(argument, "--house") == 0) {
+            const double probes = (double)arguments_integer(arguments, argument, 1, MOST_HOUSE_PROBES);
+            source_add(options, arguments, (lmb_bench_source){.house = probes});
+        } else if (strcmp(argument, "--plot") == 0) {
+            options->plot = arguments_text(arguments, argument);
+        } else if (strcmp(argument, "--json") == 0) {
+            options->json = true;
+        } else if (argument[0] == '-' && argument[1] != '\0') {
+            arguments_error(arguments, "unknown option", argument);
+        } else {
+            source_add(options, arguments, (lmb_bench_source){.folder = argument});
+        }
+    }
+    if (options->source_count == 0 && !arguments->failed && !arguments->help) {
+        arguments_error(arguments, "missing argument", "DIR, or --house N, or --rays LEVEL");
+    }
+    return !arguments->failed && !arguments->help;
+}
+
+/* Measures all, and says each that is done. */
+static lmb_result volumes_measure(const volume_options *options, const char *machine, lmb_bench_volume *bench,
+                                  lmb_error *error)
+{
+    lmb_result result = options->plot ? output_file_check(options->plot, error) : LMB_OK;
+    for (int i = 0; i < options->source_count && result == LMB_OK; ++i) {
+        result = bench_volume_measure(&options->source[i], &options->settings, &bench[i], error);
+        if (result == LMB_OK && !options->json) {
+            if (i == 0) {
+                printf("%s\nCPU time of a thread for a sample; `ratio`: to dense.fp32.\n", machine);
+            }
+            bench_report_print(&bench[i]);
+            fflush(stdout);
+        }
+    }
+    return result;
+}
+
+static int volumes_print_json(const lmb_bench_volume *bench, int count, const char *machine)
+{
+    cJSON *const json = cJSON_CreateObject();
     cJSON_AddStringToObject(json, "machine", machine);
     cJSON_AddStringToObject(json, "dense_kernel", bench->dense_kernel ? bench->dense_kernel : "");
-    cJSON *samplers = cJSON_AddArrayToObject(json, "samplers");
-    for (int i = 0; i < bench->row_count * BENCH_PATTERNS; ++i) {
-        const lmb_bench_volume_row *row = &bench->row[i % bench->row_count];
-        const int pattern = i / bench->row_count;
-        cJSON *sampler = cJSON_CreateObject();
-        cJSON_AddStringToObject(sampler, "name", row->name);
-        cJSON_AddStringToObject(sampler, "pattern", bench_pattern_name((lmb_bench_pattern)pattern));
-        cJSON_AddNumberToObject(sampler, "probes", bench->probes);
-        cJSON_AddNumberToObject(sampler, "bytes_per_probe", row->bytes_per_probe);
-        cJSON_AddNumberToObject(sampler, "ns_per_sample", row->ns_per_sample[pattern]);
-        cJSON_AddNumberToObject(sampler, "rel_rmse", row->rel_rmse[pattern]);
-        cJSON_AddItemToArray(samplers, sampler);
+    cJSON *const samplers = cJSON_AddArrayToObject(json, "samplers");
+    for (int i = 0; i < count; ++i) {
+        bench_report_add(&bench[i], samplers);
     }
     return json_print_line(json);
 }
 
-static void volume_print(const lmb_bench_volume *bench, const char *machine)
-{
-    printf("%s\n%d probes. CPU time of one thread for a sample; `ratio`: to dense.fp32.\n", machine, bench->probes);
-    if (bench->dense_kernel) {
-        printf("Dense arrays by %s.\n", bench->dense_kernel);
-    } else {
-        printf("The box is too large for dense arrays.\n");
-    }
-    if (!bench->has_nanovdb) {
-        printf("Built without NanoVDB.\n");
-    }
-    printf("\n%-20s %11s %12s %8s %10s %8s %10s\n", "sampler", "bytes/probe", "coherent ns", "ratio", "random ns",
-           "ratio", "rel. RMSE");
-    const lmb_bench_volume_row *base = NULL;
-    for (int i = 0; i < bench->row_count; ++i) {
-        base = strcmp(bench->row[i].name, "dense.fp32") == 0 ? &bench->row[i] : base;
-    }
-    for (int i = 0; i < bench->row_count; ++i) {
-        const lmb_bench_volume_row *row = &bench->row[i];
-        const double *ns = row->ns_per_sample;
-        printf("%-20s %11.1f %12.1f %8.2f %10.1f %8.2f %10.1e\n", row->name, row->bytes_per_probe, ns[BENCH_COHERENT],
-               base ? quotient(ns[BENCH_COHERENT], base->ns_per_sample[BENCH_COHERENT]) : 0.0, ns[BENCH_RANDOM],
-               base ? quotient(ns[BENCH_RANDOM], base->ns_per_sample[BENCH_RANDOM]) : 0.0, row->rel_rmse[BENCH_RANDOM]);
-    }
-}
-
-static int bench_folder(int count, char **values)
+static int bench_volumes(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "bench", usage);
-    lmb_shared_arguments shared = {.path_name = {"DIR, or --rays LEVEL"}};
-    size_t samples = 1 << 18;
-    int repeats = 7;
-    bool json = false;
-    for (const char *argument; (argument = arguments_next(&arguments));) {
-        if (strcmp(argument, "--samples") == 0) {
-            samples = (size_t)arguments_integer(&arguments, argument, 1, BENCH_VOLUME_MOST_SAMPLES);
-        } else if (strcmp(argument, "--repeat") == 0) {
-            repeats = (int)arguments_integer(&arguments, argument, 1, BENCH_MAX_REPEATS);
-        } else if (strcmp(argument, "--json") == 0) {
-            json = true;
-        } else {
-            arguments_shared(&arguments, argument, &shared);
-        }
-    }
-    if (!arguments_complete(&arguments, &shared)) {
+    volume_options options = {.settings = {.samples = 1 << 18, .repeats = 7, .threads = 1}};
+    if (!volume_arguments(&arguments, &options)) {
         return arguments_status(&arguments);
     }
     lmb_error error = {{0}};
-    lmb_bench_volume bench;
-    const lmb_result result = bench_volume_measure(shared.path[0], samples, repeats, &bench, &error);
+    lmb_bench_volume bench[MOST_VOLUMES];
+    char machine[512];
+    machine_text(machine);
+    lmb_result result = volumes_measure(&options, machine, bench, &error);
+    if (result == LMB_OK && options.plot) {
+        result = bench_plot_write(options.plot, bench, options.source_count, machine, &error);
+    }
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
-    char machine[512];
-    machine_text(machine);
-    if (json) {
-        return volume_print_json(&bench, machine);
-    }
-    volume_print(&bench, machine);
-    return EXIT_DONE;
+    return options.json ? volumes_print_json(bench, options.source_count, machine) : EXIT_DONE;
 }
 
 /* The options of the two have the same names: which is meant is known first. */
@@ -283,5 +307,5 @@ int command_bench(int count, char **values)
             return bench_rays(count, values);
         }
     }
-    return bench_folder(count, values);
+    return bench_volumes(count, values);
 }
