@@ -71,19 +71,22 @@ static uint64_t divided_up(uint64_t a, uint64_t b)
     return (a + b - 1) / b;
 }
 
-/* The shape of fewest texels among those whose width and height are one multiple of SIDE_STEP: bricks lie in layers of
- * 5 texels, regions in layers of 2 above them.
+/* Bricks lie in layers of 5 texels, regions in layers of 2 above them; width and height are one multiple of SIDE_STEP.
+ * The shape of fewest texels among those whose parts fit above each other in one texture, or else among all.
  * @return false: none is small enough */
 static bool shape_find(const contents *count, uint32_t side_most, lmb_volume_texture_layout *layout)
 {
     uint64_t fewest = UINT64_MAX;
+    bool is_one = false;
     for (uint32_t side = SIDE_STEP; side <= side_most; side += SIDE_STEP) {
         const uint64_t tiles = side / LMB_BRICK_POINTS, blocks = side / REGION_POINTS;
         const uint64_t layers = divided_up(count->bricks, tiles * tiles);
         const uint64_t depth = LMB_BRICK_POINTS * layers + REGION_POINTS * divided_up(count->regions, blocks * blocks);
         const uint64_t texels = (uint64_t)side * side * depth;
-        if (depth <= side_most && texels < fewest) {
+        const bool fits_one = layout->parts * depth <= side_most;
+        if (depth <= side_most && (fits_one > is_one || (fits_one == is_one && texels < fewest))) {
             fewest = texels;
+            is_one = fits_one;
             layout->width = layout->height = side;
             layout->depth = (uint32_t)depth;
             layout->tiles[0] = layout->tiles[1] = (uint32_t)tiles;
@@ -107,11 +110,11 @@ lmb_result lmb_volume_texture_size(const lmb_volume *volume, const lmb_volume_te
     lmb_volume_layout_find(volume->header, &file);
     const contents count = contents_count(volume);
     const uint64_t records = file.entries + BRICK_CELL_COUNT * count.bricks, words = records + count.record_words;
-    lmb_volume_texture_layout found = {.bands = def->bands};
+    lmb_volume_texture_layout found = {.bands = def->bands,
+                                       .parts = (3 * def->bands * def->bands + volume->key_count + 3) / 4};
     if (words > UINT32_MAX || !shape_find(&count, def->side_most, &found)) {
         return LMB_ERROR_UNSUPPORTED;
     }
-    found.parts = (3 * def->bands * def->bands + volume->key_count + 3) / 4;
     found.part_bytes = UINT64_C(8) * found.width * found.height * found.depth;
     found.texture_bytes = found.parts * found.part_bytes;
     found.word_count = (uint32_t)words;

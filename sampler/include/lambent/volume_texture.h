@@ -42,7 +42,8 @@ enum {
 LMB_API lmb_volume_texture_def lmb_volume_texture_default(void);
 
 /* Textures of one size, the parts: part p has numbers 4 p to 4 p + 3 of a probe in its red, green, blue and alpha. They
- * may be textures of their own, or lie above each other in one of parts * depth texels along z. */
+ * may be textures of their own or, where parts * depth is a side that textures may have, as it is for all but the
+ * largest volumes, lie above each other along z in one. */
 typedef struct lmb_volume_texture_layout {
     uint32_t width, height, depth; /* texels of a part */
     uint32_t parts;                /* 7 of 3 bands, 3 of 2; one more where there are more key lights than room */
