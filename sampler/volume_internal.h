@@ -69,6 +69,21 @@ static inline uint32_t lmb_volume_bits(uint64_t bits)
 #endif
 }
 
+/* The points of row y, z that are corners of some cells of a brick: bit x. Bits of the cells, moved to their low and
+ * their high ends. */
+static inline uint32_t lmb_volume_row_points(uint64_t cells, uint32_t y, uint32_t z)
+{
+    uint32_t points = 0;
+    for (uint32_t side = 0; side < 4; ++side) {
+        const uint32_t cell_y = y - (side & 1u), cell_z = z - (side >> 1);
+        if (cell_y < LMB_BRICK_CELLS && cell_z < LMB_BRICK_CELLS) {
+            const uint32_t four = (uint32_t)(cells >> (4 * (cell_y + 4 * cell_z))) & 15u;
+            points |= four | four << 1;
+        }
+    }
+    return points;
+}
+
 /* A finite half: its bits, moved to their places in a float, are its value times 2^-112 (denormals too). */
 static inline float lmb_volume_half(const unsigned char *at)
 {

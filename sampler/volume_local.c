@@ -2,6 +2,7 @@
 #include <lambent/local_set.h>
 
 #include "volume_internal.h"
+#include "volume_probe_internal.h"
 
 #include <lambent/local_set_format.h>
 
@@ -109,22 +110,6 @@ lmb_local_set lmb_volume_local_set_get(const lmb_volume *volume, uint32_t index)
     return set;
 }
 
-static void radiance_read(const lmb_volume *volume, const unsigned char *probe, lmb_sh3_rgb *radiance)
-{
-    const bool is_compact = volume->header->probe_form == LMB_VOLUME_COMPACT;
-    for (int c = 0; c < 3; ++c) {
-        float *const to = radiance->channel[c].c;
-        to[0] = lmb_volume_half(probe + 2 * (is_compact ? c : c * LMB_SH3_COUNT)) * volume->scale;
-        for (int k = 1; k < LMB_SH3_COUNT; ++k) {
-            int8_t byte = 0;
-            memcpy(&byte, probe + 6 + (is_compact ? 8 * c + k - 1 : 0), sizeof byte);
-            const int b = byte;
-            to[k] = is_compact ? to[0] * ((float)(b < 0 ? -b * b : b * b) * lmb_compact_share(k))
-                               : lmb_volume_half(probe + 2 * (c * LMB_SH3_COUNT + k)) * volume->scale;
-        }
-    }
-}
-
 void lmb_volume_local_set_light(const lmb_volume *volume, uint32_t index, lmb_sh3_rgb *radiance,
                                 float (*visibility)[LMB_KEY_LIGHTS_MOST])
 {
@@ -132,12 +117,8 @@ void lmb_volume_local_set_light(const lmb_volume *volume, uint32_t index, lmb_sh
     const lmb_volume_local *const local = &locals_list(volume)[index];
     const uint32_t count = local->size[0] * local->size[1] * local->size[2];
     const size_t stride = volume->header->probe_bytes;
-    const size_t keys = volume->header->probe_form == LMB_VOLUME_COMPACT ? LMB_COMPACT_BYTES : LMB_HALFS_BYTES;
     for (uint32_t i = 0; i < count; ++i) {
         const unsigned char *const probe = locals_probes(volume) + (local->probe_first + (size_t)i) * stride;
-        radiance_read(volume, probe, &radiance[i]);
-        for (uint32_t key = 0; visibility && key < LMB_KEY_LIGHTS_MOST; ++key) {
-            visibility[i][key] = key < volume->key_count ? (float)probe[keys + key] * (1.0f / 255.0f) : 0.0f;
-        }
+        lmb_volume_probe_read(volume, probe, &radiance[i], visibility ? visibility[i] : NULL);
     }
 }

@@ -157,20 +157,6 @@ static bool place_is_sane(const lmb_volume *volume, uint32_t units)
     return number * volume->probe_units == units && number < volume->header->stored_count;
 }
 
-/* The points of a row of cells' corners: bits of the cells moved to their low and their high ends. */
-static uint32_t row_points(uint64_t cells, uint32_t y, uint32_t z)
-{
-    uint32_t points = 0;
-    for (uint32_t side = 0; side < 4; ++side) {
-        const uint32_t cell_y = y - (side & 1u), cell_z = z - (side >> 1);
-        if (cell_y < LMB_BRICK_CELLS && cell_z < LMB_BRICK_CELLS) {
-            const uint32_t four = (uint32_t)(cells >> (4 * (cell_y + 4 * cell_z))) & 15u;
-            points |= four | four << 1;
-        }
-    }
-    return points;
-}
-
 /* What plain cells interpolate is among the probes. */
 static bool rows_are_sane(const lmb_volume *volume, const lmb_volume_brick *brick)
 {
@@ -182,7 +168,7 @@ static bool rows_are_sane(const lmb_volume *volume, const lmb_volume_brick *bric
     bool sane = true;
     for (uint32_t z = 0; z < LMB_BRICK_POINTS; ++z) {
         for (uint32_t y = 0; y < LMB_BRICK_POINTS; ++y) {
-            const uint32_t points = row_points(brick->plain, y, z);
+            const uint32_t points = lmb_volume_row_points(brick->plain, y, z);
             const uint32_t row = brick->row[y + LMB_BRICK_POINTS * z];
             const uint32_t first = row + units * lowest[points], last = row + units * highest[points];
             sane &= points == 0 || (first <= last && place_is_sane(volume, first) && place_is_sane(volume, last));

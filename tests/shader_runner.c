@@ -51,7 +51,7 @@ static bool format_is_known(const runner *r, VkPhysicalDevice device)
     VkPhysicalDeviceFeatures features;
     vkGetPhysicalDeviceFeatures(device, &features);
     vkGetPhysicalDeviceFormatProperties(device, (VkFormat)r->texture->format, &properties);
-    return features.textureCompressionBC &&
+    return (features.textureCompressionBC || r->texture->depth > 0) &&
            (properties.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT);
 }
 
@@ -83,7 +83,7 @@ static bool device_make(runner *r)
                                            .queueFamilyIndex = r->family,
                                            .queueCount = 1,
                                            .pQueuePriorities = &priority};
-    const VkPhysicalDeviceFeatures features = {.textureCompressionBC = r->texture != NULL};
+    const VkPhysicalDeviceFeatures features = {.textureCompressionBC = r->texture && r->texture->depth == 0};
     const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                      .queueCreateInfoCount = 1,
                                      .pQueueCreateInfos = &queue,
@@ -149,15 +149,16 @@ static bool buffer_read(const runner *r, int which, float *to)
 static bool image_make(runner *r)
 {
     const shader_texture *texture = r->texture;
-    const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                                    .imageType = VK_IMAGE_TYPE_2D,
-                                    .format = (VkFormat)texture->format,
-                                    .extent = {texture->width, texture->height, 1},
-                                    .mipLevels = texture->levels,
-                                    .arrayLayers = texture->layers,
-                                    .samples = VK_SAMPLE_COUNT_1_BIT,
-                                    .tiling = VK_IMAGE_TILING_OPTIMAL,
-                                    .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    const VkImageCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+        .imageType = texture->depth > 0 ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D,
+        .format = (VkFormat)texture->format,
+        .extent = {texture->width, texture->height, texture->depth > 0 ? texture->depth : 1},
+        .mipLevels = texture->levels,
+        .arrayLayers = texture->layers,
+        .samples = VK_SAMPLE_COUNT_1_BIT,
+        .tiling = VK_IMAGE_TILING_OPTIMAL,
+        .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     if (vkCreateImage(r->device, &info, NULL, &r->image) != VK_SUCCESS) {
         return false;
     }
@@ -174,12 +175,13 @@ static VkImageSubresourceRange whole_image(const runner *r)
     return (VkImageSubresourceRange){VK_IMAGE_ASPECT_COLOR_BIT, 0, r->texture->levels, 0, r->texture->layers};
 }
 
-/* Filtered bilinearly within a level, clamped at the borders. */
+/* Filtered linearly within a level, clamped at the borders. */
 static bool sampler_make(runner *r)
 {
     const VkImageViewCreateInfo view = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
                                         .image = r->image,
-                                        .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+                                        .viewType =
+                                            r->texture->depth > 0 ? VK_IMAGE_VIEW_TYPE_3D : VK_IMAGE_VIEW_TYPE_2D_ARRAY,
                                         .format = (VkFormat)r->texture->format,
                                         .subresourceRange = whole_image(r)};
     const VkSamplerCreateInfo sampler = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
@@ -187,6 +189,7 @@ static bool sampler_make(runner *r)
                                          .minFilter = VK_FILTER_LINEAR,
                                          .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                          .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                         .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                          .maxLod = VK_LOD_CLAMP_NONE};
     return vkCreateImageView(r->device, &view, NULL, &r->view) == VK_SUCCESS &&
            vkCreateSampler(r->device, &sampler, NULL, &r->sampler) == VK_SUCCESS;
@@ -223,10 +226,10 @@ static void texture_copy(const runner *r, VkCommandBuffer command)
     const shader_texture *texture = r->texture;
     image_turn(r, command, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     for (uint32_t level = 0; level < texture->levels; ++level) {
-        const VkBufferImageCopy copy = {
-            .bufferOffset = texture->level_start[level],
-            .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, texture->layers},
-            .imageExtent = {halved(texture->width, level), halved(texture->height, level), 1}};
+        const VkBufferImageCopy copy = {.bufferOffset = texture->level_start[level],
+                                        .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, texture->layers},
+                                        .imageExtent = {halved(texture->width, level), halved(texture->height, level),
+                                                        texture->depth > 0 ? texture->depth : 1}};
         vkCmdCopyBufferToImage(command, r->buffer[TEXELS], r->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
     }
     image_turn(r, command, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);

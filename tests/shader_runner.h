@@ -11,10 +11,11 @@ typedef enum shader_run_result {
     SHADER_FAILED
 } shader_run_result;
 
-/* A compressed texture: level by level, in each layer by layer. */
+/* A compressed texture: level by level, in each layer by layer. Or one of three dimensions, of any format. */
 typedef struct shader_texture {
-    int format; /* VkFormat, of blocks */
+    int format; /* VkFormat */
     unsigned width, height, layers, levels;
+    unsigned depth; /* 0: an array of layers; else layers and levels are 1 */
     const void *data;
     size_t size;
     const size_t *level_start; /* [level] */
@@ -26,8 +27,8 @@ typedef struct shader_floats {
 } shader_floats;
 
 /* Runs `groups` work groups of the SPIR-V in file `path`, whose entry point is "main" and whose storage buffers 0 and 1
- * of set 0 are `input` and `output`. `texture` (NULL: none) is its combined image sampler 2, an array filtered
- * bilinearly within a level; without a device that can sample it there is no Vulkan. */
+ * of set 0 are `input` and `output`. `texture` (NULL: none) is its combined image sampler 2, filtered
+ * linearly within a level; without a device that can sample it there is no Vulkan. */
 shader_run_result shader_run(const char *path, unsigned groups, const shader_texture *texture,
                              const shader_floats *input, const shader_floats *output);
 

@@ -11,7 +11,8 @@ set(shader_sources ${PROJECT_SOURCE_DIR}/sampler/shader/lambent.glsl ${PROJECT_S
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_specular.glsl
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_rnm.glsl
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_sampling.glsl ${CMAKE_CURRENT_SOURCE_DIR}/shaders/cases.glsl
-    ${CMAKE_CURRENT_SOURCE_DIR}/shaders/volume_cases.glsl)
+    ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_volume_texture.glsl
+    ${CMAKE_CURRENT_SOURCE_DIR}/shaders/volume_cases.glsl ${CMAKE_CURRENT_SOURCE_DIR}/shaders/volume_texture_cases.glsl)
 # lmb_shader(output source options...): SPIR-V of a source in tests/shaders/.
 function(lmb_shader output source)
     add_custom_command(OUTPUT ${output}
@@ -29,7 +30,18 @@ set(volume_glsl ${CMAKE_CURRENT_BINARY_DIR}/shader_volume_glsl.spv)
 set(volume_hlsl ${CMAKE_CURRENT_BINARY_DIR}/shader_volume_hlsl.spv)
 lmb_shader(${volume_glsl} volume.comp)
 lmb_shader(${volume_hlsl} volume.hlsl -D -S comp -e main)
-add_custom_target(lambent_test_shaders DEPENDS ${glsl} ${hlsl} ${texture} ${volume_glsl} ${volume_hlsl})
+# Volumes in textures, filtered by the sampler and by hand.
+set(volume_textures)
+foreach(way FILTER FETCH)
+    set(in_glsl ${CMAKE_CURRENT_BINARY_DIR}/shader_volume_texture_${way}_glsl.spv)
+    set(in_hlsl ${CMAKE_CURRENT_BINARY_DIR}/shader_volume_texture_${way}_hlsl.spv)
+    lmb_shader(${in_glsl} volume_texture.comp -DLMB_VOLUME_TEXTURE_${way})
+    lmb_shader(${in_hlsl} volume_texture.hlsl -D -S comp -e main -DLMB_VOLUME_TEXTURE_${way})
+    list(APPEND volume_textures ${in_glsl} ${in_hlsl})
+    list(APPEND volume_texture_names LMB_SHADER_${way}_GLSL="${in_glsl}" LMB_SHADER_${way}_HLSL="${in_hlsl}")
+endforeach()
+add_custom_target(lambent_test_shaders DEPENDS ${glsl} ${hlsl} ${texture} ${volume_glsl} ${volume_hlsl}
+    ${volume_textures})
 
 lmb_test(shader LINKS lambent::sampler Vulkan::Vulkan m)
 target_sources(test_shader PRIVATE shader_runner.c)
@@ -51,4 +63,9 @@ if(NOT LMB_SAMPLER_ONLY)
         LMB_SHADER_HLSL="${volume_hlsl}")
     add_dependencies(test_shader_volume lambent_test_shaders)
     set_tests_properties(shader_volume PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
+    lmb_test(shader_texture LINKS lambent::volume Vulkan::Vulkan m)
+    target_sources(test_shader_texture PRIVATE shader_runner.c)
+    target_compile_definitions(test_shader_texture PRIVATE ${volume_texture_names})
+    add_dependencies(test_shader_texture lambent_test_shaders)
+    set_tests_properties(shader_texture PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
 endif()

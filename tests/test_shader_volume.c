@@ -2,55 +2,15 @@
 #include "harness.h"
 #include "levels_fixture.h"
 #include "shader_runner.h"
+#include "shader_volume_fixture.h"
 
 #include <lambent/pack.h>
 #include <lambent/volume.h>
 
 enum { POSITIONS = 4096, WORDS_BEFORE = 32 + 3 * POSITIONS, OUTPUTS = 32 };
 
-/* The largest of what a sample's probes may hold. */
-#define MAGNITUDE 1.0
-
-static void position_put(const lmb_volume *volume, lmb_vec3d world_origin, uint64_t *state, float *to)
-{
-    const lmb_volume_info info = lmb_volume_get_info(volume);
-    const lmb_vec3d low = info.bounds_min, high = info.bounds_max;
-    const double x = 1.1 * fixture_random(state) - 0.05, y = 1.1 * fixture_random(state) - 0.05,
-                 z = 1.1 * fixture_random(state) - 0.05;
-    to[0] = (float)(low.x + x * (high.x - low.x) - world_origin.x);
-    to[1] = (float)(low.y + y * (high.y - low.y) - world_origin.y);
-    to[2] = (float)(low.z + z * (high.z - low.z) - world_origin.z);
-}
-
-/* Floats round where a plane or a cell's side is near: there the library at places around says what may be. */
-static bool agrees(const lmb_volume *volume, lmb_vec3d at, double step, const float *got)
-{
-    for (int side = 0; side < 9; ++side) {
-        const lmb_vec3d near = {at.x + (side == 8  ? 0.0
-                                        : side & 1 ? step
-                                                   : -step),
-                                at.y + (side == 8  ? 0.0
-                                        : side & 2 ? step
-                                                   : -step),
-                                at.z + (side == 8  ? 0.0
-                                        : side & 4 ? step
-                                                   : -step)};
-        lmb_sh3_rgb light;
-        float seen[LMB_KEY_LIGHTS_MOST];
-        const bool inside = lmb_volume_sample_with_keys(volume, near, &light, seen);
-        bool same = (got[0] != 0.0f) == inside;
-        for (int k = 0; k < 27; ++k) {
-            same = same && fabs((double)got[1 + k] - (double)light.channel[k / 9].c[k % 9]) <= 2e-4 * MAGNITUDE;
-        }
-        for (int key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
-            same = same && fabs((double)got[28 + key] - (double)seen[key]) <= 2e-4;
-        }
-        if (same) {
-            return true;
-        }
-    }
-    return false;
-}
+/* Of light, whose probes hold -1 to 1. */
+#define TOLERANCE 2e-4
 
 /* @return false: there is no Vulkan here */
 static bool volume_check(const char *path, const lmb_volume *volume, double spacing, const char *name)
@@ -68,7 +28,7 @@ static bool volume_check(const char *path, const lmb_volume *volume, double spac
     memcpy(input, &gpu.constants, sizeof gpu.constants);
     memcpy(input + 28, &count, sizeof count);
     for (int i = 0; i < POSITIONS; ++i) {
-        position_put(volume, world_origin, &state, input + 32 + 3 * i);
+        shader_position_put(volume, world_origin, &state, input + 32 + 3 * i);
     }
     memcpy(input + WORDS_BEFORE, gpu.words, words * sizeof *input);
     const shader_floats in = {input, WORDS_BEFORE + words}, out = {output, (size_t)POSITIONS * OUTPUTS};
@@ -80,8 +40,9 @@ static bool volume_check(const char *path, const lmb_volume *volume, double spac
         const lmb_vec3d at = {(double)p[0] + world_origin.x, (double)p[1] + world_origin.y,
                               (double)p[2] + world_origin.z};
         inside += output[(size_t)i * OUTPUTS] != 0.0f;
-        CHECK(agrees(volume, at, 2.0 * (double)gpu.constants.slack * spacing, output + (size_t)i * OUTPUTS),
-              "%s at (%g, %g, %g)", name, at.x, at.y, at.z);
+        const shader_tolerance tolerance = {2.0 * (double)gpu.constants.slack * spacing, TOLERANCE, TOLERANCE};
+        CHECK(shader_agrees(volume, at, &tolerance, output + (size_t)i * OUTPUTS), "%s at (%g, %g, %g)", name, at.x,
+              at.y, at.z);
     }
     CHECK(result != SHADER_RAN || test_failures > 0 || inside > POSITIONS / 4, "%s: %d inside", name, inside);
     free(input);

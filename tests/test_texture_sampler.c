@@ -42,6 +42,7 @@ static float *texture_sample(const lmb_block_texture *texture, size_t *texels)
                                    (unsigned)texture->height,
                                    (unsigned)texture->layers,
                                    (unsigned)texture->levels,
+                                   0,
                                    texture->data,
                                    texture->size,
                                    starts};

@@ -4,12 +4,15 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <lambent/volume.h>
 #include <lambent/volume_format.h>
+#include <lambent/volume_probe.h>
+#include <lambent/volume_texture.h>
 
-enum { POSITIONS = 24 };
+enum { POSITIONS = 24, BYTES_MOST = 1 << 24 /* of what is made of an input */ };
 
 static bool light_is_finite(const lmb_sh3_rgb *light)
 {
@@ -40,6 +43,49 @@ static lmb_vec3d position_of(const lmb_volume_info *info, int i)
     const double x = fmod(0.754877666 * i, 1.0), y = fmod(0.569840291 * i, 1.0), z = fmod(0.438579021 * i, 1.0);
     return (lmb_vec3d){low.x + (1.2 * x - 0.1) * (high.x - low.x), low.y + (1.2 * y - 0.1) * (high.y - low.y),
                        low.z + (1.2 * z - 0.1) * (high.z - low.z)};
+}
+
+static bool halfs_are_finite(const uint16_t *half, size_t count)
+{
+    bool finite = true;
+    for (size_t i = 0; i < count; ++i) {
+        finite = finite && (half[i] & 0x7c00u) != 0x7c00u;
+    }
+    return finite;
+}
+
+static void textures_use(const lmb_volume *volume)
+{
+    const lmb_volume_texture_def def = lmb_volume_texture_default();
+    lmb_volume_texture_layout layout;
+    if (lmb_volume_texture_size(volume, &def, &layout) != LMB_OK || layout.texture_bytes > BYTES_MOST) {
+        return;
+    }
+    uint16_t *const texels = malloc((size_t)layout.texture_bytes);
+    uint32_t *const words = malloc(layout.word_count * sizeof *words);
+    if (texels && words) {
+        lmb_volume_texture_fill(volume, &layout, texels, words);
+        FUZZ_CHECK(halfs_are_finite(texels, (size_t)layout.texture_bytes / sizeof *texels), "a texel is not finite");
+    }
+    free(texels);
+    free(words);
+}
+
+static void probes_use(const lmb_volume *volume)
+{
+    const uint32_t count = lmb_volume_probe_count(volume);
+    lmb_volume_probe *const probe = count < BYTES_MOST / sizeof *probe ? malloc(count * sizeof *probe) : NULL;
+    if (probe) {
+        lmb_volume_get_probes(volume, probe);
+        for (uint32_t i = 0; i < count; ++i) {
+            lmb_sh3_rgb light;
+            float seen[LMB_KEY_LIGHTS_MOST];
+            lmb_volume_get_probe(volume, i, &light, seen);
+            FUZZ_CHECK(light_is_finite(&light) && seen_is_a_share(seen), "probe %u", i);
+            FUZZ_CHECK(isfinite(probe[i].position.x), "probe %u is nowhere", i);
+        }
+    }
+    free(probe);
 }
 
 static void volume_use(const lmb_volume *volume)
@@ -75,6 +121,8 @@ static void bytes_open(const unsigned char *bytes, size_t size)
     FUZZ_CHECK((result == LMB_OK) == (volume != NULL), "%s", lmb_result_text(result));
     if (volume) {
         volume_use(volume);
+        textures_use(volume);
+        probes_use(volume);
         lmb_volume_close(volume);
     }
 }
