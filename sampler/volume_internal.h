@@ -117,6 +117,24 @@ static inline lmb_rgb lmb_volume_irradiance_sum(const lmb_sh3_rgb *light, const 
  * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM */
 lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume *volume);
 
+/* The point that a volume counts its cells from: a corner of a brick of the coarsest level. */
+void lmb_volume_origin(const int32_t min[3], uint32_t level_count, int32_t origin[3]);
+
+/* Spacings that a position may be off a box and count as inside: four times the rounding of a float of the size of its
+ * farthest coordinate, and never a share of a cell that matters. */
+double lmb_volume_slack(const int32_t min[3], const int32_t size[3]);
+
+/* What sampling needs, of a volume that was verified: its cells counted from an origin, which bricks of the coarsest
+ * level begin at and no cell of the box is before, nor INT32_MAX cells behind. */
+void lmb_volume_derive(lmb_volume *volume, const int32_t origin[3], double slack);
+
+/* Whether the numbers that a volume and an index of tiles share are right: spacing and scale, and key lights. */
+bool lmb_volume_scales_are_sane(float spacing, float scale);
+bool lmb_volume_key_lights_are_sane(const lmb_key_light light[LMB_KEY_LIGHTS_MOST], uint32_t count);
+
+/* Whether a box is one in the world, and among cells counted from the origin. */
+bool lmb_volume_box_is_sane(const int32_t min[3], const int32_t size[3], uint32_t level_count, float spacing);
+
 /* Whether volume->locals, of header->local_bytes, are what lambent/local_set_format.h says: all of it lies within, and
  * is finite. */
 bool lmb_volume_locals_are_sane(const lmb_volume *volume);

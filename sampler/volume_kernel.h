@@ -6,6 +6,16 @@
 #include <lambent/volume.h>
 #include <lambent/volume_format.h>
 
+/* A batch whose positions are of several volumes, each of the form that the calls are for. */
+typedef struct lmb_volume_batch {
+    const lmb_volume *const *volume; /* [position], or NULL: that one is outside */
+    const lmb_vec3d *position;
+    size_t count;
+    lmb_sh3_rgb *radiance;
+    float (*visibility)[LMB_KEY_LIGHTS_MOST]; /* or NULL */
+    bool *inside;                             /* or NULL */
+} lmb_volume_batch;
+
 typedef struct lmb_volume_calls {
     /* The position comes in registers: three doubles in a struct would not. */
     bool (*sample)(const lmb_volume *volume, double x, double y, double z, lmb_sh3_rgb *radiance);
@@ -19,6 +29,10 @@ typedef struct lmb_volume_calls {
                        lmb_rgb *irradiance);
     void (*irradiance_batch)(const lmb_volume *volume, const lmb_vec3d *position, const lmb_vec3 *normal, size_t count,
                              lmb_rgb *irradiance, bool *inside);
+    /* The batches where each position has a volume of its own. */
+    void (*batch_of)(const lmb_volume_batch *batch);
+    void (*irradiance_batch_of)(const lmb_volume *const *volume, const lmb_vec3d *position, const lmb_vec3 *normal,
+                                size_t count, lmb_rgb *irradiance, bool *inside);
 } lmb_volume_calls;
 
 typedef struct lmb_volume_kernel {

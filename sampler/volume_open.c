@@ -8,26 +8,35 @@
 _Static_assert(sizeof(lmb_volume) <= sizeof(lmb_volume_storage), "a handle fits what callers give for it");
 _Static_assert(_Alignof(lmb_volume) <= _Alignof(lmb_volume_storage), "and is aligned there");
 
-/* What sampling needs, from a file that was verified. */
-static void derive_constants(lmb_volume *volume)
+void lmb_volume_origin(const int32_t min[3], uint32_t level_count, int32_t origin[3])
 {
-    const lmb_volume_header *const header = volume->header;
-    const int32_t coarsest = LMB_BRICK_CELLS << (header->level_count - 1);
-    size_t first_block[3];
+    const int32_t coarsest = LMB_BRICK_CELLS << (level_count - 1);
+    for (int axis = 0; axis < 3; ++axis) {
+        origin[axis] = lmb_volume_floor_divide(min[axis], coarsest) * coarsest;
+    }
+}
+
+double lmb_volume_slack(const int32_t min[3], const int32_t size[3])
+{
     double farthest = 1.0;
     for (int axis = 0; axis < 3; ++axis) {
-        const int32_t origin = lmb_volume_floor_divide(header->min[axis], coarsest) * coarsest;
-        const int32_t first = header->min[axis] - origin;
-        volume->origin[axis] = origin;
+        farthest = fmax(farthest, fmax(fabs((double)min[axis]), fabs(min[axis] + (size[axis] - 1.0))));
+    }
+    return fmin(farthest * 0x1p-22, 0x1p-6);
+}
+
+void lmb_volume_derive(lmb_volume *volume, const int32_t origin[3], double slack)
+{
+    const lmb_volume_header *const header = volume->header;
+    size_t first_block[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const int32_t first = header->min[axis] - origin[axis];
+        volume->origin[axis] = origin[axis];
         volume->first[axis] = first;
         volume->last[axis] = first + (header->size[axis] - 1.0);
         volume->last_cell[axis] = header->size[axis] > 1 ? first + (header->size[axis] - 2) : first;
         first_block[axis] = (size_t)(first / LMB_BRICK_CELLS);
-        farthest =
-            fmax(farthest, fmax(fabs((double)header->min[axis]), fabs(header->min[axis] + (header->size[axis] - 1.0))));
     }
-    /* Four times the rounding of a float of that size, and never a share of a cell that matters. */
-    const double slack = fmin(farthest * 0x1p-22, 0x1p-6);
     for (int axis = 0; axis < 4; ++axis) {
         volume->nearest[axis] = volume->first[axis] - slack;
         volume->farthest[axis] = volume->last[axis] + slack;
@@ -37,6 +46,14 @@ static void derive_constants(lmb_volume *volume)
     volume->inverse_spacing = 1.0 / (double)header->spacing;
     volume->scale = header->scale;
     volume->calls = lmb_volume_kernel_calls(lmb_volume_kernel_choose(), header);
+}
+
+/* With the origin that a volume has by itself. */
+static void derive_own(lmb_volume *volume)
+{
+    int32_t origin[3];
+    lmb_volume_origin(volume->header->min, volume->header->level_count, origin);
+    lmb_volume_derive(volume, origin, lmb_volume_slack(volume->header->min, volume->header->size));
 }
 
 lmb_result lmb_volume_open_memory_in(lmb_volume_storage *storage, const void *data, size_t size, lmb_volume **volume)
@@ -51,7 +68,7 @@ lmb_result lmb_volume_open_memory_in(lmb_volume_storage *storage, const void *da
     if (result != LMB_OK) {
         return result;
     }
-    derive_constants(&opened);
+    derive_own(&opened);
     /* Copied as bytes: the caller declared the memory with another type. */
     memcpy(storage, &opened, sizeof opened);
     *volume = (lmb_volume *)storage;
@@ -153,9 +170,12 @@ float lmb_volume_spacing_at(const lmb_volume *volume, lmb_vec3d position)
     return ldexpf(volume->header->spacing, (int)level);
 }
 
-lmb_volume_gpu lmb_volume_get_gpu(const lmb_volume *volume, lmb_vec3d world_origin)
+lmb_volume_gpu lmb_volume_get_gpu(const lmb_volume *of, lmb_vec3d world_origin)
 {
-    assert(volume);
+    assert(of);
+    lmb_volume own = *of; /* a tile's origin may be too far off for floats */
+    derive_own(&own);
+    const lmb_volume *const volume = &own;
     const double from[3] = {world_origin.x, world_origin.y, world_origin.z};
     const uint32_t *const words = (const uint32_t *)volume->header;
     lmb_volume_gpu gpu = {.words = words, .bytes = (size_t)volume->header->file_bytes};
@@ -169,7 +189,7 @@ lmb_volume_gpu lmb_volume_get_gpu(const lmb_volume *volume, lmb_vec3d world_orig
         to->last[axis] = (float)volume->last[axis];
         to->last_cell[axis] = (uint32_t)volume->last_cell[axis];
     }
-    to->slack = (float)fmin(farthest * 0x1p-22, 0x1p-6); /* four roundings, as derive_constants has it */
+    to->slack = (float)fmin(farthest * 0x1p-22, 0x1p-6); /* four roundings, as lmb_volume_slack has it */
     to->inverse_spacing = (float)volume->inverse_spacing;
     to->scale = volume->scale;
     to->key_lights = volume->key_count;

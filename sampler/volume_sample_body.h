@@ -345,6 +345,8 @@ LMB_INLINE bool waiting_finish_irradiance(const lmb_volume *volume, uint32_t for
 
 /* What a batch is asked for: radiance with visibility or without, or irradiance on normals. */
 typedef struct batch_wish {
+    const lmb_volume *volume;      /* of all positions, where `each` is NULL */
+    const lmb_volume *const *each; /* [position] its volume; NULL: it is outside */
     const lmb_vec3d *position;
     const lmb_vec3 *normal; /* NULL: radiance */
     size_t count;
@@ -354,66 +356,121 @@ typedef struct batch_wish {
     bool *inside;                             /* or NULL */
 } batch_wish;
 
+LMB_INLINE const lmb_volume *batch_volume(const batch_wish *wish, size_t i)
+{
+    return wish->each ? wish->each[i] : wish->volume;
+}
+
+LMB_APART bool batch_outside(const batch_wish *wish, size_t i)
+{
+    if (wish->normal) {
+        memset(&wish->irradiance[i], 0, sizeof wish->irradiance[i]);
+    } else {
+        memset(&wish->radiance[i], 0, sizeof wish->radiance[i]);
+    }
+    if (wish->visibility) {
+        memset(wish->visibility[i], 0, sizeof wish->visibility[i]);
+    }
+    return false;
+}
+
+/* `units`: from a probe to the next, 0 where only the volume knows. */
+LMB_INLINE uint32_t units_of(const lmb_volume *volume, uint32_t units)
+{
+    return units > 0 ? units : volume->probe_units;
+}
+
+LMB_INLINE void batch_begin(const batch_wish *wish, uint32_t units, size_t i, waiting *next)
+{
+    const lmb_volume *const volume = batch_volume(wish, i);
+    if (wish->each && !volume) {
+        next->cut = NULL;
+        return;
+    }
+    waiting_begin(volume, units_of(volume, units), &wish->position[i], next);
+}
+
+LMB_INLINE bool batch_finish(const batch_wish *wish, uint32_t form, size_t i, const waiting *now)
+{
+    const lmb_volume *const volume = batch_volume(wish, i);
+    if (wish->each && !volume) {
+        return batch_outside(wish, i);
+    }
+    return wish->normal
+               ? waiting_finish_irradiance(volume, form, now, &wish->position[i], wish->normal[i], &wish->irradiance[i])
+               : waiting_finish(volume, form, now, &wish->position[i], &wish->radiance[i],
+                                wish->visibility ? wish->visibility[i] : NULL);
+}
+
 /* Sample i begins, i - BATCH_CUT_AHEAD is resolved, i - BATCH_AHEAD is blended. */
-LMB_INLINE void batch(const lmb_volume *volume, uint32_t form, uint32_t units, const batch_wish *wish)
+LMB_INLINE void batch(uint32_t form, uint32_t units, const batch_wish *wish)
 {
     waiting ring[BATCH_RING];
     for (size_t i = 0; i < wish->count + BATCH_AHEAD; ++i) {
         if (i < wish->count) {
-            waiting_begin(volume, units, &wish->position[i], &ring[i % BATCH_RING]);
+            batch_begin(wish, units, i, &ring[i % BATCH_RING]);
         }
         if (i >= BATCH_CUT_AHEAD && i - BATCH_CUT_AHEAD < wish->count && ring[(i - BATCH_CUT_AHEAD) % BATCH_RING].cut) {
-            waiting_resolve(volume, &ring[(i - BATCH_CUT_AHEAD) % BATCH_RING]);
+            waiting_resolve(batch_volume(wish, i - BATCH_CUT_AHEAD), &ring[(i - BATCH_CUT_AHEAD) % BATCH_RING]);
         }
         if (i < BATCH_AHEAD) {
             continue;
         }
         const size_t k = i - BATCH_AHEAD;
-        const waiting *const now = &ring[k % BATCH_RING];
-        const bool is_inside = wish->normal ? waiting_finish_irradiance(volume, form, now, &wish->position[k],
-                                                                        wish->normal[k], &wish->irradiance[k])
-                                            : waiting_finish(volume, form, now, &wish->position[k], &wish->radiance[k],
-                                                             wish->visibility ? wish->visibility[k] : NULL);
+        const bool is_inside = batch_finish(wish, form, k, &ring[k % BATCH_RING]);
         if (wish->inside) {
             wish->inside[k] = is_inside;
         }
     }
 }
 
-/* The calls, of probes of a form, at a distance that is known now, or is the volume's. */
+/* The calls, of probes of a form, at a distance that is known now, or, where it is 0, is the volume's. */
 #define LMB_VOLUME_CALLS(what, form, units)                                                                            \
     static bool sample_##what(const lmb_volume *volume, double x, double y, double z, lmb_sh3_rgb *radiance)           \
     {                                                                                                                  \
-        return sample_one(volume, form, units, x, y, z, radiance, NULL);                                               \
+        return sample_one(volume, form, units_of(volume, units), x, y, z, radiance, NULL);                             \
     }                                                                                                                  \
     static bool sample_with_keys_##what(const lmb_volume *volume, double x, double y, double z, lmb_sh3_rgb *radiance, \
                                         float *visibility)                                                             \
     {                                                                                                                  \
-        return sample_one(volume, form, units, x, y, z, radiance, visibility);                                         \
+        return sample_one(volume, form, units_of(volume, units), x, y, z, radiance, visibility);                       \
     }                                                                                                                  \
     static void batch_##what(const lmb_volume *volume, const lmb_vec3d *position, size_t count, lmb_sh3_rgb *radiance, \
                              float(*visibility)[LMB_KEY_LIGHTS_MOST], bool *inside)                                    \
     {                                                                                                                  \
-        const batch_wish wish = {position, NULL, count, NULL, radiance, visibility, inside};                           \
-        batch(volume, form, units, &wish);                                                                             \
+        const batch_wish wish = {volume, NULL, position, NULL, count, NULL, radiance, visibility, inside};             \
+        batch(form, units, &wish);                                                                                     \
     }                                                                                                                  \
     static bool irradiance_##what(const lmb_volume *volume, double x, double y, double z, const lmb_vec3 *normal,      \
                                   lmb_rgb *irradiance)                                                                 \
     {                                                                                                                  \
-        return irradiance_one(volume, form, units, x, y, z, normal, irradiance);                                       \
+        return irradiance_one(volume, form, units_of(volume, units), x, y, z, normal, irradiance);                     \
     }                                                                                                                  \
     static void irradiance_batch_##what(const lmb_volume *volume, const lmb_vec3d *position, const lmb_vec3 *normal,   \
                                         size_t count, lmb_rgb *irradiance, bool *inside)                               \
     {                                                                                                                  \
-        const batch_wish wish = {position, normal, count, irradiance, NULL, NULL, inside};                             \
-        batch(volume, form, units, &wish);                                                                             \
+        const batch_wish wish = {volume, NULL, position, normal, count, irradiance, NULL, NULL, inside};               \
+        batch(form, units, &wish);                                                                                     \
     }                                                                                                                  \
-    static const lmb_volume_calls calls_##what = {sample_##what, sample_with_keys_##what, batch_##what,                \
-                                                  irradiance_##what, irradiance_batch_##what};
+    static void batch_of_##what(const lmb_volume_batch *of)                                                            \
+    {                                                                                                                  \
+        const batch_wish wish = {NULL, of->volume,   of->position,   NULL,      of->count,                             \
+                                 NULL, of->radiance, of->visibility, of->inside};                                      \
+        batch(form, units, &wish);                                                                                     \
+    }                                                                                                                  \
+    static void irradiance_batch_of_##what(const lmb_volume *const *volume, const lmb_vec3d *position,                 \
+                                           const lmb_vec3 *normal, size_t count, lmb_rgb *irradiance, bool *inside)    \
+    {                                                                                                                  \
+        const batch_wish wish = {NULL, volume, position, normal, count, irradiance, NULL, NULL, inside};               \
+        batch(form, units, &wish);                                                                                     \
+    }                                                                                                                  \
+    static const lmb_volume_calls calls_##what = {                                                                     \
+        sample_##what,   sample_with_keys_##what,   batch_##what, irradiance_##what, irradiance_batch_##what,          \
+        batch_of_##what, irradiance_batch_of_##what};
 
 LMB_VOLUME_CALLS(plain, LMB_VOLUME_HALFS, LMB_HALFS_BYTES / LMB_PROBE_UNIT)
-LMB_VOLUME_CALLS(keyed, LMB_VOLUME_HALFS, volume->probe_units)
-LMB_VOLUME_CALLS(compact, LMB_VOLUME_COMPACT, volume->probe_units)
+LMB_VOLUME_CALLS(keyed, LMB_VOLUME_HALFS, 0)
+LMB_VOLUME_CALLS(compact, LMB_VOLUME_COMPACT, 0)
 
 #define LMB_VOLUME_KERNEL(what)                                                                                        \
     {                                                                                                                  \

@@ -54,24 +54,27 @@ static bool key_light_is_sane(const lmb_key_light *light)
     return sane;
 }
 
-static bool key_lights_are_sane(const lmb_volume_header *header)
+bool lmb_volume_key_lights_are_sane(const lmb_key_light light[LMB_KEY_LIGHTS_MOST], uint32_t count)
 {
     static const lmb_key_light none = {{0.0f, 0.0f, 0.0f}, {{0.0f, 0.0f, 0.0f}}};
-    bool sane = header->key_light_count <= LMB_KEY_LIGHTS_MOST;
+    bool sane = count <= LMB_KEY_LIGHTS_MOST;
     for (uint32_t i = 0; i < LMB_KEY_LIGHTS_MOST; ++i) {
-        const lmb_key_light *const light = &header->key_light[i];
-        sane = sane && (i < header->key_light_count ? key_light_is_sane(light) : !memcmp(light, &none, sizeof none));
+        sane = sane && (i < count ? key_light_is_sane(&light[i]) : !memcmp(&light[i], &none, sizeof none));
     }
     return sane;
+}
+
+bool lmb_volume_scales_are_sane(float spacing, float scale)
+{
+    int exponent;
+    return isfinite(spacing) && spacing > 0.0f && isfinite(scale) && frexpf(scale, &exponent) == 0.5f &&
+           exponent - 1 <= LMB_VOLUME_MAX_SCALE_LOG2 && exponent - 1 >= -LMB_VOLUME_MAX_SCALE_LOG2;
 }
 
 /* Every number of the header by itself. */
 static bool header_is_sane(const lmb_volume_header *header)
 {
-    int exponent;
-    if (!isfinite(header->spacing) || header->spacing <= 0.0f || !isfinite(header->scale) ||
-        frexpf(header->scale, &exponent) != 0.5f || exponent - 1 > LMB_VOLUME_MAX_SCALE_LOG2 ||
-        exponent - 1 < -LMB_VOLUME_MAX_SCALE_LOG2) {
+    if (!lmb_volume_scales_are_sane(header->spacing, header->scale)) {
         return false;
     }
     for (size_t i = 0; i < sizeof header->reserved / sizeof header->reserved[0]; ++i) {
@@ -88,19 +91,17 @@ static bool header_is_sane(const lmb_volume_header *header)
            header->stored_count <= UINT32_MAX / (header->probe_bytes / LMB_PROBE_UNIT) &&
            header->brick_count < UINT32_C(1) << LMB_VOLUME_LEVEL_SHIFT && header->cut_bytes % 4 == 0 &&
            header->cut_bytes <= header->file_bytes && header->local_bytes <= header->file_bytes &&
-           key_lights_are_sane(header);
+           lmb_volume_key_lights_are_sane(header->key_light, header->key_light_count);
 }
 
-/* The box in the world, and among cells counted from the origin. */
-static bool box_is_sane(const lmb_volume_header *header)
+bool lmb_volume_box_is_sane(const int32_t min[3], const int32_t size[3], uint32_t level_count, float spacing)
 {
-    const int32_t coarsest = LMB_BRICK_CELLS << (header->level_count - 1);
+    const int32_t coarsest = LMB_BRICK_CELLS << (level_count - 1);
     for (int axis = 0; axis < 3; ++axis) {
-        const int64_t first = header->min[axis];
-        const int64_t last = first + header->size[axis] - 1;
-        const int64_t origin = (int64_t)lmb_volume_floor_divide(header->min[axis], coarsest) * coarsest;
-        if (last - origin >= INT32_MAX || !isfinite((float)first * header->spacing) ||
-            !isfinite((float)last * header->spacing)) {
+        const int64_t first = min[axis];
+        const int64_t last = first + size[axis] - 1;
+        const int64_t origin = (int64_t)lmb_volume_floor_divide(min[axis], coarsest) * coarsest;
+        if (last - origin >= INT32_MAX || !isfinite((float)first * spacing) || !isfinite((float)last * spacing)) {
             return false;
         }
     }
@@ -296,7 +297,7 @@ lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume 
     const lmb_volume_header *const header = volume->header = (const lmb_volume_header *)data;
     lmb_volume_layout layout;
     if (!header_is_sane(header) || !lmb_volume_layout_find(header, &layout) || layout.end != size ||
-        !box_is_sane(header)) {
+        !lmb_volume_box_is_sane(header->min, header->size, header->level_count, header->spacing)) {
         return LMB_ERROR_FORMAT;
     }
     volume->directory = (const uint32_t *)(data + layout.directory);

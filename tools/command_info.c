@@ -5,10 +5,12 @@
 
 #include <lambent/block_texture.h>
 #include <lambent/exr.h>
+#include <lambent/file.h>
 #include <lambent/model.h>
 #include <lambent/lightmap.h>
 #include <lambent/local_set.h>
 #include <lambent/probe_local.h>
+#include <lambent/tiles.h>
 #include <lambent/vdb.h>
 #include <lambent/volume.h>
 
@@ -20,7 +22,8 @@ static const char usage[] =
     "usage: lambent info FILE [--json]\n"
     "       lambent info FILE.vdb --slices DIR [--axis x|y|z] [--at M]\n"
     "\n"
-    "Says what is in a probes.vdb, a probes.lmb, a lightmap .exr of ours, or a KTX2 or DDS of BC4,\n"
+    "Says what is in a probes.vdb, a probes.lmb, an index of tiles .lmt, a lightmap .exr of ours, or a KTX2 or DDS of "
+    "BC4,\n"
     "BC5, BC6H or ASTC.\n"
     "\n"
     "  --json                one JSON object\n"
@@ -169,6 +172,45 @@ static lmb_result lmb_info(const char *path, cJSON **json, lmb_error *error)
     *json = lmb_describe(volume);
     lmb_volume_close(volume);
     return LMB_OK;
+}
+
+static cJSON *tiles_describe(const lmb_volume_tiles *tiles)
+{
+    const lmb_volume_tiles_info info = lmb_volume_tiles_get_info(tiles);
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "kind", "lambent index of tiles");
+    cJSON_AddNumberToObject(json, "tiles", info.tile_count);
+    cJSON_AddItemToObject(json, "tile_size", json_position(info.tile_size));
+    cJSON_AddNumberToObject(json, "spacing", (double)info.spacing);
+    cJSON_AddItemToObject(json, "bounds_min", json_position(info.bounds_min));
+    cJSON_AddItemToObject(json, "bounds_max", json_position(info.bounds_max));
+    cJSON_AddNumberToObject(json, "levels", info.level_count);
+    cJSON_AddBoolToObject(json, "compact", info.is_compact);
+    cJSON_AddNumberToObject(json, "bytes", (double)info.file_bytes);
+    cJSON_AddNumberToObject(json, "bytes_of_tiles", (double)info.tile_bytes);
+    lmb_key_light light[LMB_KEY_LIGHTS_MOST];
+    json_add_key_lights(json, light, lmb_volume_tiles_key_lights(tiles, light));
+    return json;
+}
+
+static lmb_result tiles_info(const char *path, cJSON **json, lmb_error *error)
+{
+    unsigned char *data = NULL;
+    size_t size = 0;
+    lmb_volume_tiles *tiles;
+    lmb_result result = lmb_file_read(path, &data, &size, error);
+    if (result != LMB_OK) {
+        return result;
+    }
+    result = lmb_volume_tiles_open_memory(data, size, &tiles);
+    if (result == LMB_OK) {
+        *json = tiles_describe(tiles);
+        lmb_volume_tiles_close(tiles);
+    } else {
+        lmb_error_set(error, result, "%s: %s", path, lmb_result_text(result));
+    }
+    free(data);
+    return result;
 }
 
 static lmb_result vdb_info(const info_options *options, cJSON **json, lmb_error *error)
@@ -323,6 +365,9 @@ static lmb_result file_info(const info_options *options, cJSON **json, lmb_error
     }
     if (read == sizeof magic && (memcmp(magic, "\xABKTX", 4) == 0 || memcmp(magic, "DDS ", 4) == 0)) {
         return texture_info(path, json, error);
+    }
+    if (read == sizeof magic && memcmp(magic, "\x89LMT", 4) == 0) {
+        return tiles_info(path, json, error);
     }
     return lmb_info(path, json, error);
 }

@@ -4,6 +4,7 @@
 
 #include <lambent/file.h>
 #include <lambent/pack.h>
+#include <lambent/split.h>
 #include <lambent/vdb.h>
 
 #include "command.h"
@@ -11,19 +12,79 @@
 
 static const char usage[] =
     "usage: lambent pack FILE.vdb -o FILE.lmb [options]\n"
+    "       lambent pack FILE.vdb -o FILE.lmt --tile-size M [options]\n"
     "\n"
     "Packs a baked volume that was edited as OpenVDB (in Houdini, Blender, or by a program) into the file that a game\n"
     "opens. A .vdb as bake wrote it gives the same bytes as the .lmb beside it. Grids sh_0 to sh_8 and validity must\n"
     "keep their names, transform and common active voxels.\n"
     "\n"
     "  -o FILE.lmb           where to write\n"
+    "  --tile-size M         tiles of M metres, for a world that is streamed, and the index FILE.lmt of them: beside "
+    "it\n"
+    "                        FILE_X_Y_Z.lmb for the tile that begins at X, Y and Z times M; M is rounded to whole\n"
+    "                        bricks of the coarsest level\n"
     "  --compact             bytes instead of halfs above each probe's mean: little more than half the size\n"
     "  --quiet               no closing line and no warnings\n";
 
 typedef struct pack_options {
     lmb_shared_arguments shared; /* the .vdb, and the .lmb that is written */
     lmb_volume_form form;
+    double tile_size; /* metres; 0: one volume */
 } pack_options;
+
+/* Tiles while they are written: FILE_X_Y_Z.lmb beside the index FILE.lmt. */
+typedef struct tile_files {
+    const char *index;
+    uint32_t count;
+    uint64_t bytes;
+    lmb_error *error;
+} tile_files;
+
+static lmb_result tile_write(void *context, const int32_t at[3], const unsigned char *data, size_t size)
+{
+    tile_files *const files = context;
+    const size_t stem = strlen(files->index) - strlen(".lmt"), capacity = stem + 48;
+    char *const path = malloc(capacity);
+    if (!path) {
+        return lmb_error_set(files->error, LMB_ERROR_MEMORY, "out of memory");
+    }
+    snprintf(path, capacity, "%.*s_%d_%d_%d.lmb", (int)stem, files->index, at[0], at[1], at[2]);
+    const lmb_result result = lmb_file_write(path, data, size, files->error);
+    files->count += 1;
+    files->bytes += size;
+    free(path);
+    return result;
+}
+
+/* Writes the tiles of a volume, and their index last. */
+static lmb_result tiles_write(const pack_options *options, const unsigned char *volume, size_t size, lmb_error *error)
+{
+    lmb_volume *opened;
+    unsigned char *index = NULL;
+    size_t index_size = 0;
+    tile_files files = {.index = options->shared.output, .error = error};
+    const lmb_split_sink sink = {tile_write, &files};
+    lmb_result result = lmb_volume_open_memory(volume, size, &opened);
+    if (result != LMB_OK) {
+        return lmb_error_set(error, result, "%s: %s", options->shared.output, lmb_result_text(result));
+    }
+    const lmb_volume_info info = lmb_volume_get_info(opened);
+    const int32_t cells = lmb_split_cells(&info, options->tile_size);
+    lmb_volume_close(opened);
+    result = lmb_split(volume, size, (const int32_t[3]){cells, cells, cells}, &sink, &index, &index_size);
+    if (result != LMB_OK) {
+        return error->message[0] ? result
+                                 : lmb_error_set(error, result, "%s: %s", files.index, lmb_result_text(result));
+    }
+    result = lmb_file_write(files.index, index, index_size, error);
+    free(index);
+    if (result == LMB_OK && !options->shared.quiet) {
+        printf("tiles     %u of %g m (%.1f kB, %.1f %% more than undivided)\n", files.count,
+               cells * (double)info.spacing, 1e-3 * (double)files.bytes,
+               100.0 * ((double)files.bytes / (double)size - 1.0));
+    }
+    return result;
+}
 
 static lmb_result pack_write(const pack_options *options, const lmb_probes *probes, lmb_pack_stats *stats,
                              lmb_error *error)
@@ -38,7 +99,8 @@ static lmb_result pack_write(const pack_options *options, const lmb_probes *prob
     if (result != LMB_OK) {
         return lmb_error_set(error, result, "%s: %s", options->shared.path[0], lmb_result_text(result));
     }
-    result = lmb_file_write(options->shared.output, data, size, error);
+    result = options->tile_size > 0.0 ? tiles_write(options, data, size, error)
+                                      : lmb_file_write(options->shared.output, data, size, error);
     free(data);
     return result;
 }
@@ -75,12 +137,17 @@ int command_pack(int count, char **values)
     for (const char *argument; (argument = arguments_next(&arguments));) {
         if (strcmp(argument, "--compact") == 0) {
             options.form = LMB_VOLUME_COMPACT;
+        } else if (strcmp(argument, "--tile-size") == 0) {
+            options.tile_size = arguments_number(&arguments, argument, 1e-6, 1e9);
         } else {
             arguments_shared(&arguments, argument, &options.shared);
         }
     }
-    if (arguments_complete(&arguments, &options.shared) && !output_file_ends_in(options.shared.output, ".lmb")) {
-        arguments_error(&arguments, "-o takes a .lmb, not", options.shared.output); /* not over the .vdb by mistake */
+    const char *const ending = options.tile_size > 0.0 ? ".lmt" : ".lmb"; /* not over the .vdb by mistake */
+    if (arguments_complete(&arguments, &options.shared) && !output_file_ends_in(options.shared.output, ending)) {
+        arguments_error(&arguments,
+                        options.tile_size > 0.0 ? "-o takes a .lmt with --tile-size, not" : "-o takes a .lmb, not",
+                        options.shared.output);
     }
     if (arguments.failed || arguments.help) {
         return arguments_status(&arguments);

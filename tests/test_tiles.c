@@ -1,0 +1,336 @@
+/* A volume in tiles gives the bits of the undivided one, while tiles come and go. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <lambent/pack.h>
+#include <lambent/split.h>
+#include <lambent/tiles.h>
+
+#include "harness.h"
+#include "levels_fixture.h"
+#include "variates.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+enum { TILES_MOST = 512, POSITIONS = 4000, THREADS = 4 };
+
+/* A volume, its tiles, and both opened. */
+typedef struct divided {
+    unsigned char *whole_data, *index;
+    size_t whole_size, index_size;
+    unsigned char *data[TILES_MOST];
+    size_t size[TILES_MOST];
+    int32_t at[TILES_MOST][3];
+    uint32_t count;
+    lmb_volume *whole, *volume[TILES_MOST];
+    lmb_volume_tiles *tiles;
+} divided;
+
+static lmb_result tile_keep(void *context, const int32_t at[3], const unsigned char *data, size_t size)
+{
+    divided *const made = context;
+    if (made->count == TILES_MOST) {
+        return LMB_ERROR_WRITE;
+    }
+    made->data[made->count] = aligned_alloc(64, size);
+    made->size[made->count] = size;
+    memcpy(made->data[made->count], data, size);
+    memcpy(made->at[made->count++], at, sizeof made->at[0]);
+    return LMB_OK;
+}
+
+static void divided_make(const levels_recipe *recipe, lmb_volume_form form, int32_t bricks, divided *made)
+{
+    const int32_t cells = bricks * (LMB_BRICK_CELLS << (recipe->levels - 1));
+    const lmb_split_sink sink = {tile_keep, made};
+    lmb_probes *const probes = levels_make(recipe);
+    memset(made, 0, sizeof *made);
+    bool good = lmb_pack_as(form, probes, &made->whole_data, &made->whole_size, NULL) == LMB_OK &&
+                lmb_split(made->whole_data, made->whole_size, (const int32_t[3]){cells, cells, cells}, &sink,
+                          &made->index, &made->index_size) == LMB_OK &&
+                lmb_volume_open_memory(made->whole_data, made->whole_size, &made->whole) == LMB_OK &&
+                lmb_volume_tiles_open_memory(made->index, made->index_size, &made->tiles) == LMB_OK;
+    for (uint32_t i = 0; good && i < made->count; ++i) {
+        good = lmb_volume_open_memory(made->data[i], made->size[i], &made->volume[i]) == LMB_OK;
+    }
+    lmb_probes_destroy(probes);
+    if (!good) {
+        fprintf(stderr, "tiles cannot be made\n");
+        abort();
+    }
+}
+
+static void divided_free(divided *made)
+{
+    lmb_volume_tiles_close(made->tiles);
+    lmb_volume_close(made->whole);
+    for (uint32_t i = 0; i < made->count; ++i) {
+        lmb_volume_close(made->volume[i]);
+        free(made->data[i]);
+    }
+    free(made->whole_data);
+    free(made->index);
+}
+
+static void all_set(divided *made)
+{
+    for (uint32_t i = 0; i < made->count; ++i) {
+        lmb_volume *former = made->whole;
+        CHECK(lmb_volume_tiles_set(made->tiles, i, made->volume[i], &former) == LMB_OK && !former, "tile %u", i);
+    }
+}
+
+/* Places within the bounds and beside them, some right at lattice points, so at borders of tiles, or next to them. */
+static lmb_vec3d position_make(const lmb_volume_tiles_info *info, uint64_t *state)
+{
+    const double low[3] = {info->bounds_min.x, info->bounds_min.y, info->bounds_min.z};
+    const double high[3] = {info->bounds_max.x, info->bounds_max.y, info->bounds_max.z};
+    double at[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        at[axis] = low[axis] + (1.2 * variate_next(state) - 0.1) * (high[axis] - low[axis]);
+        const double kind = variate_next(state);
+        if (kind < 0.3) {
+            at[axis] = (double)info->spacing * rint(at[axis] / (double)info->spacing);
+            at[axis] = kind < 0.1 ? nextafter(at[axis], -1e9) : kind < 0.2 ? nextafter(at[axis], 1e9) : at[axis];
+        }
+    }
+    return (lmb_vec3d){at[0], at[1], at[2]};
+}
+
+static void same_bits_of(const divided *made, const char *what)
+{
+    static lmb_vec3d position[POSITIONS];
+    static lmb_vec3 normal[POSITIONS];
+    static lmb_sh3_rgb light[2][POSITIONS];
+    static float seen[2][POSITIONS][LMB_KEY_LIGHTS_MOST];
+    static lmb_rgb irradiance[2][POSITIONS];
+    static bool inside[2][POSITIONS];
+    const lmb_volume_tiles_info info = lmb_volume_tiles_get_info(made->tiles);
+    uint64_t state = 7;
+    int32_t lit = 0;
+    for (int i = 0; i < POSITIONS; ++i) {
+        position[i] = position_make(&info, &state);
+        normal[i] = (lmb_vec3){0.0f, i % 2 ? 0.6f : 1.0f, i % 2 ? 0.8f : 0.0f};
+    }
+    position[3].x = NAN;
+    position[4].y = INFINITY;
+    lmb_volume_sample_batch(made->whole, position, POSITIONS, light[0], seen[0], inside[0]);
+    lmb_volume_tiles_sample_batch(made->tiles, position, POSITIONS, light[1], seen[1], inside[1]);
+    CHECK(memcmp(light[0], light[1], sizeof light[0]) == 0 && memcmp(seen[0], seen[1], sizeof seen[0]) == 0 &&
+              memcmp(inside[0], inside[1], sizeof inside[0]) == 0,
+          "%s: batches", what);
+    lmb_volume_irradiance_batch(made->whole, position, normal, POSITIONS, irradiance[0], inside[0]);
+    lmb_volume_tiles_irradiance_batch(made->tiles, position, normal, POSITIONS, irradiance[1], inside[1]);
+    CHECK(memcmp(irradiance[0], irradiance[1], sizeof irradiance[0]) == 0 &&
+              memcmp(inside[0], inside[1], sizeof inside[0]) == 0,
+          "%s: batches of irradiance", what);
+    for (int i = 0; i < POSITIONS; ++i) {
+        lmb_sh3_rgb one, keyed;
+        float of_keys[LMB_KEY_LIGHTS_MOST];
+        lmb_rgb on_normal;
+        const bool is_inside = lmb_volume_tiles_sample(made->tiles, position[i], &one);
+        lmb_volume_tiles_sample_with_keys(made->tiles, position[i], &keyed, of_keys);
+        lmb_volume_tiles_irradiance(made->tiles, position[i], normal[i], &on_normal);
+        CHECK(is_inside == inside[0][i] && memcmp(&one, &light[0][i], sizeof one) == 0 &&
+                  memcmp(&keyed, &light[0][i], sizeof one) == 0 && memcmp(of_keys, seen[0][i], sizeof of_keys) == 0 &&
+                  memcmp(&on_normal, &irradiance[0][i], sizeof on_normal) == 0,
+              "%s: %.17g %.17g %.17g", what, position[i].x, position[i].y, position[i].z);
+        lit += is_inside;
+    }
+    CHECK(lit > POSITIONS / 20, "%s: %d inside", what, lit);
+}
+
+static void same_bits(void)
+{
+    for (int k = 0; k < LEVELS_RECIPES; ++k) {
+        for (int form = 0; form < LMB_VOLUME_FORMS; ++form) {
+            for (int32_t bricks = 1; bricks <= 3; bricks += 2) {
+                char what[64];
+                divided made;
+                snprintf(what, sizeof what, "recipe %d, form %d, %d bricks", k, form, bricks);
+                divided_make(&levels_recipes[k], (lmb_volume_form)form, bricks, &made);
+                all_set(&made);
+                same_bits_of(&made, what);
+                divided_free(&made);
+            }
+        }
+    }
+}
+
+/* What is not set is dark, the rest as it was; a tile of another place or another bake is refused. */
+static void closed_and_refused(void)
+{
+    divided made, other;
+    levels_recipe changed = levels_recipes[3];
+    divided_make(&levels_recipes[3], LMB_VOLUME_HALFS, 1, &made);
+    changed.seed += 1;
+    changed.split = 0.6;
+    divided_make(&changed, LMB_VOLUME_HALFS, 1, &other);
+    CHECK(made.count > 4, "%u tiles", made.count);
+    lmb_volume *former;
+    CHECK(lmb_volume_tiles_set(made.tiles, 0, made.volume[1], &former) == LMB_ERROR_FORMAT, "another place");
+    CHECK(lmb_volume_tiles_set(made.tiles, 0, made.whole, &former) == LMB_ERROR_FORMAT, "the whole");
+    const lmb_result stale = lmb_volume_tiles_set(made.tiles, 0, other.volume[0], &former);
+    CHECK(stale == LMB_ERROR_CHECKSUM || stale == LMB_ERROR_FORMAT, "another bake: %d", stale);
+    all_set(&made);
+    CHECK(lmb_volume_tiles_clear(made.tiles, 2) == made.volume[2] && !lmb_volume_tiles_is_set(made.tiles, 2), "clear");
+    const lmb_volume_tiles_info info = lmb_volume_tiles_get_info(made.tiles);
+    uint64_t state = 11;
+    int dark = 0, lit = 0;
+    for (int i = 0; i < POSITIONS; ++i) {
+        const lmb_vec3d at = position_make(&info, &state);
+        lmb_sh3_rgb light, batched, expected;
+        bool batched_inside;
+        const bool inside = lmb_volume_tiles_sample(made.tiles, at, &light);
+        lmb_volume_tiles_sample_batch(made.tiles, &at, 1, &batched, NULL, &batched_inside);
+        bool expected_inside = lmb_volume_sample_at(made.whole, at, &expected);
+        if (lmb_volume_tiles_find(made.tiles, at) == 2) {
+            memset(&expected, 0, sizeof expected);
+            expected_inside = false;
+            ++dark;
+        }
+        lit += inside;
+        CHECK(inside == expected_inside && batched_inside == inside && memcmp(&light, &expected, sizeof light) == 0 &&
+                  memcmp(&batched, &expected, sizeof light) == 0,
+              "position %d", i);
+    }
+    CHECK(dark > 0 && lit > 0, "%d dark, %d lit", dark, lit);
+    divided_free(&made);
+    divided_free(&other);
+}
+
+/* Threads sample while tiles are cleared, their memory is overwritten when all have left, and they come back. */
+typedef struct sharing {
+    divided made;
+    atomic_bool ends;
+    atomic_int wrong, taken;
+} sharing;
+
+static void *reader_run(void *context)
+{
+    sharing *const with = context;
+    const lmb_volume_tiles_info info = lmb_volume_tiles_get_info(with->made.tiles);
+    uint64_t state = 5;
+    while (!atomic_load(&with->ends)) {
+        const uint32_t entered = lmb_volume_tiles_enter(with->made.tiles);
+        for (int i = 0; i < 200; ++i) {
+            const lmb_vec3d at = position_make(&info, &state);
+            lmb_sh3_rgb light, expected;
+            const bool inside = lmb_volume_tiles_sample(with->made.tiles, at, &light);
+            lmb_volume_sample_at(with->made.whole, at, &expected);
+            if (inside && memcmp(&light, &expected, sizeof light) != 0) {
+                atomic_fetch_add(&with->wrong, 1);
+            }
+            atomic_fetch_add(&with->taken, inside);
+        }
+        lmb_volume_tiles_leave(with->made.tiles, entered);
+    }
+    return NULL;
+}
+
+static void readers_and_tiles(void)
+{
+    static sharing with;
+    pthread_t thread[THREADS];
+    divided_make(&levels_recipes[3], LMB_VOLUME_HALFS, 1, &with.made);
+    all_set(&with.made);
+    for (int i = 0; i < THREADS; ++i) {
+        CHECK(pthread_create(&thread[i], NULL, reader_run, &with) == 0, "thread %d", i);
+    }
+    unsigned char *const kept = malloc(with.made.whole_size);
+    for (uint32_t round = 0; round < 60; ++round) {
+        const uint32_t tile = round * 7 % with.made.count;
+        lmb_volume *const old = lmb_volume_tiles_clear(with.made.tiles, tile);
+        const uint32_t mark = lmb_volume_tiles_mark(with.made.tiles);
+        while (!lmb_volume_tiles_is_quiet(with.made.tiles, mark)) {
+            nanosleep(&(struct timespec){.tv_nsec = 10000}, NULL);
+        }
+        lmb_volume_close(old);
+        memcpy(kept, with.made.data[tile], with.made.size[tile]);
+        memset(with.made.data[tile], 0xff, with.made.size[tile]);
+        memcpy(with.made.data[tile], kept, with.made.size[tile]);
+        lmb_volume *former;
+        CHECK(lmb_volume_open_memory(with.made.data[tile], with.made.size[tile], &with.made.volume[tile]) == LMB_OK &&
+                  lmb_volume_tiles_set(with.made.tiles, tile, with.made.volume[tile], &former) == LMB_OK && !former,
+              "round %u", round);
+    }
+    atomic_store(&with.ends, true);
+    for (int i = 0; i < THREADS; ++i) {
+        pthread_join(thread[i], NULL);
+    }
+    CHECK(with.wrong == 0 && with.taken > 1000, "%d wrong of %d", with.wrong, with.taken);
+    free(kept);
+    divided_free(&with.made);
+}
+
+/* Somebody is in: what is cleared after that is not quiet before he has left; who enters later does not matter. */
+static void quiet_when_left(void)
+{
+    divided made;
+    divided_make(&levels_recipes[1], LMB_VOLUME_HALFS, 1, &made);
+    const uint32_t first = lmb_volume_tiles_enter(made.tiles);
+    const uint32_t mark = lmb_volume_tiles_mark(made.tiles);
+    CHECK(!lmb_volume_tiles_is_quiet(made.tiles, mark), "one is in");
+    const uint32_t second = lmb_volume_tiles_enter(made.tiles);
+    lmb_volume_tiles_leave(made.tiles, first);
+    CHECK(lmb_volume_tiles_is_quiet(made.tiles, mark) || second == first, "he has left");
+    lmb_volume_tiles_leave(made.tiles, second);
+    CHECK(lmb_volume_tiles_is_quiet(made.tiles, mark), "all have left");
+    divided_free(&made);
+}
+
+static lmb_result index_open(const unsigned char *data, size_t size)
+{
+    lmb_volume_tiles *tiles = NULL;
+    const lmb_result result = lmb_volume_tiles_open_memory(data, size, &tiles);
+    if (result == LMB_OK) {
+        lmb_volume_tiles_find(tiles, (lmb_vec3d){1.0, 2.0, 3.0});
+        lmb_volume_tiles_close(tiles);
+    }
+    return result;
+}
+
+/* Every truncation, every flipped bit, and every word replaced with the checksum put right. */
+static void hostile_index(void)
+{
+    static const uint32_t words[] = {0, 1, 0x7fffffff, 0x80000000, 0xffffffff, 0x7fc00000};
+    divided made;
+    divided_make(&levels_recipes[1], LMB_VOLUME_HALFS, 1, &made);
+    unsigned char *const data = aligned_alloc(64, made.index_size);
+    memcpy(data, made.index, made.index_size);
+    for (size_t size = 0; size < made.index_size; ++size) {
+        CHECK(index_open(data, size) != LMB_OK, "%zu bytes", size);
+    }
+    for (size_t bit = 0; bit < 8 * made.index_size; ++bit) {
+        data[bit / 8] ^= (unsigned char)(1u << bit % 8);
+        CHECK(index_open(data, made.index_size) != LMB_OK, "bit %zu", bit);
+        data[bit / 8] ^= (unsigned char)(1u << bit % 8);
+    }
+    int refused = 0;
+    for (size_t at = LMB_VOLUME_CHECKSUM_START; at < made.index_size; at += 4) {
+        for (size_t k = 0; k < sizeof words / sizeof words[0]; ++k) {
+            memcpy(data + at, &words[k], 4);
+            const uint64_t sum =
+                lmb_volume_hash(data + LMB_VOLUME_CHECKSUM_START, made.index_size - LMB_VOLUME_CHECKSUM_START);
+            memcpy(data + offsetof(lmb_tiles_header, checksum), &sum, sizeof sum);
+            refused += index_open(data, made.index_size) != LMB_OK;
+            memcpy(data, made.index, made.index_size);
+        }
+    }
+    CHECK(refused > 100, "%d refused", refused);
+    free(data);
+    divided_free(&made);
+}
+
+static const test_case cases[] = {
+    {"the bits of the undivided volume", same_bits},
+    {"closed tiles, and those of another volume", closed_and_refused},
+    {"readers while tiles come and go", readers_and_tiles},
+    {"quiet when all have left", quiet_when_left},
+    {"a hostile index", hostile_index},
+};
+
+int main(void)
+{
+    return test_main(cases, sizeof cases / sizeof cases[0]);
+}

@@ -1,0 +1,35 @@
+/* Splitting a run-time volume, .lmb, into tiles (docs/formats.md; opened by lambent/tiles.h). */
+#ifndef LAMBENT_SPLIT_H
+#define LAMBENT_SPLIT_H
+
+#include <lambent/tiles_format.h>
+#include <lambent/volume.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Takes the .lmb of a tile, which is gone when it returns. What it returns but LMB_OK ends the split with that. */
+typedef struct lmb_split_sink {
+    lmb_result (*write)(void *context, const int32_t at[3], const unsigned char *data, size_t size);
+    void *context;
+} lmb_split_sink;
+
+/* Cells of the finest level along a tile that is so many metres long, as near as whole bricks of the coarsest level
+ * come; one of these at least. */
+int32_t lmb_split_cells(const lmb_volume_info *info, double metres);
+
+/* Splits a .lmb of version 4 in memory, which is 16-byte aligned and may be from anywhere, into tiles of so many cells
+ * of the finest level along each axis: multiples of a brick of the coarsest one. Gives each tile that has cells to
+ * `sink`, x fastest, then y and z; then `*index` is the index of all in malloc'ed memory, 16-byte aligned, which the
+ * caller frees. Local sets are in the tile that their middle is in or, where that has no cells, the nearest that has.
+ * @return LMB_ERROR_MEMORY, _ARGUMENT (tile_cells), _VERSION (version 3 of the format is not split), what opening the
+ * volume can, or what the sink returned; then `*index` is not touched */
+lmb_result lmb_split(const unsigned char *volume, size_t size, const int32_t tile_cells[3], const lmb_split_sink *sink,
+                     unsigned char **index, size_t *index_size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
