@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Shares under Slurm: a node that dies in the middle, a share that fails at first, one that fails for good. Run by CTest as
+# Shares under Slurm: a node that dies in the middle, a share that fails at first, a share and a preparation that fail for
+# good. Run by CTest as
 #     farm_slurm.sh LAMBENT LAMBENT_DEMO_LEVEL OUTPUT FOLDER
 # Starts a Slurm of three nodes of its own: in namespaces of processes and network, so that nothing outside sees it, its
 # nodes die whole, and nothing of it outlives the test. Skips (77) where there is no Slurm, or no right to do that.
@@ -35,8 +36,7 @@ unset "${!SBATCH_@}" "${!LAMBENT_@}"
 
 fail() {
     echo "failed: $1"
-    echo "-- runs"
-    cat "$work/runs"
+    tail -n +1 "$work"/runs.*
     echo "-- queue"
     squeue || true
     tail -n 20 "$work"/*.log "$output"/bake/*.log 2>/dev/null || true
@@ -70,6 +70,8 @@ SlurmUser=root
 SlurmdUser=root
 AuthType=auth/none
 CredType=cred/none
+# A job of a dead node runs again no sooner than its credential expires, 120 s unless said.
+AuthInfo=cred_expire=5
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
 SelectType=select/cons_tres
@@ -105,21 +107,29 @@ nodes_are_idle() {
     [[ "$(sinfo --noheader --format=%D:%t 2>/dev/null)" == "${#nodes[@]}:idle" ]]
 }
 
-# What the jobs run for lambent: notes who runs what where, and lets the share that $work/fail_once names fail once.
+# What the jobs run for lambent. Notes who runs what where in $RUNS; and a run fails that is a line of $RUNS.fail, each
+# line once. A run is the command and its share, 0 for what is no share.
 program_make() {
     cat >"$work/lambent" <<EOF
 #!/bin/sh
-echo "\${SLURMD_NODENAME:-none} \$1 \${SLURM_ARRAY_TASK_ID:-0} \${SLURM_RESTART_COUNT:-0}" >>"$work/runs"
-if [ "\$1 \${SLURM_ARRAY_TASK_ID:-0}" = "bake \$(cat "$work/fail_once")" ]; then
-    : >"$work/fail_once"
+run="\$1 \${SLURM_ARRAY_TASK_ID:-0}"
+echo "\${SLURMD_NODENAME:-none} \$run \${SLURM_RESTART_COUNT:-0}" >>"\$RUNS"
+if grep -qx "\$run" "\$RUNS.fail"; then
+    sed -i "0,/^\$run\\\$/{//d}" "\$RUNS.fail"
     exit 1
 fi
 exec "$real" "\$@"
 EOF
     chmod +x "$work/lambent"
     export LAMBENT=$work/lambent
-    : >"$work/runs"
-    : >"$work/fail_once"
+}
+
+# runs_fail NAME RUN...: the jobs queued from here on note their runs under this name, and these fail
+runs_fail() {
+    export RUNS=$work/runs.$1
+    shift
+    : >"$RUNS"
+    printf '%s\n' "$@" >"$RUNS.fail"
 }
 
 queue_is_empty() {
@@ -138,7 +148,7 @@ parts_of() {
 }
 
 a_node_dies() {
-    echo 3 >"$work/fail_once"
+    runs_fail node "bake 3"
     "$farm/slurm" 4 "$output/bake" "$output/demo.glb" "${effort[@]}"
     wait_for 120 "share in the middle on n2" share_is_in_the_middle n2
     kill -KILL "${init[2]}"
@@ -146,27 +156,40 @@ a_node_dies() {
     echo "n2 dies with share $dying, which has kept $(wc -l <"$work/kept") parts"
     wait_for 200 "end of the jobs" queue_is_empty
 
-    grep -q " bake $dying 1\$" "$work/runs" || fail "share $dying was not queued again"
-    if grep -q "^n2 bake $dying 1\$" "$work/runs"; then
+    grep -q " bake $dying 1\$" "$RUNS" || fail "share $dying was not queued again"
+    if grep -q "^n2 bake $dying 1\$" "$RUNS"; then
         fail "share $dying ran again on the dead node"
     fi
     parts_of "$dying" >"$work/parts"
     [[ -z "$(comm -23 "$work/kept" "$work/parts")" ]] || fail "share $dying began anew"
     [[ $(wc -l <"$work/kept") -lt $(wc -l <"$work/parts") ]] || fail "share $dying was not in the middle"
-    [[ $(grep -c ' bake 3 ' "$work/runs") -ge 2 ]] || fail "share 3 was not tried again"
-    [[ $(grep -c ' merge 0 ' "$work/runs") == 1 ]] || fail "the merge did not run once"
+    [[ $(grep -c ' bake 3 ' "$RUNS") -ge 2 ]] || fail "share 3 was not tried again"
+    [[ $(grep -c ' merge 0 ' "$RUNS") == 1 ]] || fail "the merge did not run once"
     for file in probes.lmb probes.vdb $(cd "$output/whole" && ls -d lightmap/*); do
         cmp "$output/whole/$file" "$output/bake/$file" || fail "$file is not that of one bake"
     done
     echo "ok   a node dies, its share goes on elsewhere, the same bytes"
 }
 
-a_share_fails_for_good() {
-    : >"$work/runs"
-    LAMBENT_TRIES=2 "$farm/slurm" 2 "$output/failed" "$output/no_level.glb" 2>&1
-    wait_for 60 "end of the jobs" queue_is_empty
-    [[ $(grep -c ' bake 1 ' "$work/runs") == 2 ]] || fail "share 1 was not tried twice"
-    if grep -q ' merge ' "$work/runs" || [[ -e "$output/failed/probes.lmb" ]]; then
+# Both at once: they wait for nothing of each other's.
+a_job_fails_for_good() {
+    export LAMBENT_TRIES=2
+    runs_fail prepare
+    "$farm/slurm" 2 "$output/unprepared" "$output/no_level.glb"
+    runs_fail share "bake 1" "bake 1"
+    "$farm/slurm" 2 "$output/failed" "$output/demo.glb" --spacing 2 --samples 16
+    wait_for 100 "end of the jobs" queue_is_empty
+
+    [[ $(grep -c ' bake 0 ' "$work/runs.prepare") == 2 ]] || fail "the preparation was not tried twice"
+    if grep -v ' bake 0 ' "$work/runs.prepare" || [[ -e "$output/unprepared/share1" ]]; then
+        fail "something ran without the preparation"
+    fi
+    echo "ok   the preparation fails for good, and shares and merge leave the queue"
+
+    [[ $(grep -c ' bake 0 ' "$RUNS") == 1 ]] || fail "the preparation was not done once"
+    [[ $(grep -c ' bake 1 ' "$RUNS") == 2 ]] || fail "share 1 was not tried twice"
+    [[ $(grep -c ' bake 2 ' "$RUNS") == 1 ]] || fail "share 2 was not baked"
+    if grep -q ' merge ' "$RUNS" || [[ -e "$output/failed/probes.lmb" ]]; then
         fail "merged without a share"
     fi
     echo "ok   a share fails for good, and the merge leaves the queue"
@@ -180,4 +203,4 @@ mkdir -p "$output"
 program_make
 slurm_start
 a_node_dies
-a_share_fails_for_good
+a_job_fails_for_good
