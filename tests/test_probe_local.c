@@ -2,7 +2,7 @@
 #include <lambent/probe_local.h>
 
 #include "harness.h"
-#include "probes_fixture.h"
+#include "local_fixture.h"
 
 #include <lambent/file.h>
 #include <lambent/local_set_format.h>
@@ -15,35 +15,6 @@
 
 #define OUTPUT LMB_TEST_OUTPUT_DIR "/probe_local"
 
-enum { SETS = 3 };
-static const char *const names[SETS] = {"statue", "plant in a pot", "statue"};
-static const uint32_t sizes[SETS][3] = {{2, 2, 2}, {4, 1, 3}, {8, 8, 8}};
-
-/* Boxes at several places, each turned about +Y; not quite the same along all axes. */
-static lmb_local_frame frame_of(int set)
-{
-    const float angle = 0.4f + 0.9f * (float)set, c = cosf(angle), s = sinf(angle);
-    const lmb_vec3 half[3] = {{0.5f * c, 0.0f, -0.5f * s}, {0.0f, 0.75f, 0.0f}, {0.25f * s, 0.0f, 0.25f * c}};
-    return lmb_local_frame_of_box((lmb_vec3d){1.1 * set, 0.3, -0.7 * set}, half, sizes[set]);
-}
-
-static void light_fill(lmb_probes *probes, uint64_t *state)
-{
-    for (uint32_t i = 0; i < probes->local_count; ++i) {
-        const lmb_probe_local *const local = &probes->local[i];
-        for (uint32_t k = 0; k < lmb_local_frame_count(&local->frame); ++k) {
-            local->validity[k] = (float)fixture_random(state);
-            for (int c = 0; c < 27; ++c) { /* such as light that is nowhere negative has */
-                local->radiance[k].channel[c / 9].c[c % 9] =
-                    (float)(c % 9 == 0 ? 1.0 + fixture_random(state) : fixture_random(state) - 0.5);
-            }
-            for (uint32_t key = 0; key < probes->key_light_count; ++key) {
-                local->key_visibility[k][key] = (float)fixture_random(state);
-            }
-        }
-    }
-}
-
 /* A volume of some probes, one key light and three local sets. */
 static lmb_probes *probes_make(void)
 {
@@ -52,11 +23,7 @@ static lmb_probes *probes_make(void)
     uint64_t state = 99;
     probes->key_light_count = 1;
     probes->key_light[0] = (lmb_key_light){{0.0f, 1.0f, 0.0f}, {{2.0f, 1.0f, 0.5f}}};
-    for (int set = 0; set < SETS; ++set) {
-        const lmb_local_frame frame = frame_of(set);
-        CHECK(lmb_probes_add_local(probes, names[set], 10 + set, set, &frame) == LMB_OK, "set %d", set);
-    }
-    light_fill(probes, &state);
+    local_fixture_add(probes, &state);
     lmb_error error = {{0}};
     CHECK(lmb_probes_validate(probes, &error) == LMB_OK, "%s", error.message);
     return probes;
@@ -75,12 +42,12 @@ static void volume_has(const lmb_volume *volume, const lmb_probes *probes, doubl
 {
     static lmb_sh3_rgb radiance[LMB_LOCAL_SET_MOST];
     static float seen[LMB_LOCAL_SET_MOST][LMB_KEY_LIGHTS_MOST];
-    CHECK(lmb_volume_local_set_count(volume) == SETS, "%u", lmb_volume_local_set_count(volume));
+    CHECK(lmb_volume_local_set_count(volume) == LOCAL_FIXTURE_SETS, "%u", lmb_volume_local_set_count(volume));
     for (uint32_t i = 0; i < lmb_volume_local_set_count(volume); ++i) {
         const lmb_probe_local *const local = &probes->local[i];
         const lmb_local_set set = lmb_volume_local_set_get(volume, i);
-        CHECK(strcmp(set.name, names[i]) == 0 && set.node == 10 + (int)i && set.place == (int)i, "set %u: %s", i,
-              set.name);
+        CHECK(strcmp(set.name, local_fixture_name[i]) == 0 && set.node == 10 + (int)i && set.place == (int)i,
+              "set %u: %s", i, set.name);
         CHECK(memcmp(&set.frame, &local->frame, sizeof set.frame) == 0, "set %u: its frame", i);
         lmb_volume_local_set_light(volume, i, radiance, seen);
         for (uint32_t k = 0; k < lmb_local_frame_count(&set.frame); ++k) {
@@ -92,7 +59,7 @@ static void volume_has(const lmb_volume *volume, const lmb_probes *probes, doubl
     }
     CHECK(lmb_volume_local_set_find(volume, "statue") == 0, "the first of that name");
     CHECK(lmb_volume_local_set_find(volume, "plant in a pot") == 1, "the second");
-    CHECK(lmb_volume_local_set_find(volume, "plant") == SETS, "there is none");
+    CHECK(lmb_volume_local_set_find(volume, "plant") == LOCAL_FIXTURE_SETS, "there is none");
 }
 
 static void run_time_file_has_them(void)
@@ -127,7 +94,7 @@ static void exchange_file_has_them(void)
     CHECK(lmb_vdb_write(OUTPUT "/sets.vdb", probes, &metadata, &error) == LMB_OK &&
               lmb_vdb_read(OUTPUT "/sets.vdb", &read, NULL, NULL, &error) == LMB_OK,
           "%s", error.message);
-    for (uint32_t i = 0; read && i < SETS && i < read->local_count; ++i) {
+    for (uint32_t i = 0; read && i < LOCAL_FIXTURE_SETS && i < read->local_count; ++i) {
         const lmb_probe_local *const a = &probes->local[i], *const b = &read->local[i];
         const size_t count = lmb_local_frame_count(&a->frame);
         CHECK(strcmp(a->name, b->name) == 0 && a->node == b->node && a->place == b->place, "set %u: %s", i, b->name);
@@ -135,7 +102,7 @@ static void exchange_file_has_them(void)
         CHECK(memcmp(a->validity, b->validity, count * sizeof *a->validity) == 0, "set %u: validity", i);
         CHECK(memcmp(a->key_visibility, b->key_visibility, count * sizeof *a->key_visibility) == 0, "set %u: keys", i);
     }
-    CHECK(read && read->local_count == SETS, "all of them");
+    CHECK(read && read->local_count == LOCAL_FIXTURE_SETS, "all of them");
     unsigned char *one = NULL, *two = NULL;
     size_t one_size = 0, two_size = 0;
     CHECK(read && lmb_pack(probes, &one, &one_size, NULL) == LMB_OK &&
@@ -271,10 +238,10 @@ static void refuses(forged *file, size_t offset, uint32_t value, const char *wha
 static void broken_sections_are_refused(void)
 {
     forged file = forged_make();
-    const size_t first = sizeof(lmb_volume_locals), names_at = first + SETS * sizeof(lmb_volume_local);
+    const size_t first = sizeof(lmb_volume_locals), names_at = first + LOCAL_FIXTURE_SETS * sizeof(lmb_volume_local);
     refuses(&file, 0, 0, "no sets");
-    refuses(&file, 0, SETS - 1, "a set too few");
-    refuses(&file, 0, SETS + 1, "a set too many");
+    refuses(&file, 0, LOCAL_FIXTURE_SETS - 1, "a set too few");
+    refuses(&file, 0, LOCAL_FIXTURE_SETS + 1, "a set too many");
     refuses(&file, 0, UINT32_MAX, "too many sets for 32 bits of bytes");
     refuses(&file, 4, 0, "no names");
     refuses(&file, 4, 2, "names that end within a word");
@@ -307,7 +274,7 @@ static void broken_sections_are_refused(void)
 static void frames_that_are_none_are_refused(void)
 {
     lmb_probes *const probes = probes_make();
-    const lmb_local_frame good = frame_of(0);
+    const lmb_local_frame good = local_fixture_frame(0);
     for (int i = 0; i < 6; ++i) {
         lmb_local_frame frame = good;
         frame.size[i % 3] = i == 0 ? 0 : i == 1 ? 9 : 2;
@@ -317,7 +284,7 @@ static void frames_that_are_none_are_refused(void)
         CHECK(lmb_probes_add_local(probes, "bad", 1, 0, &frame) == LMB_ERROR_ARGUMENT, "frame %d", i);
     }
     CHECK(lmb_probes_add_local(probes, "bad", -1, 0, &good) == LMB_ERROR_ARGUMENT, "no node");
-    CHECK(probes->local_count == SETS, "%u", probes->local_count);
+    CHECK(probes->local_count == LOCAL_FIXTURE_SETS, "%u", probes->local_count);
     CHECK(lmb_probes_find_local(probes, 11, 1) == 1 && lmb_probes_find_local(probes, 11, 0) == -1, "by node and place");
     lmb_probes_destroy(probes);
 }
@@ -334,8 +301,8 @@ static void dark_probes_get_light(void)
         probes->radiance[0][i].channel[1].c[3] = (float)probes->point[i][0];
         probes->key_visibility[i][0] = 0.25f;
     }
-    for (int set = 0; set < SETS; ++set) {
-        const lmb_local_frame frame = frame_of(set);
+    for (int set = 0; set < LOCAL_FIXTURE_SETS; ++set) {
+        const lmb_local_frame frame = local_fixture_frame(set);
         CHECK(lmb_probes_add_local(probes, "set", set, 0, &frame) == LMB_OK, "set %d", set);
     }
     const lmb_probe_local *const large = &probes->local[2], *const solid = &probes->local[0];
@@ -361,7 +328,7 @@ static void sets_move_with_objects(void)
     lmb_probes *const probes = probes_make();
     const lmb_vec3 turn[3] = {{0.0f, 0.0f, 1.0f}, {0.6f, 0.8f, 0.0f}, {-0.8f, 0.6f, 0.0f}};
     const lmb_vec3d from = {1.0, 2.0, 3.0}, to = {-30.0, 7.0, 0.5};
-    for (int set = 0; set < SETS; ++set) {
+    for (int set = 0; set < LOCAL_FIXTURE_SETS; ++set) {
         const lmb_probe_local *const local = &probes->local[set];
         const lmb_local_frame moved = lmb_local_frame_moved(&local->frame, from, to, turn);
         CHECK(lmb_local_frame_is_valid(&moved), "set %d", set);

@@ -79,8 +79,8 @@ lmb_result lmb_pack_cuts_place(lmb_packing *packing)
     return LMB_OK;
 }
 
-/* @return the next ghost of the brick */
-static const uint32_t *record_write(const brick_cuts *at, const uint32_t *ghost, unsigned char *to)
+/* `ghost` is the packing's that comes next. @return the one after those of this cell */
+static uint32_t record_write(const brick_cuts *at, uint32_t ghost, unsigned char *to)
 {
     const lmb_packing *const packing = at->packing;
     const lmb_cut_cells *const cuts = &packing->probes->cut;
@@ -104,7 +104,7 @@ static const uint32_t *record_write(const brick_cuts *at, const uint32_t *ghost,
         to += cut->plane_count * sizeof *cuts->plane;
     }
     for (uint32_t i = 0; i < count; ++i) {
-        const int16_t number = (int16_t)((int64_t)ghost[i] - at->brick->ghost_first);
+        const int16_t number = (int16_t)((int64_t)packing->ghost[ghost + i] - at->brick->ghost_first);
         memcpy(to + i * sizeof number, &number, sizeof number);
     }
     return ghost + count;
@@ -115,7 +115,7 @@ void lmb_pack_cuts_write(const lmb_packing *packing, unsigned char *to)
     for (uint32_t i = 0; i < packing->brick_count; ++i) {
         const lmb_pack_brick *const brick = &packing->brick[i];
         const uint32_t slot_units = 1u << brick->cut_shift;
-        const uint32_t *ghost = packing->ghost + brick->ghost_begin;
+        uint32_t ghost = brick->ghost_begin;
         brick_cuts at = brick_cuts_of(packing, brick);
         uint32_t slots = 0;
         for (uint64_t cells = brick->cut_stored; cells; cells &= cells - 1) {

@@ -13,6 +13,7 @@
 #include <lambent/volume.h>
 
 #include "cut_fixture.h"
+#include "local_fixture.h"
 #include "probes_fixture.h"
 #include "vdb_editor.h"
 
@@ -109,4 +110,11 @@ void fuzz_seeds(void)
     }
     seed_of(cut_fixture_probes(), NULL);
     seed_of(cut_fixture_probes(), &saved[0]);
+    uint64_t state = 3;
+    for (int i = 0; i < 2; ++i) {
+        lmb_probes *const probes = fixture_random_probes(&cube, 1.0, 0.8, 2.0, 7);
+        keys_add(probes, 1);
+        local_fixture_add(probes, &state);
+        seed_of(probes, i == 0 ? NULL : &saved[0]);
+    }
 }

@@ -7,12 +7,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/local_set.h>
+#include <lambent/pack.h>
 #include <lambent/volume.h>
 #include <lambent/volume_format.h>
 #include <lambent/volume_probe.h>
 #include <lambent/volume_texture.h>
 
-enum { POSITIONS = 24, BYTES_MOST = 1 << 24 /* of what is made of an input */ };
+#include "cut_fixture.h"
+#include "local_fixture.h"
+
+enum { POSITIONS = 24, MOST_SETS = 8, BYTES_MOST = 1 << 24 /* of what is made of an input */ };
 
 static bool light_is_finite(const lmb_sh3_rgb *light)
 {
@@ -88,6 +93,24 @@ static void probes_use(const lmb_volume *volume)
     free(probe);
 }
 
+/* The first local sets, and what a name finds. */
+static void locals_use(const lmb_volume *volume)
+{
+    static lmb_sh3_rgb light[LMB_LOCAL_SET_MOST];
+    static float seen[LMB_LOCAL_SET_MOST][LMB_KEY_LIGHTS_MOST];
+    const uint32_t count = lmb_volume_local_set_count(volume);
+    for (uint32_t i = 0; i < count && i < MOST_SETS; ++i) {
+        const lmb_local_set set = lmb_volume_local_set_get(volume, i);
+        FUZZ_CHECK(lmb_local_frame_is_valid(&set.frame), "set %u: its frame", i);
+        FUZZ_CHECK(lmb_volume_local_set_find(volume, set.name) <= i, "set %u: '%s' is not found", i, set.name);
+        lmb_volume_local_set_light(volume, i, light, seen);
+        for (uint32_t k = 0; k < lmb_local_frame_count(&set.frame); ++k) {
+            FUZZ_CHECK(light_is_finite(&light[k]) && seen_is_a_share(seen[k]), "set %u: probe %u", i, k);
+        }
+    }
+    FUZZ_CHECK(lmb_volume_local_set_find(volume, "nobody's name") <= count, "beyond the sets");
+}
+
 static void volume_use(const lmb_volume *volume)
 {
     const lmb_volume_info info = lmb_volume_get_info(volume);
@@ -111,6 +134,7 @@ static void volume_use(const lmb_volume *volume)
     }
     lmb_key_light light[LMB_KEY_LIGHTS_MOST];
     FUZZ_CHECK(lmb_volume_key_lights(volume, light) <= LMB_KEY_LIGHTS_MOST, "key lights");
+    locals_use(volume);
 }
 
 static void bytes_open(const unsigned char *bytes, size_t size)
@@ -146,10 +170,37 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     return 0;
 }
 
+static void seed_pack(lmb_probes *probes, lmb_volume_form form)
+{
+    unsigned char *data = NULL;
+    size_t size = 0;
+    FUZZ_CHECK(lmb_pack_as(form, probes, &data, &size, NULL) == LMB_OK, "not packed");
+    fuzz_seed(data, size);
+    free(data);
+    lmb_probes_destroy(probes);
+}
+
+static lmb_probes *probes_with_sets(void)
+{
+    const lmb_lattice lattice = {.spacing = 0.5f, .min = {0, 0, 0}, .size = {2, 2, 2}};
+    lmb_probes *const probes = fixture_random_probes(&lattice, 1.0, 1.0, 2.0, 7);
+    uint64_t state = 3;
+    probes->key_light_count = 1;
+    probes->key_light[0] = (lmb_key_light){{0.0f, 1.0f, 0.0f}, {{2.0f, 1.0f, 0.5f}}};
+    local_fixture_add(probes, &state);
+    return probes;
+}
+
+/* Files of earlier versions, and what the writer makes: cut cells and local sets, in both forms of probes. */
 void fuzz_seeds(void)
 {
     fuzz_seed_file(LMB_GOLDEN_DIR "/small.lmb");
     fuzz_seed_file(LMB_GOLDEN_DIR "/small_keys.lmb");
     fuzz_seed_file(LMB_GOLDEN_DIR "/levels_3.lmb");
     fuzz_seed_file(LMB_GOLDEN_DIR "/levels_4.lmb");
+    static const lmb_volume_form forms[] = {LMB_VOLUME_HALFS, LMB_VOLUME_COMPACT};
+    for (size_t i = 0; i < 2; ++i) {
+        seed_pack(cut_fixture_probes(), forms[i]);
+        seed_pack(probes_with_sets(), forms[i]);
+    }
 }
