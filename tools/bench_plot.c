@@ -149,22 +149,38 @@ static void grid_write(const picture *made, const panel *at, int axis)
     }
 }
 
-/* Moves names that overlap apart, each as little as it may, and none out of the plot. */
+/* Moves names that overlap apart, and none out of the plot: those that must move together by the least squares. */
 static void names_spread(double *y, int count, double top, double bottom)
 {
-    for (int pass = 0; pass < 500; ++pass) {
-        for (int i = 0; i < count; ++i) {
-            for (int k = 0; k < count; ++k) {
-                const double gap = y[k] - y[i];
-                const bool below = gap > 0.0 || (gap == 0.0 && k > i);
-                if (i != k && below && gap < NAME_HEIGHT) {
-                    y[i] -= 0.25 * (NAME_HEIGHT - gap);
-                    y[k] += 0.25 * (NAME_HEIGHT - gap);
-                }
-            }
+    int order[BENCH_MOST_SAMPLERS], first[BENCH_MOST_SAMPLERS], groups = 0;
+    double begin[BENCH_MOST_SAMPLERS]; /* where a group's first name is */
+    for (int i = 0; i < count; ++i) {
+        int k = i;
+        for (; k > 0 && y[order[k - 1]] > y[i]; --k) {
+            order[k] = order[k - 1];
         }
-        for (int i = 0; i < count; ++i) {
-            y[i] = fmin(fmax(y[i], top), bottom);
+        order[k] = i;
+    }
+    for (int i = 0; i < count; ++i) {
+        first[groups] = i;
+        begin[groups++] = y[order[i]];
+        for (;;) {
+            const int b = first[groups - 1];
+            double *const last = &begin[groups - 1];
+            *last = fmax(top, fmin(*last, bottom - NAME_HEIGHT * (i - b)));
+            const int a = groups > 1 ? first[groups - 2] : b;
+            const double room = NAME_HEIGHT * (b - a);
+            if (a == b || *last >= last[-1] + room) {
+                break;
+            }
+            last[-1] = (last[-1] * (b - a) + (*last - room) * (i + 1 - b)) / (i + 1 - a);
+            --groups;
+        }
+    }
+    for (int group = 0; group < groups; ++group) {
+        const int end = group + 1 < groups ? first[group + 1] : count;
+        for (int i = first[group]; i < end; ++i) {
+            y[order[i]] = begin[group] + NAME_HEIGHT * (i - first[group]);
         }
     }
 }
