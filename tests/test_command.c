@@ -446,7 +446,7 @@ static void interruption_writes_nothing(void)
     }
     char printed[4096];
     const int status = run(printed, sizeof printed,
-                           "timeout --signal=INT --preserve-status 1 " LMB_COMMAND " bake " QUOTED " -o " OUTPUT
+                           "timeout --signal=INT --preserve-status 5 " LMB_COMMAND " bake " QUOTED " -o " OUTPUT
                            "/interrupted --spacing 0.05 --samples 100000 --quiet");
     CHECK(status == 4, "exits with %d: %s", status, printed);
     CHECK(access(OUTPUT "/interrupted", F_OK) != 0, "an interrupted bake left a folder");
