@@ -1,6 +1,7 @@
 /* A volume in tiles gives the bits of the undivided one, while tiles come and go. */
 #define _POSIX_C_SOURCE 200809L
 
+#include <lambent/file.h>
 #include <lambent/pack.h>
 #include <lambent/split.h>
 #include <lambent/tiles.h>
@@ -11,6 +12,7 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
+#include <sys/stat.h>
 
 enum { TILES_MOST = 512, POSITIONS = 4000, THREADS = 4 };
 
@@ -322,12 +324,31 @@ static void hostile_index(void)
     divided_free(&made);
 }
 
+/* Files as the command names them, for sampler/example/tiles.c: 27 tiles of 2 m, without holes. */
+static void files_for_the_example(void)
+{
+    const char *const stem = LMB_TEST_OUTPUT_DIR "/tiles/probes";
+    lmb_error error = {{0}};
+    divided made;
+    char path[512];
+    divided_make(&levels_recipes[0], LMB_VOLUME_HALFS, 1, &made);
+    mkdir(LMB_TEST_OUTPUT_DIR "/tiles", 0777);
+    for (uint32_t i = 0; i < made.count; ++i) {
+        snprintf(path, sizeof path, "%s_%d_%d_%d.lmb", stem, made.at[i][0], made.at[i][1], made.at[i][2]);
+        CHECK(lmb_file_write(path, made.data[i], made.size[i], &error) == LMB_OK, "%s", error.message);
+    }
+    snprintf(path, sizeof path, "%s.lmt", stem);
+    CHECK(lmb_file_write(path, made.index, made.index_size, &error) == LMB_OK, "%s", error.message);
+    divided_free(&made);
+}
+
 static const test_case cases[] = {
     {"the bits of the undivided volume", same_bits},
     {"closed tiles, and those of another volume", closed_and_refused},
     {"readers while tiles come and go", readers_and_tiles},
     {"quiet when all have left", quiet_when_left},
     {"a hostile index", hostile_index},
+    {"files for the example", files_for_the_example},
 };
 
 int main(void)
