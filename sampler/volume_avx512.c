@@ -57,8 +57,9 @@ static inline void blend_corners(const unsigned char *const corner[8], fraction 
 {
     __m512 sum[2];
     sums_find(corner, at, scale, sum);
-    _mm512_storeu_ps(radiance->channel[0].c, sum[0]);
-    _mm512_storeu_ps(radiance->channel[0].c + 11, sum[1]);
+    float *const to = radiance->channel[0].c;
+    _mm512_storeu_ps(to, sum[0]);
+    _mm512_storeu_ps(to + 11, sum[1]);
 }
 
 /* lmb_volume_irradiance_sum from registers, the three channels' fours beside each other, their last ones behind. Of the

@@ -255,7 +255,7 @@ static void slots_claim(const naming *names, const lmb_region_cell *cell)
         }
         const uint32_t root = root_of(work->root, 8 * cell->first + i), now = names->claimed[probe];
         if (now == UINT32_MAX || names->plain[root] > names->plain[now] ||
-            (names->plain[root] == names->plain[now] && root < now)) {
+            (root < now && names->plain[root] == names->plain[now])) {
             names->claimed[probe] = root;
         }
     }

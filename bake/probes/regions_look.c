@@ -197,7 +197,7 @@ static void regions_label(const uint8_t link[LMB_REGION_NODES], lmb_region_look 
     for (int i = 0; i < parts; ++i) {
         int larger = 0;
         for (int k = 0; k < parts; ++k) {
-            larger += size[k] > size[i] || (size[k] == size[i] && k < i);
+            larger += size[k] > size[i] || (k < i && size[k] == size[i]);
         }
         name[i] = larger < LMB_CELL_REGIONS_MOST ? look->count++ : LMB_REGION_NONE;
     }
