@@ -241,6 +241,12 @@ static void volumes_come_back(void)
     CHECK_RUN(3, "probes.vdb",
               IN_OUTPUT "head -c 3000 b/probes.vdb >cut/probes.vdb 2>/dev/null || { mkdir -p cut; head -c "
                         "3000 b/probes.vdb >cut/probes.vdb; }; " LMB_COMMAND " pack cut/probes.vdb -o q.lmb");
+    CHECK_RUN(0, "tiles     ",
+              IN_OUTPUT LMB_COMMAND " pack b/probes.vdb -o t.lmt --tile-size 1 && test -f t_0_0_0.lmb");
+    CHECK_RUN(0, "index of tiles", IN_OUTPUT LMB_COMMAND " info t.lmt");
+    CHECK_RUN(0, "probe", IN_OUTPUT LMB_COMMAND " info t_0_0_0.lmb");
+    CHECK_RUN(2, "a .lmt with --tile-size, not", IN_OUTPUT LMB_COMMAND " pack b/probes.vdb -o q.lmb --tile-size 1");
+    CHECK_RUN(2, "a .lmb, not", IN_OUTPUT LMB_COMMAND " pack b/probes.vdb -o q.lmt");
     CHECK_RUN(2, "a .lmb, not", IN_OUTPUT LMB_COMMAND " pack b/probes.vdb -o b/probes.vdb");
     CHECK_RUN(2, "-o FILE.lmb", IN_OUTPUT LMB_COMMAND " pack b/probes.vdb");
     CHECK_RUN(2, "FILE.vdb", IN_OUTPUT LMB_COMMAND " pack -o q.lmb");

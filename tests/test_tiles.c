@@ -8,6 +8,7 @@
 
 #include "harness.h"
 #include "levels_fixture.h"
+#include "local_fixture.h"
 #include "variates.h"
 
 #include <pthread.h>
@@ -41,11 +42,10 @@ static lmb_result tile_keep(void *context, const int32_t at[3], const unsigned c
     return LMB_OK;
 }
 
-static void divided_make(const levels_recipe *recipe, lmb_volume_form form, int32_t bricks, divided *made)
+static void divided_of(const lmb_probes *probes, lmb_volume_form form, int32_t bricks, divided *made)
 {
-    const int32_t cells = bricks * (LMB_BRICK_CELLS << (recipe->levels - 1));
+    const int32_t cells = bricks * (LMB_BRICK_CELLS << (probes->level_count - 1));
     const lmb_split_sink sink = {tile_keep, made};
-    lmb_probes *const probes = levels_make(recipe);
     memset(made, 0, sizeof *made);
     bool good = lmb_pack_as(form, probes, &made->whole_data, &made->whole_size, NULL) == LMB_OK &&
                 lmb_split(made->whole_data, made->whole_size, (const int32_t[3]){cells, cells, cells}, &sink,
@@ -55,11 +55,17 @@ static void divided_make(const levels_recipe *recipe, lmb_volume_form form, int3
     for (uint32_t i = 0; good && i < made->count; ++i) {
         good = lmb_volume_open_memory(made->data[i], made->size[i], &made->volume[i]) == LMB_OK;
     }
-    lmb_probes_destroy(probes);
     if (!good) {
         fprintf(stderr, "tiles cannot be made\n");
         abort();
     }
+}
+
+static void divided_make(const levels_recipe *recipe, lmb_volume_form form, int32_t bricks, divided *made)
+{
+    lmb_probes *const probes = levels_make(recipe);
+    divided_of(probes, form, bricks, made);
+    lmb_probes_destroy(probes);
 }
 
 static void divided_free(divided *made)
@@ -155,6 +161,87 @@ static void same_bits(void)
                 same_bits_of(&made, what);
                 divided_free(&made);
             }
+        }
+    }
+}
+
+static bool is_same_set(const lmb_volume *one, uint32_t of_one, const lmb_volume *other, uint32_t of_other)
+{
+    static lmb_sh3_rgb light[2][LMB_LOCAL_SET_MOST];
+    static float seen[2][LMB_LOCAL_SET_MOST][LMB_KEY_LIGHTS_MOST];
+    const lmb_local_set set[2] = {lmb_volume_local_set_get(one, of_one), lmb_volume_local_set_get(other, of_other)};
+    const uint32_t count = lmb_local_frame_count(&set[0].frame);
+    if (strcmp(set[0].name, set[1].name) != 0 || set[0].node != set[1].node || set[0].place != set[1].place ||
+        memcmp(&set[0].frame, &set[1].frame, sizeof set[0].frame) != 0) {
+        return false;
+    }
+    lmb_volume_local_set_light(one, of_one, light[0], seen[0]);
+    lmb_volume_local_set_light(other, of_other, light[1], seen[1]);
+    return memcmp(light[0], light[1], count * sizeof light[0][0]) == 0 &&
+           memcmp(seen[0], seen[1], count * sizeof seen[0][0]) == 0;
+}
+
+/* Squared metres from a place to a tile. */
+static double tile_distance(const divided *made, uint32_t tile, lmb_vec3d place)
+{
+    const lmb_volume_tile box = lmb_volume_tiles_get(made->tiles, tile);
+    const double beyond[3] = {fmax(box.bounds_min.x - place.x, place.x - box.bounds_max.x),
+                              fmax(box.bounds_min.y - place.y, place.y - box.bounds_max.y),
+                              fmax(box.bounds_min.z - place.z, place.z - box.bounds_max.z)};
+    double sum = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        sum += beyond[axis] > 0.0 ? beyond[axis] * beyond[axis] : 0.0;
+    }
+    return sum;
+}
+
+/* Each set is in one tile, whole: that which is asked where its middle is, or the nearest. */
+static void local_sets_of(const divided *made, const char *what)
+{
+    uint32_t next[TILES_MOST] = {0};
+    for (uint32_t i = 0; i < lmb_volume_local_set_count(made->whole); ++i) {
+        const lmb_local_frame frame = lmb_volume_local_set_get(made->whole, i).frame;
+        const lmb_vec3d first = lmb_local_frame_position(&frame, 0);
+        const lmb_vec3d last = lmb_local_frame_position(&frame, lmb_local_frame_count(&frame) - 1);
+        const lmb_vec3d middle = {0.5 * (first.x + last.x), 0.5 * (first.y + last.y), 0.5 * (first.z + last.z)};
+        uint32_t tile = lmb_volume_tiles_find(made->tiles, middle);
+        for (uint32_t k = 0; tile == LMB_VOLUME_NO_TILE && k < made->count; ++k) {
+            const bool has_it = next[k] < lmb_volume_local_set_count(made->volume[k]) &&
+                                is_same_set(made->whole, i, made->volume[k], next[k]);
+            tile = has_it ? k : tile;
+        }
+        CHECK(tile < made->count && next[tile] < lmb_volume_local_set_count(made->volume[tile]) &&
+                  is_same_set(made->whole, i, made->volume[tile], next[tile]),
+              "%s: set %u", what, i);
+        for (uint32_t k = 0; tile < made->count && k < made->count; ++k) {
+            CHECK(tile_distance(made, tile, middle) <= tile_distance(made, k, middle) * (1.0 + 1e-9) + 1e-9,
+                  "%s: set %u is in tile %u, and %u is nearer", what, i, tile, k);
+        }
+        next[tile < made->count ? tile : 0] += 1;
+    }
+    for (uint32_t k = 0; k < made->count; ++k) {
+        const uint32_t count = lmb_volume_local_set_count(made->volume[k]);
+        CHECK(next[k] == count, "%s: tile %u has %u sets, not %u", what, k, count, next[k]);
+    }
+}
+
+static void local_sets(void)
+{
+    for (int k = 0; k < LEVELS_RECIPES; ++k) {
+        for (int form = 0; form < LMB_VOLUME_FORMS; ++form) {
+            char what[64];
+            divided made;
+            uint64_t state = 3;
+            lmb_probes *const probes = levels_make(&levels_recipes[k]);
+            local_fixture_add(probes, &state);
+            snprintf(what, sizeof what, "local sets, recipe %d, form %d", k, form);
+            divided_of(probes, (lmb_volume_form)form, 1, &made);
+            lmb_probes_destroy(probes);
+            CHECK(lmb_volume_local_set_count(made.whole) == LOCAL_FIXTURE_SETS, "%s: none", what);
+            local_sets_of(&made, what);
+            all_set(&made);
+            same_bits_of(&made, what);
+            divided_free(&made);
         }
     }
 }
@@ -344,6 +431,7 @@ static void files_for_the_example(void)
 
 static const test_case cases[] = {
     {"the bits of the undivided volume", same_bits},
+    {"local sets in one tile each", local_sets},
     {"closed tiles, and those of another volume", closed_and_refused},
     {"readers while tiles come and go", readers_and_tiles},
     {"quiet when all have left", quiet_when_left},

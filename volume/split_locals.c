@@ -32,18 +32,27 @@ static uint32_t probes_of(const lmb_volume_local *local)
     return local->size[0] * local->size[1] * local->size[2];
 }
 
-/* Squared cells of the finest level from the set's middle to a tile. */
-static double tile_distance(const lmb_splitting *splitting, const lmb_volume_local *local, const lmb_tiles_entry *tile)
+/* On the finest lattice, as positions are told by the sampler. */
+static void middle_of(const lmb_splitting *splitting, const lmb_volume_local *local, double middle[3])
 {
-    double distance = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
-        double middle = local->origin[axis];
+        double at = local->origin[axis];
         for (int step = 0; step < 3; ++step) {
-            middle += 0.5 * (local->size[step] - 1.0) * (double)local->step[step][axis];
+            at += 0.5 * (local->size[step] - 1.0) * (double)local->step[step][axis];
         }
-        const double cells = splitting->tiles.tile_cells[axis];
-        const double at = middle / (double)splitting->tiles.spacing - tile->at[axis] * cells;
-        const double beyond = fmax(fmax(-at, at - cells), 0.0);
+        middle[axis] = at * (1.0 / (double)splitting->tiles.spacing);
+    }
+}
+
+/* Squared cells from a place to the box of a tile. */
+static double tile_distance(const lmb_splitting *splitting, const double place[3], const lmb_tiles_entry *tile)
+{
+    int32_t min[3], size[3];
+    double distance = 0.0;
+    lmb_tiles_box(&splitting->tiles, tile->at, min, size);
+    for (int axis = 0; axis < 3; ++axis) {
+        const double before = min[axis] - place[axis], behind = -before - (size[axis] - 1.0);
+        const double beyond = fmax(fmax(before, behind), 0.0);
         distance += beyond * beyond;
     }
     return distance;
@@ -60,11 +69,12 @@ lmb_result lmb_split_locals_place(lmb_splitting *splitting, const lmb_tiles_entr
         return LMB_ERROR_MEMORY;
     }
     for (uint32_t i = 0; i < count; ++i) {
-        double nearest = INFINITY;
+        double middle[3], nearest = INFINITY;
+        middle_of(splitting, &locals_list(splitting)[i], middle);
         splitting->local_tile[i] = 0;
-        for (uint32_t k = 0; k < splitting->tiles.tile_count && nearest > 0.0; ++k) {
-            const double distance = tile_distance(splitting, &locals_list(splitting)[i], &tile[k]);
-            if (distance < nearest) {
+        for (uint32_t k = 0; k < splitting->tiles.tile_count; ++k) {
+            const double distance = tile_distance(splitting, middle, &tile[k]);
+            if (distance <= nearest) { /* at a border the cell is the last one's */
                 nearest = distance;
                 splitting->local_tile[i] = k;
             }
