@@ -183,11 +183,13 @@ static lmb_result parts_run(parts_work *work, size_t part, size_t count, lmb_poo
     return is_time ? parts_write(work, error) : LMB_OK;
 }
 
+/* Begins where the part lies when the folders are those of all shards in their order. */
 static bool part_find(parts_work *work, size_t part)
 {
+    const uint32_t count = work->parts->read_count;
     bool found = false;
-    for (uint32_t i = 0; i < work->parts->read_count && !found; ++i) {
-        found = part_read(work, work->parts->read_from[i], part);
+    for (uint32_t i = 0; i < count && !found; ++i) {
+        found = part_read(work, work->parts->read_from[(part + i) % count], part);
     }
     return found;
 }

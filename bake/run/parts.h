@@ -14,7 +14,7 @@ enum { LMB_PART_GROUPS = 64 };
 
 typedef struct lmb_parts {
     uint64_t key;                 /* of all that decides what is gathered; files of another are not looked at */
-    const char *const *read_from; /* folders that parts are taken from, in this order; they may be missing */
+    const char *const *read_from; /* folders that parts are taken from, in any order; they may be missing */
     uint32_t read_count;          /* 0: none is */
     const char *write_to;         /* a folder, made when the first is written; NULL: nothing is kept */
     double seconds;               /* between writing; the rest is not kept where all is done sooner */
