@@ -409,7 +409,7 @@ static void commands_take_positions_in_the_world(void)
     } table[] = {
         {"bake",
          LMB_COMMAND " bake @.gltf -o @ --lightmaps --samples 16 --texels-per-m 4 --spacing 1 "
-                     "--seed-point #.5,0.5,0.25 --quiet",
+                     "--seed-point #.5,0.5,0.25 --quiet --force",
          "", true},
         {"sample", LMB_COMMAND " sample @/probes.lmb --at #.3,0.75,-1.3 --normal 0,1,0 --json",
          "\"position\":[1000000.3,0.75,-1.3]", false},
