@@ -9,34 +9,6 @@ _Static_assert(sizeof(lmb_tiles_header) == LMB_TILES_HEADER_BYTES && sizeof(lmb_
 
 /* ---------------------------------------------------------------------------------------------- verifying */
 
-static lmb_result envelope_check(const unsigned char *data, size_t size)
-{
-    const size_t magic_bytes = size < LMB_VOLUME_MAGIC_SIZE ? size : LMB_VOLUME_MAGIC_SIZE;
-    uint32_t version;
-    if (memcmp(data, LMB_TILES_MAGIC, magic_bytes) != 0) {
-        return LMB_ERROR_FORMAT;
-    }
-    if (size < LMB_VOLUME_MAGIC_SIZE + sizeof version) {
-        return LMB_ERROR_TRUNCATED;
-    }
-    memcpy(&version, data + LMB_VOLUME_MAGIC_SIZE, sizeof version);
-    if (version != LMB_TILES_VERSION) {
-        return LMB_ERROR_VERSION;
-    }
-    if (size < sizeof(lmb_tiles_header)) {
-        return LMB_ERROR_TRUNCATED;
-    }
-    const lmb_tiles_header *const header = (const lmb_tiles_header *)data;
-    if (header->header_bytes != sizeof *header || header->file_bytes < size) {
-        return LMB_ERROR_FORMAT;
-    }
-    if (header->file_bytes > size) {
-        return LMB_ERROR_TRUNCATED;
-    }
-    const uint64_t checksum = lmb_volume_hash(data + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
-    return checksum == header->checksum ? LMB_OK : LMB_ERROR_CHECKSUM;
-}
-
 static bool header_is_sane(const lmb_tiles_header *header)
 {
     if (header->level_count < 1 || header->level_count > LMB_VOLUME_LEVELS_MOST ||
@@ -77,7 +49,9 @@ static bool tiles_are_sane(const lmb_tiles_header *header, const lmb_tiles_layou
 
 static lmb_result index_verify(const unsigned char *data, size_t size, lmb_tiles_layout *layout)
 {
-    const lmb_result result = envelope_check(data, size);
+    static const lmb_volume_file_kind kind = {LMB_TILES_MAGIC, LMB_TILES_VERSION, LMB_TILES_VERSION,
+                                              sizeof(lmb_tiles_header)};
+    const lmb_result result = lmb_volume_envelope_check(data, size, &kind);
     if (result != LMB_OK) {
         return result;
     }

@@ -117,6 +117,17 @@ static inline lmb_rgb lmb_volume_irradiance_sum(const lmb_sh3_rgb *light, const 
  * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM */
 lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume *volume);
 
+/* A kind of file: its first LMB_VOLUME_MAGIC_SIZE bytes, its versions, and how long its header is. */
+typedef struct lmb_volume_file_kind {
+    const char *magic;
+    uint32_t oldest, newest;
+    size_t header_bytes;
+} lmb_volume_file_kind;
+
+/* What can be said of a file before anything else in it is trusted.
+ * @return LMB_ERROR_FORMAT, _TRUNCATED, _VERSION, _CHECKSUM */
+lmb_result lmb_volume_envelope_check(const unsigned char *data, size_t size, const lmb_volume_file_kind *kind);
+
 /* The point that a volume counts its cells from: a corner of a brick of the coarsest level. */
 void lmb_volume_origin(const int32_t min[3], uint32_t level_count, int32_t origin[3]);
 

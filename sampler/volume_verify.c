@@ -14,34 +14,43 @@ _Static_assert(sizeof(lmb_volume_cut) == 2 && sizeof(lmb_volume_cut_region) == 2
                    sizeof(lmb_volume_cut_apart) == 8 && sizeof(lmb_volume_cut_3) == 4,
                "nor has a cut cell any");
 
-/* What can be said before anything else is trusted. */
-static lmb_result check_envelope(const unsigned char *data, size_t size)
+/* What files of the library begin with. */
+typedef struct envelope {
+    unsigned char magic[LMB_VOLUME_MAGIC_SIZE];
+    uint32_t version;
+    uint32_t header_bytes;
+    uint64_t file_bytes;
+    uint64_t checksum;
+} envelope;
+_Static_assert(sizeof(envelope) == LMB_VOLUME_CHECKSUM_START, "what is behind it is in the checksum");
+
+lmb_result lmb_volume_envelope_check(const unsigned char *data, size_t size, const lmb_volume_file_kind *kind)
 {
     const size_t magic_bytes = size < LMB_VOLUME_MAGIC_SIZE ? size : LMB_VOLUME_MAGIC_SIZE;
-    if (memcmp(data, LMB_VOLUME_MAGIC, magic_bytes) != 0) {
+    if (memcmp(data, kind->magic, magic_bytes) != 0) {
         return LMB_ERROR_FORMAT;
     }
-    const lmb_volume_header *header;
     uint32_t version;
     if (size < LMB_VOLUME_MAGIC_SIZE + sizeof version) {
         return LMB_ERROR_TRUNCATED;
     }
     memcpy(&version, data + LMB_VOLUME_MAGIC_SIZE, sizeof version);
-    if (version < LMB_VOLUME_VERSION_OLDEST || version > LMB_VOLUME_VERSION) {
+    if (version < kind->oldest || version > kind->newest) {
         return LMB_ERROR_VERSION;
     }
-    if (size < sizeof *header) {
+    if (size < kind->header_bytes) {
         return LMB_ERROR_TRUNCATED;
     }
-    header = (const lmb_volume_header *)data;
-    if (header->header_bytes != sizeof *header || header->file_bytes < sizeof *header || header->file_bytes < size) {
+    envelope head;
+    memcpy(&head, data, sizeof head);
+    if (head.header_bytes != kind->header_bytes || head.file_bytes < size) {
         return LMB_ERROR_FORMAT;
     }
-    if (header->file_bytes > size) {
+    if (head.file_bytes > size) {
         return LMB_ERROR_TRUNCATED;
     }
     const uint64_t checksum = lmb_volume_hash(data + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
-    return checksum == header->checksum ? LMB_OK : LMB_ERROR_CHECKSUM;
+    return checksum == head.checksum ? LMB_OK : LMB_ERROR_CHECKSUM;
 }
 
 static bool key_light_is_sane(const lmb_key_light *light)
@@ -290,7 +299,9 @@ static bool bricks_are_sane(const lmb_volume *volume)
 
 lmb_result lmb_volume_verify(const unsigned char *data, size_t size, lmb_volume *volume)
 {
-    const lmb_result result = check_envelope(data, size);
+    static const lmb_volume_file_kind kind = {LMB_VOLUME_MAGIC, LMB_VOLUME_VERSION_OLDEST, LMB_VOLUME_VERSION,
+                                              sizeof(lmb_volume_header)};
+    const lmb_result result = lmb_volume_envelope_check(data, size, &kind);
     if (result != LMB_OK) {
         return result;
     }

@@ -12,6 +12,7 @@ set(shader_sources ${PROJECT_SOURCE_DIR}/sampler/shader/lambent.glsl ${PROJECT_S
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_rnm.glsl
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_sampling.glsl ${CMAKE_CURRENT_SOURCE_DIR}/shaders/cases.glsl
     ${PROJECT_SOURCE_DIR}/sampler/shader/lambent_volume_texture.glsl
+    ${CMAKE_CURRENT_SOURCE_DIR}/shaders/volume_buffers.glsl ${CMAKE_CURRENT_SOURCE_DIR}/shaders/volume_item.glsl
     ${CMAKE_CURRENT_SOURCE_DIR}/shaders/volume_cases.glsl ${CMAKE_CURRENT_SOURCE_DIR}/shaders/volume_texture_cases.glsl)
 # lmb_shader(output source options...): SPIR-V of a source in tests/shaders/.
 function(lmb_shader output source)

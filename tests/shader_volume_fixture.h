@@ -1,10 +1,48 @@
-/* Positions for shaders that sample a volume, and whether what they give is what the library does. */
+/* Volumes and positions for shaders that sample them, and whether what they give is what the library does. */
 #ifndef LMB_TESTS_SHADER_VOLUME_FIXTURE_H
 #define LMB_TESTS_SHADER_VOLUME_FIXTURE_H
 
 #include "levels_fixture.h"
 
+#include <lambent/pack.h>
 #include <lambent/volume.h>
+
+/* What is done with a volume. @return false: there is no Vulkan here */
+typedef bool shader_volume_check(const lmb_volume *volume, const void *context, const char *name);
+
+/* Does it with volumes of several levels, with cut cells, in both forms, and with one of version 3; skips the test
+ * where there is no Vulkan. */
+static inline void shader_volumes_check(shader_volume_check *check, const void *context)
+{
+    bool has_device = true;
+    for (int k = 0; k < 2 * LEVELS_RECIPES && has_device; ++k) {
+        const lmb_volume_form form = k % 2 ? LMB_VOLUME_COMPACT : LMB_VOLUME_HALFS;
+        lmb_probes *const probes = levels_make(&levels_recipes[k / 2]);
+        unsigned char *data = NULL;
+        size_t size = 0;
+        lmb_volume *volume = NULL;
+        char name[64];
+        snprintf(name, sizeof name, "recipe %d, form %d", k / 2, (int)form);
+        CHECK(lmb_pack_as(form, probes, &data, &size, NULL) == LMB_OK &&
+                  lmb_volume_open_memory(data, size, &volume) == LMB_OK,
+              "%s", name);
+        if (volume) {
+            has_device = check(volume, context, name);
+        }
+        lmb_volume_close(volume);
+        free(data);
+        lmb_probes_destroy(probes);
+    }
+    lmb_volume *old = NULL;
+    CHECK(lmb_volume_open_file(LMB_GOLDEN_DIR "/levels_3.lmb", &old) == LMB_OK, "levels_3.lmb");
+    if (old && has_device) {
+        check(old, context, "version 3");
+    }
+    lmb_volume_close(old);
+    if (!has_device) {
+        test_skip("no Vulkan device (Debian: mesa-vulkan-drivers)");
+    }
+}
 
 /* A position in the volume's box or a little beside it, counted from an origin. */
 static inline void shader_position_put(const lmb_volume *volume, lmb_vec3d world_origin, uint64_t *state, float *to)

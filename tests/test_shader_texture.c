@@ -5,7 +5,6 @@
 #include "shader_runner.h"
 #include "shader_volume_fixture.h"
 
-#include <lambent/pack.h>
 #include <lambent/volume_texture.h>
 
 enum { POSITIONS = 4096, WORDS_BEFORE = 32 + 3 * POSITIONS, OUTPUTS = 32, RGBA16F = 97 /* VkFormat */ };
@@ -89,9 +88,9 @@ static void output_check(const lmb_volume *volume, const shader_data *data, cons
     CHECK(test_failures > 0 || inside > POSITIONS / 4, "%s, %s: %d inside", of->name, name, inside);
 }
 
-/* @return false: there is no Vulkan here */
-static bool volume_check(const lmb_volume *volume, const shader_case *of, const char *name)
+static bool volume_check(const lmb_volume *volume, const void *context, const char *name)
 {
+    const shader_case *const of = context;
     shader_data data = data_make(volume);
     const size_t level_start = 0;
     const shader_texture texture = {.format = RGBA16F,
@@ -114,56 +113,24 @@ static bool volume_check(const lmb_volume *volume, const shader_case *of, const 
     return result != SHADER_NO_DEVICE;
 }
 
-static void volumes_check(const shader_case *of)
-{
-    bool has_device = true;
-    for (int k = 0; k < 2 * LEVELS_RECIPES && has_device; ++k) {
-        const lmb_volume_form form = k % 2 ? LMB_VOLUME_COMPACT : LMB_VOLUME_HALFS;
-        lmb_probes *const probes = levels_make(&levels_recipes[k / 2]);
-        unsigned char *data = NULL;
-        size_t size = 0;
-        lmb_volume *volume = NULL;
-        char name[64];
-        snprintf(name, sizeof name, "recipe %d, form %d", k / 2, (int)form);
-        CHECK(lmb_pack_as(form, probes, &data, &size, NULL) == LMB_OK &&
-                  lmb_volume_open_memory(data, size, &volume) == LMB_OK,
-              "%s", name);
-        if (volume) {
-            has_device = volume_check(volume, of, name);
-        }
-        lmb_volume_close(volume);
-        free(data);
-        lmb_probes_destroy(probes);
-    }
-    lmb_volume *old = NULL;
-    CHECK(lmb_volume_open_file(LMB_GOLDEN_DIR "/levels_3.lmb", &old) == LMB_OK, "levels_3.lmb");
-    if (old && has_device) {
-        volume_check(old, of, "version 3");
-    }
-    lmb_volume_close(old);
-    if (!has_device) {
-        test_skip("no Vulkan device (Debian: mesa-vulkan-drivers)");
-    }
-}
-
 static void glsl_fetches_the_library(void)
 {
-    volumes_check(&shader_cases[0]);
+    shader_volumes_check(volume_check, &shader_cases[0]);
 }
 
 static void hlsl_fetches_the_library(void)
 {
-    volumes_check(&shader_cases[1]);
+    shader_volumes_check(volume_check, &shader_cases[1]);
 }
 
 static void glsl_filters_near_the_library(void)
 {
-    volumes_check(&shader_cases[2]);
+    shader_volumes_check(volume_check, &shader_cases[2]);
 }
 
 static void hlsl_filters_near_the_library(void)
 {
-    volumes_check(&shader_cases[3]);
+    shader_volumes_check(volume_check, &shader_cases[3]);
 }
 
 static const test_case cases[] = {

@@ -4,7 +4,6 @@
 #include "shader_runner.h"
 #include "shader_volume_fixture.h"
 
-#include <lambent/pack.h>
 #include <lambent/volume.h>
 
 enum { POSITIONS = 4096, WORDS_BEFORE = 32 + 3 * POSITIONS, OUTPUTS = 32 };
@@ -12,9 +11,10 @@ enum { POSITIONS = 4096, WORDS_BEFORE = 32 + 3 * POSITIONS, OUTPUTS = 32 };
 /* Of light, whose probes hold -1 to 1. */
 #define TOLERANCE 2e-4
 
-/* @return false: there is no Vulkan here */
-static bool volume_check(const char *path, const lmb_volume *volume, double spacing, const char *name)
+/* By the shader whose path is given. */
+static bool volume_check(const lmb_volume *volume, const void *path, const char *name)
 {
+    const double spacing = (double)lmb_volume_get_info(volume).spacing;
     const lmb_vec3d world_origin = {3.0, -7.0, 11.0};
     const lmb_volume_gpu gpu = lmb_volume_get_gpu(volume, world_origin);
     const size_t words = gpu.bytes / sizeof(float);
@@ -33,7 +33,7 @@ static bool volume_check(const char *path, const lmb_volume *volume, double spac
     memcpy(input + WORDS_BEFORE, gpu.words, words * sizeof *input);
     const shader_floats in = {input, WORDS_BEFORE + words}, out = {output, (size_t)POSITIONS * OUTPUTS};
     const shader_run_result result = shader_run(path, POSITIONS / 64, NULL, &in, &out);
-    CHECK(result != SHADER_FAILED, "%s runs", path);
+    CHECK(result != SHADER_FAILED, "%s runs", (const char *)path);
     int inside = 0;
     for (int i = 0; i < POSITIONS && result == SHADER_RAN && test_failures < 20; ++i) {
         const float *const p = input + 32 + 3 * i;
@@ -50,47 +50,14 @@ static bool volume_check(const char *path, const lmb_volume *volume, double spac
     return result != SHADER_NO_DEVICE;
 }
 
-static void language_agrees(const char *path, const char *language)
-{
-    bool has_device = true;
-    for (int k = 0; k < 2 * LEVELS_RECIPES && has_device; ++k) {
-        const levels_recipe *const recipe = &levels_recipes[k / 2];
-        const lmb_volume_form form = k % 2 ? LMB_VOLUME_COMPACT : LMB_VOLUME_HALFS;
-        lmb_probes *const probes = levels_make(recipe);
-        unsigned char *data = NULL;
-        size_t size = 0;
-        lmb_volume *volume = NULL;
-        char name[64];
-        snprintf(name, sizeof name, "%s, recipe %d, form %d", language, k / 2, (int)form);
-        CHECK(lmb_pack_as(form, probes, &data, &size, NULL) == LMB_OK &&
-                  lmb_volume_open_memory(data, size, &volume) == LMB_OK,
-              "%s", name);
-        if (volume) {
-            has_device = volume_check(path, volume, (double)recipe->spacing, name);
-        }
-        lmb_volume_close(volume);
-        free(data);
-        lmb_probes_destroy(probes);
-    }
-    lmb_volume *old = NULL;
-    CHECK(lmb_volume_open_file(LMB_GOLDEN_DIR "/levels_3.lmb", &old) == LMB_OK, "levels_3.lmb");
-    if (old && has_device) {
-        volume_check(path, old, (double)lmb_volume_get_info(old).spacing, "version 3");
-    }
-    lmb_volume_close(old);
-    if (!has_device) {
-        test_skip("no Vulkan device (Debian: mesa-vulkan-drivers)");
-    }
-}
-
 static void glsl_samples_as_the_library(void)
 {
-    language_agrees(LMB_SHADER_GLSL, "GLSL");
+    shader_volumes_check(volume_check, LMB_SHADER_GLSL);
 }
 
 static void hlsl_samples_as_the_library(void)
 {
-    language_agrees(LMB_SHADER_HLSL, "HLSL");
+    shader_volumes_check(volume_check, LMB_SHADER_HLSL);
 }
 
 static const test_case cases[] = {

@@ -8,6 +8,8 @@
 
 #include <lambent/file.h>
 
+#include "markup.h"
+
 /* Pixels. A panel is a title, a plot with numbers on its left and names on its right, and numbers beneath. */
 enum {
     HEAD = 50,
@@ -77,17 +79,6 @@ static bool is_ahead(const char *name)
 {
     const char *const last = strrchr(name, '.');
     return last && (strcmp(last, ".batch") == 0 || strcmp(last, ".prefetch") == 0);
-}
-
-static void text_write(FILE *page, const char *text)
-{
-    for (; *text; ++text) {
-        if (*text == '<' || *text == '>' || *text == '&') {
-            fprintf(page, "&#%d;", *text);
-        } else {
-            fputc(*text, page);
-        }
-    }
 }
 
 static const lmb_bench_volume_row *row_find(const lmb_bench_volume *volume, const char *name)
@@ -293,7 +284,7 @@ static void picture_write(const picture *made, const char *machine)
             height, LEFT);
     fputs("What a sample costs, by probes</text>\n", made->page);
     fprintf(made->page, "<text x='%d' y='38'>", LEFT);
-    text_write(made->page, machine);
+    markup_text(made->page, machine);
     fputs(". Dashed: asks for memory ahead of use. Bytes and errors: of the largest volume.</text>\n", made->page);
     for (int load = 0; load < loads; ++load) {
         for (int pattern = 0; pattern < BENCH_PATTERNS; ++pattern) {

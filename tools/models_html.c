@@ -7,6 +7,7 @@
 
 #include <lambent/file.h>
 
+#include "markup.h"
 #include "models_picture.h"
 #include "models_plot.h"
 
@@ -23,18 +24,6 @@ static const char head[] =
     "td:first-child,th:first-child{text-align:left}tr.default{font-weight:bold}\n"
     ".cells{display:flex;flex-wrap:wrap;gap:10px}figure{margin:0}figcaption{font-size:11px;text-align:center}\n"
     "h2{margin-top:2em}\n</style>\n";
-
-/* Text that is no mark-up. */
-static void text_write(FILE *page, const char *text)
-{
-    for (; *text; ++text) {
-        if (*text == '<' || *text == '>' || *text == '&') {
-            fprintf(page, "&#%d;", *text);
-        } else {
-            fputc(*text, page);
-        }
-    }
-}
 
 static void plots_write(FILE *page, const models_page *about)
 {
@@ -56,7 +45,7 @@ static lmb_result pictures_write(FILE *page, const models_page *about)
     for (size_t i = 0; i < count && result == LMB_OK; ++i) {
         const models_map *map = &about->map[i * about->map_count / count];
         fputs("<h3>", page);
-        text_write(page, map->name);
+        markup_text(page, map->name);
         fputs("</h3>\n", page);
         for (int input = MODELS_LIGHTMAP; input <= MODELS_PROBE_WALL && result == LMB_OK; ++input) {
             result = models_picture_write(page, (int)i * MODELS_INPUT_COUNT + input, about->settings, map,
@@ -111,11 +100,11 @@ static lmb_result page_write(FILE *page, const models_page *about)
 {
     fputs(head, page);
     fputs("<h1>Lighting models</h1>\n<p>", page);
-    text_write(page, about->machine);
+    markup_text(page, about->machine);
     fprintf(page, ". %u turns each of ", about->settings->turns);
     for (size_t i = 0; i < about->map_count; ++i) {
         fputs(i > 0 ? ", " : "", page);
-        text_write(page, about->map[i].name);
+        markup_text(page, about->map[i].name);
     }
     fputs(".</p>\n<p>Red: ships with the sampler (* is what a bake and a game take). Blue: to be compared with. Grey: "
           "clips no light.</p>\n",

@@ -146,7 +146,7 @@ static void corners_add(tree_work *work, const lmb_hit *hit, const float from[3]
     }
     lmb_vec3 corner[3];
     lmb_trace_corners(work->tracer, hit->instance, hit->triangle, corner);
-    const lmb_vec3 at = lmb_trace_place(work->tracer, hit).position;
+    const lmb_vec3 at = lmb_trace_position(work->tracer, hit);
     const float inverse = TO_CORNER / (work->frame.spacing * work->frame.spacing);
     for (int i = 0; i < 6; ++i) {
         const lmb_vec3 side = lmb_vec3_scale(lmb_vec3_add(corner[i % 3], corner[(i + 1) % 3]), 0.5f);

@@ -5,24 +5,12 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Inputs { uint inputs[]; };
 layout(std430, binding = 1) writeonly buffer Outputs { float outputs[]; };
 
-uint lmbInput(uint index)
-{
-    return inputs[index];
-}
-
-float lmbFloat(uint index)
-{
-    return uintBitsToFloat(inputs[index]);
-}
-
-void lmbWrite(uint index, float value)
-{
-    outputs[index] = value;
-}
+#define lmbAsFloat uintBitsToFloat
+#include "volume_buffers.glsl"
 
 uint lmbVolumeWord(uint index)
 {
-    return inputs[32u + 3u * inputs[28u] + index];
+    return lmbWord(index);
 }
 
 #include "lambent.glsl"

@@ -3,24 +3,12 @@
 [[vk::binding(0, 0)]] RWStructuredBuffer<uint> inputs : register(u0);
 [[vk::binding(1, 0)]] RWStructuredBuffer<float> outputs : register(u1);
 
-uint lmbInput(uint index)
-{
-    return inputs[index];
-}
-
-float lmbFloat(uint index)
-{
-    return asfloat(inputs[index]);
-}
-
-void lmbWrite(uint index, float value)
-{
-    outputs[index] = value;
-}
+#define lmbAsFloat asfloat
+#include "volume_buffers.glsl"
 
 uint lmbVolumeWord(uint index)
 {
-    return inputs[32u + 3u * inputs[28u] + index];
+    return lmbWord(index);
 }
 
 #include "lambent_sampling.glsl"

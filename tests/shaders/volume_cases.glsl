@@ -22,24 +22,9 @@ LmbVolume volumeRead()
     return v;
 }
 
-void lmbItem(uint item)
-{
-    uint count = lmbInput(28u);
-    if (item >= count) {
-        return;
-    }
-    LmbVolume v = volumeRead();
-    LmbVolumePlace place;
-    vec3 position = vec3(lmbFloat(32u + 3u * item), lmbFloat(33u + 3u * item), lmbFloat(34u + 3u * item));
-    bool inside = lmbVolumeFind(v, position, place);
-    LmbVolumeSample found = lmbVolumeBlend(v, place);
-    lmbWrite(32u * item, inside ? 1.0 : 0.0);
-    for (uint k = 0u; k < 9u; ++k) {
-        lmbWrite(32u * item + 1u + k, found.radiance.c[k].x);
-        lmbWrite(32u * item + 10u + k, found.radiance.c[k].y);
-        lmbWrite(32u * item + 19u + k, found.radiance.c[k].z);
-    }
-    for (uint key = 0u; key < 4u; ++key) {
-        lmbWrite(32u * item + 28u + key, found.visibility[key]);
-    }
-}
+#define LMB_VOLUME LmbVolume
+#define LMB_PLACE LmbVolumePlace
+#define LMB_FOUND LmbVolumeSample
+#define LMB_FIND lmbVolumeFind
+#define LMB_BLEND lmbVolumeBlend
+#include "volume_item.glsl"

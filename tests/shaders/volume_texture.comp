@@ -6,24 +6,12 @@ layout(std430, binding = 0) readonly buffer Inputs { uint inputs[]; };
 layout(std430, binding = 1) writeonly buffer Outputs { float outputs[]; };
 layout(binding = 2) uniform sampler3D atlas; // its parts above each other
 
-uint lmbInput(uint index)
-{
-    return inputs[index];
-}
-
-float lmbFloat(uint index)
-{
-    return uintBitsToFloat(inputs[index]);
-}
-
-void lmbWrite(uint index, float value)
-{
-    outputs[index] = value;
-}
+#define lmbAsFloat uintBitsToFloat
+#include "volume_buffers.glsl"
 
 uint lmbVolumeTextureWord(uint index)
 {
-    return inputs[32u + 3u * inputs[28u] + index];
+    return lmbWord(index);
 }
 
 #ifdef LMB_VOLUME_TEXTURE_FETCH

@@ -5,24 +5,12 @@
 [[vk::binding(2, 0)]] Texture3D<float4> atlas : register(t2); // its parts above each other
 [[vk::binding(2, 0)]] SamplerState filter : register(s2);
 
-uint lmbInput(uint index)
-{
-    return inputs[index];
-}
-
-float lmbFloat(uint index)
-{
-    return asfloat(inputs[index]);
-}
-
-void lmbWrite(uint index, float value)
-{
-    outputs[index] = value;
-}
+#define lmbAsFloat asfloat
+#include "volume_buffers.glsl"
 
 uint lmbVolumeTextureWord(uint index)
 {
-    return inputs[32u + 3u * inputs[28u] + index];
+    return lmbWord(index);
 }
 
 #ifdef LMB_VOLUME_TEXTURE_FETCH

@@ -21,24 +21,9 @@ LmbVolumeTexture volumeRead()
     return v;
 }
 
-void lmbItem(uint item)
-{
-    uint count = lmbInput(28u);
-    if (item >= count) {
-        return;
-    }
-    LmbVolumeTexture v = volumeRead();
-    LmbVolumeTexturePlace place;
-    vec3 position = vec3(lmbFloat(32u + 3u * item), lmbFloat(33u + 3u * item), lmbFloat(34u + 3u * item));
-    bool inside = lmbVolumeTextureFind(v, position, place);
-    LmbVolumeTextureSample found = lmbVolumeTextureBlend(v, place);
-    lmbWrite(32u * item, inside ? 1.0 : 0.0);
-    for (uint k = 0u; k < 9u; ++k) {
-        lmbWrite(32u * item + 1u + k, found.radiance.c[k].x);
-        lmbWrite(32u * item + 10u + k, found.radiance.c[k].y);
-        lmbWrite(32u * item + 19u + k, found.radiance.c[k].z);
-    }
-    for (uint key = 0u; key < 4u; ++key) {
-        lmbWrite(32u * item + 28u + key, found.visibility[key]);
-    }
-}
+#define LMB_VOLUME LmbVolumeTexture
+#define LMB_PLACE LmbVolumeTexturePlace
+#define LMB_FOUND LmbVolumeTextureSample
+#define LMB_FIND lmbVolumeTextureFind
+#define LMB_BLEND lmbVolumeTextureBlend
+#include "volume_item.glsl"
