@@ -45,7 +45,7 @@ static void samples_are_the_same(void)
 {
     unsigned char *data = NULL;
     size_t size = 0;
-    lmb_tile_files_stats stats;
+    lmb_tile_files_stats stats = {0};
     lmb_tile_files *files = NULL;
     lmb_error error = {{0}};
     uint64_t state = 3;

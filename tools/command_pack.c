@@ -35,7 +35,7 @@ typedef struct pack_options {
 /* Writes the tiles of a volume, and their index. */
 static lmb_result tiles_write(const pack_options *options, const unsigned char *volume, size_t size, lmb_error *error)
 {
-    lmb_tile_files_stats tiles;
+    lmb_tile_files_stats tiles = {0};
     const lmb_result result =
         lmb_tile_files_write(volume, size, options->tile_size, options->shared.output, &tiles, error);
     if (result == LMB_OK && !options->shared.quiet) {

@@ -29,16 +29,18 @@ typedef struct tile_writing {
     const char *index;
     lmb_tile_files_stats *stats;
     lmb_error *error;
+    bool failed; /* and said so */
 } tile_writing;
 
 static lmb_result tile_write(void *context, const int32_t at[3], const unsigned char *data, size_t size)
 {
-    const tile_writing *const writing = context;
+    tile_writing *const writing = context;
     char *const path = lmb_tile_files_path(writing->index, at);
     const lmb_result result = path ? lmb_file_write(path, data, size, writing->error)
                                    : lmb_error_set(writing->error, LMB_ERROR_MEMORY, "out of memory");
     writing->stats->count += 1;
     writing->stats->bytes += size;
+    writing->failed = result != LMB_OK;
     free(path);
     return result;
 }
@@ -46,14 +48,13 @@ static lmb_result tile_write(void *context, const int32_t at[3], const unsigned 
 lmb_result lmb_tile_files_write(const unsigned char *volume, size_t size, double metres, const char *index,
                                 lmb_tile_files_stats *stats, lmb_error *error)
 {
-    assert(volume && index && stats && error);
+    assert(volume && index && stats);
     lmb_volume_storage storage;
     lmb_volume *opened;
     unsigned char *data = NULL;
     size_t data_size = 0;
-    tile_writing writing = {index, stats, error};
+    tile_writing writing = {.index = index, .stats = stats, .error = error};
     const lmb_split_sink sink = {tile_write, &writing};
-    error->message[0] = '\0';
     lmb_result result = lmb_volume_open_memory_in(&storage, volume, size, &opened);
     if (result == LMB_OK) {
         const lmb_volume_info info = lmb_volume_get_info(opened);
@@ -64,7 +65,7 @@ lmb_result lmb_tile_files_write(const unsigned char *volume, size_t size, double
     }
     if (result == LMB_OK) {
         result = lmb_file_write(index, data, data_size, error);
-    } else if (!error->message[0]) {
+    } else if (!writing.failed) {
         lmb_error_set(error, result, "%s: %s", index, lmb_result_text(result));
     }
     free(data);

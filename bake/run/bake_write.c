@@ -38,7 +38,7 @@ static lmb_result write_tiles(lmb_bake *bake, const char *stage, const unsigned 
                               lmb_error *error)
 {
     char path[PATH_SIZE];
-    lmb_tile_files_stats stats;
+    lmb_tile_files_stats stats = {0};
     lmb_result result = path_make(stage, "probes.lmt", path, error);
     if (result == LMB_OK) {
         result = lmb_tile_files_write(data, size, bake->record.settings.tile_size, path, &stats, error);
