@@ -61,7 +61,8 @@ enum {
     OUT_DISC = 68,
     OUT_PROXY = 71,
     OUT_LAMP = 74,
-    OUTPUTS = 75
+    OUT_PHONG = 75,
+    OUTPUTS = 78
 };
 
 enum { GROUP = 64, GROUPS = 512, ITEMS = GROUP * GROUPS };
@@ -252,6 +253,7 @@ static void item_expect_specular(const float *item, float *expected)
     const lmb_key_light key = {lmb_vec3_unit_or(vector_get(item + IN_TEXEL_DIRECTION), n_v),
                                colour_get(item + IN_TEXEL_LIGHT)};
     colour_put(expected + OUT_HIGHLIGHT, lmb_specular_light(&key, item[IN_VISIBILITY], &specular, n_v, n, view));
+    colour_put(expected + OUT_PHONG, lmb_specular_light_phong(&key, item[IN_VISIBILITY], &specular, n_v, n, view));
     coordinates_find(item, expected + OUT_COORDINATES);
     light = light_get(item);
     expected[OUT_LAMP] = lmb_sh3_rgb_light_visibility(&light, &key);
@@ -281,7 +283,9 @@ static void item_compare(const float *item, const float *got, int index, const c
     const float light = largest_of(item);
     for (int i = 0; i < OUTPUTS; ++i) {
         double tolerance = 2e-6 * (double)light;
-        if (i >= OUT_LAMP) {
+        if (i >= OUT_PHONG) {
+            tolerance = 1e-4 * (1.0 + (double)expected[i]);
+        } else if (i >= OUT_LAMP) {
             const float lamp = lmb_luminance(colour_get(item + IN_TEXEL_LIGHT));
             tolerance = 1e-5 + 4e-6 * (double)(light / fmaxf(lamp, 1e-6f));
         } else if (i >= OUT_PROXY) {

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <time.h>
 
+#include <lambent/rnm.h>
 #include <lambent/sequence.h>
 #include <lambent/vector.h>
 
@@ -174,29 +175,68 @@ static void tables_print(const specular_light *lights, const specular_options *o
     }
 }
 
-static void call_time(const char *name, const specular_light *light, int which)
+typedef enum timed_call {
+    CALL_AREA,
+    CALL_ENVIRONMENT,
+    CALL_LIGHT,
+    CALL_PHONG,
+    CALL_DOMINANT,
+    CALL_VISIBILITY,
+    CALL_SSBUMP,
+    CALLS
+} timed_call;
+
+static const char *const CALL_NAME[CALLS] = {
+    "lmb_specular_area",          "lmb_specular_environment",     "lmb_specular_light", "lmb_specular_light_phong",
+    "lmb_sh3_rgb_dominant_light", "lmb_sh3_rgb_light_visibility", "lmb_ssbump_evaluate"};
+
+/* Another surface for each `turn`, so that nothing is found once for all. */
+static float call_make(timed_call call, const specular_light *light, float turn)
 {
-    enum { CALLS = 200000, REPEATS = 5 };
+    const lmb_vec3 normal = lmb_vec3_of(0.6f, 0.8f, 0.0f);
+    const lmb_vec3 view = {0.6f - 0.3f * turn * 0.1f, 0.8f, 0.0f};
+    const lmb_specular specular = {0.1f + 0.1f * turn, {{0.04f, 0.04f, 0.04f}}};
+    const lmb_rgb weight = {{0.2f + 0.1f * turn, 0.3f, 0.9f - 0.1f * turn}};
+    switch (call) {
+    case CALL_AREA:
+        return lmb_specular_area(&light->radiance, &specular, normal, view).c[0];
+    case CALL_ENVIRONMENT:
+        return lmb_specular_environment(weight, &light->radiance, &specular, normal, view).c[0];
+    case CALL_LIGHT:
+        return lmb_specular_light(&light->dominant, 1.0f, &specular, normal, normal, view).c[0];
+    case CALL_PHONG:
+        return lmb_specular_light_phong(&light->dominant, 1.0f, &specular, normal, normal, view).c[0];
+    case CALL_DOMINANT:
+        return lmb_sh3_rgb_dominant_light(&light->radiance).irradiance.c[0] + turn;
+    case CALL_VISIBILITY: {
+        const lmb_key_light lamp = {view, light->dominant.irradiance};
+        return lmb_sh3_rgb_light_visibility(&light->radiance, &lamp);
+    }
+    default: {
+        const lmb_rnm rnm = {{light->sun.irradiance, light->dominant.irradiance, weight}};
+        const lmb_rgb found = lmb_ssbump_evaluate(&rnm, weight);
+        return found.c[0] + found.c[1] + found.c[2];
+    }
+    }
+}
+
+static void call_time(timed_call call, const specular_light *light)
+{
+    enum { REPEATS = 5 };
+    const int count = call == CALL_SSBUMP ? 20000000 : 200000;
     double best = 1e30;
     volatile float sink = 0.0f;
     for (int repeat = 0; repeat < REPEATS; ++repeat) {
         const double start = seconds_used();
         float sum = 0.0f;
-        for (int i = 0; i < CALLS; ++i) {
-            const float turn = (float)(i & 1023) * 0.006f;
-            const lmb_vec3 normal = lmb_vec3_of(0.6f, 0.8f, 0.0f);
-            const lmb_vec3 view = {0.6f - 0.3f * turn * 0.1f, 0.8f, 0.0f};
-            const lmb_specular specular = {0.1f + 0.1f * turn, {{0.04f, 0.04f, 0.04f}}};
-            sum += which == 0   ? lmb_specular_area(&light->radiance, &specular, normal, view).c[0]
-                   : which == 1 ? lmb_specular_light(&light->dominant, 1.0f, &specular, normal, normal, view).c[0]
-                   : which == 2 ? lmb_specular_light_phong(&light->dominant, 1.0f, &specular, normal, normal, view).c[0]
-                                : lmb_sh3_rgb_dominant_light(&light->radiance).irradiance.c[0] + turn;
+        for (int i = 0; i < count; ++i) {
+            sum += call_make(call, light, (float)(i & 1023) * 0.006f);
         }
         const double seconds = seconds_used() - start;
         sink = sink + sum;
         best = seconds < best ? seconds : best;
     }
-    printf("%-28s%6.1f ns\n", name, 1e9 * best / CALLS);
+    printf("%-30s%6.1f ns\n", CALL_NAME[call], 1e9 * best / count);
 }
 
 static bool options_read(int count, char **values, specular_options *options)
@@ -243,10 +283,9 @@ int main(int count, char **values)
         machine_text(machine);
         printf("%s\n", machine);
         tables_print(lights, &options);
-        call_time("lmb_specular_area", &lights[0], 0);
-        call_time("lmb_specular_light", &lights[0], 1);
-        call_time("lmb_specular_light_phong", &lights[0], 2);
-        call_time("lmb_sh3_rgb_dominant_light", &lights[0], 3);
+        for (int call = 0; call < CALLS; ++call) {
+            call_time((timed_call)call, &lights[0]);
+        }
     } else {
         fprintf(stderr, "lambent_specular: %s\n", error.message);
     }

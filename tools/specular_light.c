@@ -19,6 +19,50 @@ static lmb_vec3 pixel_direction(const lmb_environment *environment, double x, do
                                                  : lmb_vec3_of(-b, (float)cos(polar), a);
 }
 
+/* A pixel counts as bright from so many times the picture's mean on. */
+#define BRIGHT 4.0f
+
+static double pixel_solid_angle(const lmb_image *image, int y)
+{
+    const double band = cos(LMB_PI * y / image->height) - cos(LMB_PI * (y + 1) / image->height);
+    return band * 2.0 * LMB_PI / image->width;
+}
+
+static lmb_rgb pixel_radiance(const lmb_image *image, int x, int y)
+{
+    const float *rgb = &image->rgb[3 * ((size_t)y * (size_t)image->width + (size_t)x)];
+    return lmb_rgb_of(rgb[0], rgb[1], rgb[2]);
+}
+
+/* The share of a pixel's light that is above the most that samples are to meet. */
+static float bright_share(const specular_light *light, lmb_rgb radiance)
+{
+    const float luminance = lmb_luminance(radiance);
+    return luminance > light->most ? 1.0f - light->most / luminance : 0.0f;
+}
+
+static lmb_result bright_pixels_find(specular_light *light)
+{
+    const lmb_environment *environment = &light->scene.environment;
+    const lmb_image *image = &environment->image;
+    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    light->most = BRIGHT * lmb_sh3_rgb_luminance(&light->radiance).c[0] * 0.28209479f;
+    light->bright_direction = malloc(pixels * sizeof *light->bright_direction);
+    light->bright_light = malloc(pixels * sizeof *light->bright_light);
+    for (int y = 0; light->bright_direction && light->bright_light && y < image->height; ++y) {
+        for (int x = 0; x < image->width; ++x) {
+            const lmb_rgb radiance = pixel_radiance(image, x, y);
+            const float share = bright_share(light, radiance);
+            if (share > 0.0f) {
+                light->bright_direction[light->bright_count] = pixel_direction(environment, (double)x, (double)y);
+                light->bright_light[light->bright_count++] =
+                    lmb_rgb_scale(radiance, share * (float)pixel_solid_angle(image, y));
+            }
+        }
+    }
+    return light->bright_direction && light->bright_light ? LMB_OK : LMB_ERROR_MEMORY;
+}
+
 /* The picture's harmonics and its cells. */
 static void picture_sum(specular_light *light)
 {
@@ -26,9 +70,8 @@ static void picture_sum(specular_light *light)
     const lmb_environment *environment = &light->scene.environment;
     const lmb_image *image = &environment->image;
     for (int y = 0; y < image->height; ++y) {
-        const double band = cos(LMB_PI * y / image->height) - cos(LMB_PI * (y + 1) / image->height);
+        const double solid_angle = pixel_solid_angle(image, y);
         for (int x = 0; x < image->width; ++x) {
-            const double solid_angle = band * 2.0 * LMB_PI / image->width;
             const lmb_sh3 basis = lmb_sh3_basis(pixel_direction(environment, (double)x, (double)y));
             const float *rgb = &image->rgb[3 * ((size_t)y * (size_t)image->width + (size_t)x)];
             const int cell = y * SPECULAR_ROWS / image->height * SPECULAR_COLUMNS + x * SPECULAR_COLUMNS / image->width;
@@ -76,7 +119,12 @@ lmb_result specular_light_open(const char *description, specular_light *light, l
     light->dominant = lmb_sh3_rgb_dominant_light(&light->all);
     light->rest = light->all;
     lmb_key_light_add_to_sh3(&light->dominant, -1.0f, &light->rest);
-    return LMB_OK;
+    result = bright_pixels_find(light);
+    if (result != LMB_OK) {
+        specular_light_close(light);
+        lmb_error_set(error, result, "%s: out of memory", description);
+    }
+    return result;
 }
 
 void specular_light_close(specular_light *light)
@@ -86,6 +134,10 @@ void specular_light_close(specular_light *light)
     }
     free(light->scene.lights);
     free(light->scene.environment.taken);
+    free(light->bright_direction);
+    free(light->bright_light);
+    light->bright_direction = NULL;
+    light->bright_light = NULL;
     lmb_image_free(&light->scene.environment.image);
     light->scene = (lmb_scene){.path = NULL};
 }
@@ -101,30 +153,30 @@ lmb_rgb specular_light_look(const specular_light *light, lmb_vec3 direction)
     const int column = (int)(u * (float)image->width), row = (int)(v * (float)image->height);
     const int inside_column = column < image->width ? column : image->width - 1;
     const int inside_row = row < image->height ? row : image->height - 1;
-    const float *rgb = &image->rgb[3 * ((size_t)inside_row * (size_t)image->width + (size_t)inside_column)];
-    return lmb_rgb_of(rgb[0], rgb[1], rgb[2]);
+    return pixel_radiance(image, inside_column, inside_row);
 }
 
-/* The reflectance times N.L, by its definition. */
-static lmb_rgb cells_reflected(const specular_light *light, const specular_surface *surface)
+/* The reflectance times N.L, by its definition, of so many lights: radiance times solid angle. */
+static lmb_rgb lights_reflected(const lmb_vec3 *direction, const lmb_rgb *weight, size_t count,
+                                const specular_surface *surface)
 {
     const lmb_specular *specular = &surface->specular;
     const lmb_vec3 normal = surface->normal, view = surface->view;
     const double m2 = (double)specular->roughness * (double)specular->roughness;
     const double nv = fmax((double)lmb_vec3_dot(normal, view), 1e-6);
     double sum[3] = {0.0, 0.0, 0.0};
-    for (int i = 0; i < SPECULAR_CELLS; ++i) {
-        const double nl = (double)lmb_vec3_dot(normal, light->cell_direction[i]);
+    for (size_t i = 0; i < count; ++i) {
+        const double nl = (double)lmb_vec3_dot(normal, direction[i]);
         if (!(nl > 0.0)) {
             continue;
         }
-        const double along = sqrt(0.5 + 0.5 * (double)lmb_vec3_dot(view, light->cell_direction[i]));
+        const double along = sqrt(0.5 + 0.5 * (double)lmb_vec3_dot(view, direction[i]));
         const double up = fmin((nl + nv) / (2.0 * along), 1.0), up2 = up * up;
         const double slopes = exp((up2 - 1.0) / (up2 * m2)) / (LMB_PI * m2 * up2 * up2);
         const double lobe = slopes * fmin(1.0, 2.0 * up * fmin(nv, nl) / along) / (4.0 * nv);
         for (int c = 0; c < 3; ++c) {
-            sum[c] += lobe * dielectric_reflectance((double)specular->f0.c[c], fmin(along, 1.0)) *
-                      (double)light->cell_light[i].c[c];
+            sum[c] +=
+                lobe * dielectric_reflectance((double)specular->f0.c[c], fmin(along, 1.0)) * (double)weight[i].c[c];
         }
     }
     return lmb_rgb_of((float)sum[0], (float)sum[1], (float)sum[2]);
@@ -134,7 +186,7 @@ lmb_rgb specular_traced(const specular_light *light, const specular_surface *sur
 {
     const lmb_specular *specular = &surface->specular;
     if (specular->roughness >= SPECULAR_WIDE) {
-        return cells_reflected(light, surface);
+        return lights_reflected(light->cell_direction, light->cell_light, SPECULAR_CELLS, surface);
     }
     double sum[3] = {0.0, 0.0, 0.0};
     for (uint32_t i = 0; i < samples; ++i) {
@@ -142,14 +194,16 @@ lmb_rgb specular_traced(const specular_light *light, const specular_surface *sur
         half_vector_sample picked;
         lmb_sequence_2d(stream, i, 0, u);
         if (half_vector_pick(specular->roughness, surface->normal, surface->view, u, &picked)) {
-            const lmb_rgb seen = specular_light_look(light, picked.towards);
+            const lmb_rgb there = specular_light_look(light, picked.towards);
+            const lmb_rgb seen = lmb_rgb_scale(there, 1.0f - bright_share(light, there));
             for (int c = 0; c < 3; ++c) {
                 const double f0 = (double)specular->f0.c[c];
                 sum[c] += picked.arrives * dielectric_reflectance(f0, picked.along) * (double)seen.c[c];
             }
         }
     }
-    return lmb_rgb_of((float)(sum[0] / samples), (float)(sum[1] / samples), (float)(sum[2] / samples));
+    return lmb_rgb_add(lights_reflected(light->bright_direction, light->bright_light, light->bright_count, surface),
+                       lmb_rgb_of((float)(sum[0] / samples), (float)(sum[1] / samples), (float)(sum[2] / samples)));
 }
 
 /* The picture of a mirroring surface that is looked at along its normal, which a cube map holds for each roughness. */

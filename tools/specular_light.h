@@ -12,12 +12,16 @@ enum { SPECULAR_COLUMNS = 128, SPECULAR_ROWS = 64, SPECULAR_CELLS = SPECULAR_COL
 typedef struct specular_light {
     lmb_vec3 cell_direction[SPECULAR_CELLS];
     lmb_rgb cell_light[SPECULAR_CELLS]; /* radiance times solid angle */
-    lmb_scene scene;                    /* the environment alone */
-    lmb_key_light sun;                  /* irradiance 0: none */
-    lmb_sh3_rgb radiance;               /* of the picture without the sun */
-    lmb_sh3_rgb all;                    /* with it */
-    lmb_key_light dominant;             /* of all */
-    lmb_sh3_rgb rest;                   /* of all, without the dominant light */
+    lmb_vec3 *bright_direction;         /* of pixels that samples would hit too seldom, what is above `most` */
+    lmb_rgb *bright_light;
+    size_t bright_count;
+    float most;             /* luminance */
+    lmb_scene scene;        /* the environment alone */
+    lmb_key_light sun;      /* irradiance 0: none */
+    lmb_sh3_rgb radiance;   /* of the picture without the sun */
+    lmb_sh3_rgb all;        /* with it */
+    lmb_key_light dominant; /* of all */
+    lmb_sh3_rgb rest;       /* of all, without the dominant light */
 } specular_light;
 
 /* `description` as --env takes it; a picture or daylight. @return as lmb_scene_set_environment */
@@ -30,11 +34,12 @@ typedef struct specular_surface {
     lmb_vec3 normal, view;
 } specular_surface;
 
-/* Radiance of the picture. */
+/* Radiance of the picture, with its bright pixels. */
 lmb_rgb specular_light_look(const specular_light *light, lmb_vec3 direction);
 
 /* Radiance that a surface reflects of the picture: from the roughness of SPECULAR_WIDE on by the sum over all cells,
- * below it by `samples` half vectors. The Fresnel factor is a dielectric's, and its own code. */
+ * below it by the sum over what is bright and `samples` half vectors for the rest. The Fresnel factor is a
+ * dielectric's, and its own code. */
 #define SPECULAR_WIDE 0.3f
 lmb_rgb specular_traced(const specular_light *light, const specular_surface *surface, uint32_t samples,
                         uint64_t stream);

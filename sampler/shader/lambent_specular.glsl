@@ -177,4 +177,21 @@ vec3 lmbSpecularLight(LmbKeyLight light, float visibility, float roughness, vec3
     return lmbLight(light.irradiance * fresnel * (0.25 * distribution * arrives * visibility));
 }
 
+// The same with Phong's lobe (lmb_specular_light_phong).
+vec3 lmbSpecularLightPhong(LmbKeyLight light, float visibility, float roughness, vec3 f0, vec3 nv, vec3 n, vec3 view)
+{
+    vec3 h = lmbUnitOr(view + light.direction, n);
+    float along = dot(view, h);
+    float cosine = 2.0 * dot(n, view) * dot(n, light.direction) - dot(view, light.direction);
+    if (!(dot(nv, light.direction) > 0.0 && dot(n, light.direction) > 0.0 && dot(n, h) > 0.0 && along > 0.0 &&
+          cosine > 0.0)) {
+        return vec3(0.0, 0.0, 0.0);
+    }
+    float m = max(lmbSaturate(roughness), 0.02);
+    float cosine2 = cosine * cosine;
+    float lobe = exp(-max(1.0 - cosine2, 0.0) / (cosine2 * m * m)) / (m * m * cosine2 * cosine);
+    vec3 fresnel = vec3(lmbFresnel1(f0.x, along), lmbFresnel1(f0.y, along), lmbFresnel1(f0.z, along));
+    return lmbLight(light.irradiance * fresnel * (lobe * visibility));
+}
+
 #endif

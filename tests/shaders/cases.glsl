@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 64
-#define OUTPUTS 75
+#define OUTPUTS 78
 
 vec3 lmbRead3(uint at)
 {
@@ -89,4 +89,5 @@ void lmbItem(uint item)
     vec3 side = vec3(1.5, 1.5, 1.5);
     lmbWrite3(to + 71u, lmbSpecularProxyDirection(texel.direction, -side - albedo, side + f0, 2.0 * view, n));
     lmbWrite(to + 74u, lmbLightVisibility(sh, key));
+    lmbWrite3(to + 75u, lmbSpecularLightPhong(key, visibility, roughness, f0, nv, n, view));
 }
