@@ -8,7 +8,7 @@
 #include <lambent/file.h>
 
 #include "command_fixture.h"
-#include "run/bake_work.h"
+#include "run/bake_key.h"
 #include "run/prepared.h"
 #include "scenes/levels.h"
 

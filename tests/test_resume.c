@@ -90,9 +90,11 @@ static void nothing_is_done_twice(void)
     }
     CHECK_RUN(0, "current",
               LMB_COMMAND " bake " LEVEL " --spacing 0.25 --samples 64 --lightmaps --texels-per-m 40 -o " WHOLE);
+    CHECK_RUN(0, NULL, "mkdir " WHOLE "/.lambent-parts && touch " WHOLE "/.lambent-parts/probes-000000.part");
     CHECK_RUN(0, "current",
               LMB_COMMAND " bake " LEVEL " --resume --spacing 0.25 --samples 64 --lightmaps "
                           "--texels-per-m 40 -o " WHOLE);
+    CHECK_RUN(0, NULL, "test ! -e " WHOLE "/.lambent-parts");
     CHECK_RUN(0, NULL,
               "rm -rf " OUTPUT "/again && cp -r " WHOLE " " OUTPUT "/again && printf x >> " OUTPUT "/again/probes.lmb");
     CHECK_RUN(0, NULL, BAKE " -o " OUTPUT "/again");

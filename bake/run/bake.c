@@ -8,6 +8,7 @@
 #include "run/bake_current.h"
 #include "run/bake_folder_internal.h"
 #include "run/bake_internal.h"
+#include "run/bake_key.h"
 #include "run/bake_work.h"
 #include "run/bake_write.h"
 #include "run/kept.h"
@@ -178,6 +179,7 @@ static lmb_result bake_whole(lmb_bake *bake, const lmb_bake_settings *asked, con
     lmb_kept kept = {.read_from = NULL};
     bake->record.is_current = lmb_bake_work_is_done(work, folder, bake->record.key);
     if (bake->record.is_current) {
+        lmb_bake_folder_drop_parts(folder); /* of one that was killed when all was written */
         return LMB_OK;
     }
     if (work->prepare) {

@@ -7,8 +7,8 @@
 #include <lambent/probe_locals.h>
 
 #include "base/clock.h"
-#include "run/bake_phases_internal.h"
 #include "run/bake_phases_levels.h"
+#include "run/bake_phases_record.h"
 #include "run/kept.h"
 #include "run/step.h"
 
@@ -177,39 +177,11 @@ lmb_result lmb_bake_layout(lmb_bake *bake, lmb_error *error)
     return step_report(bake->progress, name, 1.0, error);
 }
 
-void lmb_bake_record_surface(lmb_bake *bake)
-{
-    const lmb_level *level = bake->level;
-    lmb_bake_record *record = &bake->record;
-    if (level->surface) {
-        record->surface_solved = true;
-        record->surface = level->surface_stats;
-        record->surface_bytes = lmb_surface_light_bytes(level->surface);
-        record->surface_cell_size = lmb_surface_light_cell_size(level->surface);
-        record->rays[LMB_PHASE_SURFACE] = level->surface_stats.rays;
-    }
-    record->seconds[LMB_PHASE_SURFACE] = level->seconds_surface;
-}
-
 lmb_result lmb_bake_surface(lmb_bake *bake, lmb_error *error)
 {
     const lmb_result result = lmb_level_solve(bake->level, bake->record.settings.estimator, bake->progress, error);
     lmb_bake_record_surface(bake);
     return result;
-}
-
-/* What is darker than this share of the level's mean light is held to that. */
-#define DARK_SHARE 0.01
-
-/* Length of the SH3 moments of three channels of radiance 1 over a hemisphere: sqrt(3 pi + 9 pi / 4). */
-#define UNIT_LENGTH 4.06
-
-lmb_gather_effort lmb_bake_effort(const lmb_bake_settings *settings, const lmb_level *level)
-{
-    return (lmb_gather_effort){.samples = settings->samples,
-                               .max_samples = settings->max_samples,
-                               .tolerance = settings->noise,
-                               .floor = DARK_SHARE * UNIT_LENGTH * level->mean_light};
 }
 
 /* What is wrong with files has been said. */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "run/bake_phases_record.h"
 #include "run/step.h"
 
 /* The even level is the finest of the plan whose box has no more points than this: looking at a point costs some
@@ -140,18 +141,6 @@ lmb_result lmb_bake_regions(lmb_bake *bake, lmb_bake_phase phase, lmb_error *err
         result = lmb_placement_hang(bake->level->tracer, bake->level->pool, bake->probes, &record->placement);
     }
     return result == LMB_OK ? LMB_OK : lmb_error_set(error, result, "regions: %s", lmb_result_text(result));
-}
-
-void lmb_bake_record_levels(lmb_bake *bake)
-{
-    lmb_bake_record *record = &bake->record;
-    const lmb_probes *probes = bake->probes;
-    record->probes = probes->count - probes->ghost_count;
-    record->level_count = 0;
-    for (uint32_t level = 0; level < probes->level_count && record->level_count < LMB_BAKE_LEVELS_MOST; ++level) {
-        record->level[record->level_count++] =
-            (lmb_level_record){probes->level[level].lattice.spacing, probes->level[level].count};
-    }
 }
 
 /* What --max-probes cost. */

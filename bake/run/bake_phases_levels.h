@@ -15,7 +15,4 @@ lmb_level_plan lmb_bake_level_plan(const lmb_bake_settings *settings, const lmb_
 /* Cuts the cells of the bake's probes, in what is left of a phase. */
 lmb_result lmb_bake_regions(lmb_bake *bake, lmb_bake_phase phase, lmb_error *error);
 
-/* Puts into the record what levels the bake's probes have. */
-void lmb_bake_record_levels(lmb_bake *bake);
-
 #endif

@@ -8,6 +8,7 @@
 
 #include "run/bake_folder_internal.h"
 #include "run/bake_internal.h"
+#include "run/bake_key.h"
 #include "run/bake_work.h"
 
 /* Bakes of one level: what they share is made when the first of them needs it. */
@@ -57,7 +58,9 @@ static lmb_result set_run(sets_work *sets, const char *name, const lmb_bake_set_
     lmb_bake_record done = sets->bake.record;
     done.key = key;
     done.is_current = lmb_bake_work_is_done(sets->work, folder, key);
-    if (!done.is_current) {
+    if (done.is_current) {
+        lmb_bake_folder_drop_parts(folder);
+    } else {
         result = set_bake(sets, set, folder, error);
         done = sets->bake.record;
     }

@@ -319,3 +319,17 @@ bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
     *settings = read;
     return true;
 }
+
+/* What is darker than this share of the level's mean light is held to that. */
+#define DARK_SHARE 0.01
+
+/* Length of the SH3 moments of three channels of radiance 1 over a hemisphere: sqrt(3 pi + 9 pi / 4). */
+#define UNIT_LENGTH 4.06
+
+lmb_gather_effort lmb_bake_effort(const lmb_bake_settings *settings, const lmb_level *level)
+{
+    return (lmb_gather_effort){.samples = settings->samples,
+                               .max_samples = settings->max_samples,
+                               .tolerance = settings->noise,
+                               .floor = DARK_SHARE * UNIT_LENGTH * level->mean_light};
+}

@@ -1,17 +1,10 @@
-/* How a bake is done in pieces: by which key its parts are known, where they lie, and what a shard leaves. */
+/* How a bake is done in pieces: where its parts lie, and what a shard leaves. */
 #ifndef LMB_BAKE_WORK_H
 #define LMB_BAKE_WORK_H
 
 #include <lambent/bake.h>
 
 #include "run/parts.h"
-
-/* Of everything that decides the bytes of a bake: settings, the level's and environment's content, this program's
- * version. Not of the level's path. 0: out of memory. */
-uint64_t lmb_bake_key(const lmb_bake_settings *settings, uint64_t content_hash);
-
-/* Of a bake with that key, of a box alone. */
-uint64_t lmb_bake_part_key(uint64_t key, const lmb_vec3d box[2]);
 
 static inline bool lmb_bake_work_is_shard(const lmb_bake_work *work)
 {

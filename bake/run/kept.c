@@ -5,7 +5,7 @@
 
 #include <lambent/file.h>
 
-#include "run/bake_work.h"
+#include "run/bake_key.h"
 #include "run/kept_file.h"
 #include "run/kept_sites.h"
 

@@ -7,8 +7,7 @@
 
 #include "probes/placement_stored.h"
 #include "run/bake_level_internal.h"
-#include "run/bake_phases_internal.h"
-#include "run/bake_phases_levels.h"
+#include "run/bake_phases_record.h"
 
 /* What the file begins with. As parts are, it is of machines of one kind. */
 typedef struct prepared_head {

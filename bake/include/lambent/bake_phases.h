@@ -47,9 +47,6 @@ lmb_result lmb_bake_show_light_set(lmb_bake *bake, uint32_t set, const lmb_bake_
 /* Frees what the bake holds, but not the level; its record stays. */
 void lmb_bake_end(lmb_bake *bake);
 
-/* The effort for probes and texels of a level whose surface phase has run. */
-lmb_gather_effort lmb_bake_effort(const lmb_bake_settings *settings, const lmb_level *level);
-
 #ifdef __cplusplus
 }
 #endif

@@ -61,6 +61,9 @@ const lmb_model *lmb_bake_settings_model(const lmb_bake_settings *settings);
  * it, or there are too many. */
 bool lmb_bake_settings_add_model(lmb_bake_settings *settings, const char *name);
 
+/* The effort for probes and texels of a level whose surface phase has run. */
+lmb_gather_effort lmb_bake_effort(const lmb_bake_settings *settings, const lmb_level *level);
+
 #ifdef __cplusplus
 }
 #endif
