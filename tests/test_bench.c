@@ -12,7 +12,8 @@
 
 static const char *const names[] = {"lambent",     "lambent.batch",       "lambent.compact", "lambent.compact.batch",
                                     "lambent.cut", "lambent.cut.batch",   "dense.fp32",      "dense.fp32.prefetch",
-                                    "dense.fp16",  "dense.fp16.prefetch", "openvdb"};
+                                    "dense.fp16",  "dense.fp16.prefetch", "lambent.tiles",   "lambent.tiles.batch",
+                                    "openvdb"};
 enum { NAMES = sizeof names / sizeof names[0], SIZES = 2, LOADS = 2, PATTERNS = 2 };
 
 static double number_of(const cJSON *object, const char *key)

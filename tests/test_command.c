@@ -245,7 +245,9 @@ static void bench_times_samplers_that_agree(void)
                                         "lambent.compact",
                                         "lambent.compact.batch",
                                         "lambent.cut",
-                                        "lambent.cut.batch"};
+                                        "lambent.cut.batch",
+                                        "lambent.tiles",
+                                        "lambent.tiles.batch"};
     enum { NAMES = sizeof names / sizeof names[0] };
     int found[NAMES][2] = {{0}};
     char printed[16384];

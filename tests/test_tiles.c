@@ -48,9 +48,9 @@ static void divided_of(const lmb_probes *probes, lmb_volume_form form, int32_t b
     const lmb_split_sink sink = {tile_keep, made};
     memset(made, 0, sizeof *made);
     bool good = lmb_pack_as(form, probes, &made->whole_data, &made->whole_size, NULL) == LMB_OK &&
-                lmb_split(made->whole_data, made->whole_size, (const int32_t[3]){cells, cells, cells}, &sink,
-                          &made->index, &made->index_size) == LMB_OK &&
                 lmb_volume_open_memory(made->whole_data, made->whole_size, &made->whole) == LMB_OK &&
+                lmb_split(made->whole, (const int32_t[3]){cells, cells, cells}, &sink, &made->index,
+                          &made->index_size) == LMB_OK &&
                 lmb_volume_tiles_open_memory(made->index, made->index_size, &made->tiles) == LMB_OK;
     for (uint32_t i = 0; good && i < made->count; ++i) {
         good = lmb_volume_open_memory(made->data[i], made->size[i], &made->volume[i]) == LMB_OK;

@@ -189,6 +189,8 @@ void arguments_shared(lmb_arguments *arguments, const char *argument, lmb_shared
         arguments_error(arguments, "unknown option", argument);
     } else if (path) {
         *path = argument;
+    } else if (shared->many_name) {
+        shared->many[shared->many_count++] = argument;
     } else {
         arguments_error(arguments, "one argument too many:", argument);
     }
@@ -200,6 +202,9 @@ bool arguments_complete(lmb_arguments *arguments, const lmb_shared_arguments *sh
         if (shared->path_name[i] && !shared->path[i]) {
             arguments_error(arguments, "missing argument", shared->path_name[i]);
         }
+    }
+    if (!arguments->failed && !arguments->help && shared->many_name && shared->many_count == 0) {
+        arguments_error(arguments, "missing argument", shared->many_name);
     }
     if (!arguments->failed && !arguments->help && shared->output_name && !shared->output) {
         arguments_error(arguments, "missing option -o", shared->output_name);

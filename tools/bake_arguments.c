@@ -96,6 +96,8 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
         models_add(settings, arguments, arguments_text(arguments, argument));
     } else if (strcmp(argument, "--compact") == 0) {
         settings->compact = true;
+    } else if (strcmp(argument, "--tile-size") == 0) {
+        settings->tile_size = arguments_number(arguments, argument, 1e-6, 1e9);
     } else if (strcmp(argument, "--texel-error") == 0) {
         settings->texel_error = true;
     } else if (strcmp(argument, "--no-denoise") == 0) {

@@ -31,6 +31,9 @@ bool bake_argument(lmb_bake_settings *settings, lmb_arguments *arguments, const 
     "                        written: irradz-hhd, of textures irradz-hhd.disc): hlsh, sh3, or any name of\n"           \
     "                        `lambent models`\n"                                                                       \
     "  --compact             probes.lmb of little more than half the size: bytes above each probe's mean\n"            \
+    "  --tile-size M         probes.lmt too, the volume in tiles of M metres for a world that is streamed: beside "    \
+    "it\n"                                                                                                             \
+    "                        probes_X_Y_Z.lmb, as lambent pack --tile-size writes them\n"                              \
     "  --texel-error         the standard error of each texel, as a picture\n"                                         \
     "  --no-denoise          probes and lightmaps as they were gathered, noise and all\n"                              \
     "  --quality NAME        draft, medium or high: noise of 12, 6 or 3 %, by at most 256, 1024 or\n"                  \

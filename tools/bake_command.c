@@ -120,6 +120,9 @@ static void summary_print(const lmb_bake_record *record, const char *directory)
                (unsigned long long)record->taken);
     }
     printf("memory    %.0f MB at most\n", record->peak_rss_mb);
+    if (record->tiles > 0) {
+        printf("tiles     %u, %.1f kB\n", record->tiles, 1e-3 * (double)record->bytes_tiles);
+    }
     printf("written   %s (probes.vdb %.1f kB, probes.lmb %.1f kB, lightmaps %.1f kB)\n", directory,
            1e-3 * (double)record->bytes_vdb, 1e-3 * (double)record->bytes_lmb, 1e-3 * (double)record->bytes_lightmaps);
 }

@@ -64,14 +64,17 @@ static const char style[] =
 static int family_of(const char *name)
 {
     static const char *const begins[] = {"lambent.compact", "lambent.cut", "lambent", "dense.fp32",
-                                         "dense.fp16",      "nanovdb",     "openvdb"};
-    const int count = (int)(sizeof begins / sizeof begins[0]);
-    for (int i = 0; i < count; ++i) {
-        if (strncmp(name, begins[i], strlen(begins[i])) == 0) {
-            return i;
+                                         "dense.fp16",      "nanovdb",     "openvdb", "lambent.tiles"};
+    int family = 0;
+    size_t longest = 0;
+    for (int i = 0; i < (int)(sizeof begins / sizeof begins[0]); ++i) {
+        const size_t length = strlen(begins[i]);
+        if (length > longest && strncmp(name, begins[i], length) == 0) {
+            family = i;
+            longest = length;
         }
     }
-    return count;
+    return family;
 }
 
 /* Whether it asks for memory ahead of use. */

@@ -6,6 +6,7 @@
 #include "bench_dense.h"
 #include "bench_forms.h"
 #include "bench_grids.h"
+#include "bench_tiles.h"
 
 /* Samplers that are made together, of probes that nobody changes meanwhile. */
 typedef struct part {
@@ -69,7 +70,16 @@ static void *cut_make(void *context)
     return NULL;
 }
 
-enum { OWN, DENSE, GRIDS, COMPACT, CUT, PARTS };
+static void *tiles_make(void *context)
+{
+    static const char *const names[2] = {"lambent.tiles", "lambent.tiles.batch"};
+    part *const tiles = context;
+    tiles->result = bench_tiles_create(tiles->probes, names, tiles->sampler);
+    tiles->count = tiles->result == LMB_OK ? 2 : 0;
+    return NULL;
+}
+
+enum { OWN, DENSE, GRIDS, COMPACT, CUT, TILES, PARTS };
 
 /* Hands a part's samplers on. @return its result */
 static lmb_result part_take(const part *made, lmb_bench_samplers *samplers)
@@ -83,7 +93,7 @@ static lmb_result part_take(const part *made, lmb_bench_samplers *samplers)
 /* @return false where a thread cannot be started */
 static bool parts_make(part made[PARTS])
 {
-    static void *(*const make[PARTS])(void *) = {own_make, dense_make, grids_make, compact_make, cut_make};
+    static void *(*const make[PARTS])(void *) = {own_make, dense_make, grids_make, compact_make, cut_make, tiles_make};
     pthread_t thread[PARTS];
     int started = 0;
     while (started < PARTS && pthread_create(&thread[started], NULL, make[started], &made[started]) == 0) {
@@ -98,8 +108,9 @@ static bool parts_make(part made[PARTS])
 lmb_result bench_samplers_create(const lmb_probes *probes, const lmb_volume *volume, lmb_bench_samplers *samplers,
                                  lmb_error *error)
 {
-    static const char *const names[PARTS] = {"the volume", "dense arrays", "OpenVDB's grids", "the compact volume",
-                                             "the volume with cut cells"};
+    static const char *const names[PARTS] = {
+        "the volume",         "dense arrays", "OpenVDB's grids", "the compact volume", "the volume with cut cells",
+        "the volume in tiles"};
     part made[PARTS];
     *samplers = (lmb_bench_samplers){0};
     for (int i = 0; i < PARTS; ++i) {

@@ -7,7 +7,7 @@
 
 #include "bench_sampler.h"
 
-enum { BENCH_MOST_SAMPLERS = 12 };
+enum { BENCH_MOST_SAMPLERS = 14 };
 
 typedef struct lmb_bench_samplers {
     const char *dense_kernel; /* instructions that the dense arrays are sampled with; NULL: too large for them */

@@ -57,7 +57,8 @@ lmb_vec3d arguments_position(lmb_arguments *arguments, const char *option); /* X
 /* X0,Y0,Z0,X1,Y1,Z1: two corners of a box in the world. Its least and its greatest coordinates. */
 void arguments_box(lmb_arguments *arguments, const char *option, lmb_vec3d box[2]);
 
-/* What commands share, besides their own options: paths in their order, -o, --threads and --quiet. */
+/* What commands share, besides their own options: paths in their order, or one and more of a kind, -o, --threads and
+ * --quiet. */
 enum { ARGUMENTS_PATHS = 2 };
 enum { ARGUMENTS_THREADS = 1, ARGUMENTS_QUIET = 2 };
 typedef struct lmb_shared_arguments {
@@ -65,6 +66,9 @@ typedef struct lmb_shared_arguments {
     const char *output_name;                /* what must follow -o; NULL: there is no -o */
     unsigned takes;                         /* ARGUMENTS_THREADS, ARGUMENTS_QUIET */
     const char *path[ARGUMENTS_PATHS];
+    const char *many_name; /* of paths behind those, one at least; NULL: there are none */
+    const char **many;     /* the command's, with room for as many as there are arguments */
+    uint32_t many_count;
     const char *output;
     int threads; /* 0: all processors */
     bool quiet;

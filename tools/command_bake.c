@@ -45,9 +45,7 @@ static void shard_read(lmb_bake_work *work, lmb_arguments *arguments, const char
 
 static bool option_take(bake_options *options, lmb_arguments *arguments, const char *argument)
 {
-    if (strcmp(argument, "-o") == 0) {
-        options->directory = arguments_text(arguments, argument);
-    } else if (strcmp(argument, "--lightmaps") == 0) {
+    if (strcmp(argument, "--lightmaps") == 0) {
         options->settings.lightmaps = true;
     } else if (strcmp(argument, "--no-probes") == 0) {
         options->settings.no_probes = true;
@@ -111,12 +109,14 @@ static void pairs_check(const bake_options *options, lmb_arguments *arguments)
 /* Reads the command line. False: a usage error was printed, or --help. */
 static bool options_read(bake_options *options, lmb_arguments *arguments)
 {
+    lmb_shared_arguments shared = {.output_name = "DIR"};
     for (const char *argument; (argument = arguments_next(arguments));) {
         if (!option_take(options, arguments, argument)) {
-            arguments_error(arguments, "unexpected argument", argument);
+            arguments_shared(arguments, argument, &shared);
         }
     }
     options->quiet = arguments->quiet;
+    options->directory = shared.output;
     if (arguments->failed || arguments->help) {
         return false;
     }
@@ -124,8 +124,8 @@ static bool options_read(bake_options *options, lmb_arguments *arguments)
         arguments_error(arguments, "missing argument", "LEVEL");
     } else if (options->settings.no_probes && !options->settings.lightmaps) {
         arguments_error(arguments, "--lightmaps has to go with", "--no-probes");
-    } else if (!options->directory && !options->dry_run) {
-        arguments_error(arguments, "missing option", "-o DIR");
+    } else if (!options->dry_run) {
+        arguments_complete(arguments, &shared);
     }
     pairs_check(options, arguments);
     return !arguments->failed;

@@ -20,70 +20,47 @@ static const char usage[] =
     "  --quiet               no progress and no closing lines\n";
 
 typedef struct merge_options {
-    const char **from;
-    uint32_t from_count;
+    lmb_shared_arguments shared; /* the shares' folders, and the one that is written */
     const char *level, *prepared;
     bool keep;
-    int threads;
     bake_options bake;
 } merge_options;
-
-static bool option_take(merge_options *options, lmb_arguments *arguments, const char *argument)
-{
-    if (strcmp(argument, "-o") == 0) {
-        options->bake.directory = arguments_text(arguments, argument);
-    } else if (strcmp(argument, "--level") == 0) {
-        options->level = arguments_text(arguments, argument);
-    } else if (strcmp(argument, "--prepared") == 0) {
-        options->prepared = arguments_text(arguments, argument);
-    } else if (strcmp(argument, "--keep-gathered") == 0) {
-        options->keep = true;
-    } else if (strcmp(argument, "--threads") == 0) {
-        options->threads = (int)arguments_integer(arguments, argument, 1, 4096);
-    } else if (strcmp(argument, "--json-progress") == 0) {
-        options->bake.json_progress = true;
-    } else if (strcmp(argument, "--quiet") == 0) {
-        options->bake.quiet = true;
-    } else if (argument[0] != '-') {
-        options->from[options->from_count++] = argument;
-    } else {
-        return false;
-    }
-    return true;
-}
 
 /* Reads the command line. False: a usage error was printed, or --help. */
 static bool options_read(merge_options *options, lmb_arguments *arguments)
 {
     for (const char *argument; (argument = arguments_next(arguments));) {
-        if (!option_take(options, arguments, argument)) {
-            arguments_error(arguments, "unexpected argument", argument);
+        if (strcmp(argument, "--level") == 0) {
+            options->level = arguments_text(arguments, argument);
+        } else if (strcmp(argument, "--prepared") == 0) {
+            options->prepared = arguments_text(arguments, argument);
+        } else if (strcmp(argument, "--keep-gathered") == 0) {
+            options->keep = true;
+        } else if (strcmp(argument, "--json-progress") == 0) {
+            options->bake.json_progress = true;
+        } else {
+            arguments_shared(arguments, argument, &options->shared);
         }
     }
-    if (arguments->failed || arguments->help) {
-        return false;
-    }
-    if (options->from_count == 0) {
-        arguments_error(arguments, "missing argument", "DIR");
-    } else if (!options->bake.directory) {
-        arguments_error(arguments, "missing option", "-o DIR");
-    }
-    return !arguments->failed;
+    return arguments_complete(arguments, &options->shared);
 }
 
 static int merge_run(merge_options *options)
 {
     lmb_error error = {{0}};
     cJSON *json;
+    const lmb_shared_arguments *const shared = &options->shared;
     lmb_bake_settings *const settings = &options->bake.settings;
-    const lmb_result result = lmb_bake_shard_settings(options->from[0], &json, settings, &error);
+    const lmb_result result = lmb_bake_shard_settings(shared->many[0], &json, settings, &error);
     if (result != LMB_OK) {
         return command_fail(result, &error);
     }
     settings->level.path = options->level ? options->level : settings->level.path;
-    settings->level.threads = options->threads;
-    options->bake.work = (lmb_bake_work){.from = options->from,
-                                         .from_count = options->from_count,
+    settings->level.threads = shared->threads;
+    options->bake.directory = shared->output;
+    options->bake.quiet = shared->quiet;
+    options->bake.work = (lmb_bake_work){.from = shared->many,
+                                         .from_count = shared->many_count,
                                          .merge = true,
                                          .prepared = options->prepared,
                                          .keep = options->keep};
@@ -95,11 +72,14 @@ static int merge_run(merge_options *options)
 int command_merge(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "merge", usage);
-    merge_options options = {.from = calloc((size_t)count + 1, sizeof *options.from)};
-    if (!options.from) {
+    const char **const from = calloc((size_t)count + 1, sizeof *from);
+    if (!from) {
         return command_fail(LMB_ERROR_MEMORY, &(lmb_error){"out of memory"});
     }
+    merge_options options = {
+        .shared = {
+            .many_name = "DIR", .many = from, .output_name = "DIR", .takes = ARGUMENTS_THREADS | ARGUMENTS_QUIET}};
     const int status = options_read(&options, &arguments) ? merge_run(&options) : arguments_status(&arguments);
-    free(options.from);
+    free(from);
     return status;
 }

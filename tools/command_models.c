@@ -58,10 +58,8 @@ static const char usage[] =
 
 typedef struct models_options {
     models_settings settings;
-    const char **path; /* room for as many as there are arguments */
-    size_t path_count;
     const char *html;            /* NULL: none */
-    lmb_shared_arguments shared; /* without paths */
+    lmb_shared_arguments shared; /* of environments */
     bool json;
 } models_options;
 
@@ -76,14 +74,9 @@ static void options_read(lmb_arguments *arguments, models_options *options)
             options->html = arguments_text(arguments, next);
         } else if (strcmp(next, "--json") == 0) {
             options->json = true;
-        } else if (next[0] == '-' && next[1] != '\0') {
-            arguments_shared(arguments, next, &options->shared);
         } else {
-            options->path[options->path_count++] = next;
+            arguments_shared(arguments, next, &options->shared);
         }
-    }
-    if (!arguments->failed && !arguments->help && options->path_count == 0) {
-        arguments_error(arguments, "missing argument", "ENV");
     }
 }
 
@@ -153,8 +146,8 @@ static int report_print_json(const models_options *options, const measured *all,
     cJSON *json = cJSON_CreateObject();
     cJSON_AddStringToObject(json, "machine", machine);
     cJSON *environments = cJSON_AddArrayToObject(json, "environments");
-    for (size_t i = 0; i < options->path_count; ++i) {
-        cJSON_AddItemToArray(environments, cJSON_CreateString(options->path[i]));
+    for (size_t i = 0; i < options->shared.many_count; ++i) {
+        cJSON_AddItemToArray(environments, cJSON_CreateString(options->shared.many[i]));
     }
     cJSON_AddNumberToObject(json, "turns", options->settings.turns);
     cJSON_AddNumberToObject(json, "seed", (double)options->settings.seed);
@@ -178,9 +171,9 @@ static void row_print(const models_row *row)
 
 static void report_print(const models_options *options, const models_report *report, const char *machine)
 {
-    printf("%s\n%zu environments, %u turns each\n\n%-27s %-13s%7s%6s%8s%8s%8s%8s%8s%8s%10s%9s\n", machine,
-           options->path_count, options->settings.turns, "model", "input", "numbers", "bytes", "rmse", "max", "colour",
-           "median", "p95", "over10%", "ns_encode", "ns_eval");
+    printf("%s\n%u environments, %u turns each\n\n%-27s %-13s%7s%6s%8s%8s%8s%8s%8s%8s%10s%9s\n", machine,
+           options->shared.many_count, options->settings.turns, "model", "input", "numbers", "bytes", "rmse", "max",
+           "colour", "median", "p95", "over10%", "ns_encode", "ns_eval");
     for (size_t i = 0; i < report->row_count; ++i) {
         if (i > 0 && report->row[i].input != report->row[i - 1].input) {
             putchar('\n');
@@ -226,13 +219,13 @@ static void blends_print(const models_blend_report *blends)
 
 static lmb_result maps_read(const models_options *options, models_map **maps, lmb_error *error)
 {
-    *maps = malloc(options->path_count * sizeof **maps);
+    *maps = malloc(options->shared.many_count * sizeof **maps);
     if (!*maps) {
         return LMB_ERROR_MEMORY;
     }
     lmb_result result = LMB_OK;
-    for (size_t i = 0; i < options->path_count && result == LMB_OK; ++i) {
-        result = models_map_read(options->path[i], &(*maps)[i], error);
+    for (size_t i = 0; i < options->shared.many_count && result == LMB_OK; ++i) {
+        result = models_map_read(options->shared.many[i], &(*maps)[i], error);
     }
     return result;
 }
@@ -246,16 +239,18 @@ static lmb_result all_measure(const models_options *options, const lmb_progress 
         result = lmb_pool_create(options->shared.threads, &pool);
     }
     if (result == LMB_OK) {
-        result = models_measure(&options->settings, all->map, options->path_count, pool, progress, &all->report);
+        result = models_measure(&options->settings, all->map, options->shared.many_count, pool, progress, &all->report);
     }
     if (result == LMB_OK) {
-        result = models_cones_measure(&options->settings, all->map, options->path_count, pool, progress, &all->cones);
+        result =
+            models_cones_measure(&options->settings, all->map, options->shared.many_count, pool, progress, &all->cones);
     }
     if (result == LMB_OK) {
-        result = models_blend_measure(&options->settings, all->map, options->path_count, pool, progress, &all->blends);
+        result = models_blend_measure(&options->settings, all->map, options->shared.many_count, pool, progress,
+                                      &all->blends);
     }
     if (result == LMB_OK) {
-        result = models_measure_speed(&options->settings, all->map, options->path_count, progress, &all->report);
+        result = models_measure_speed(&options->settings, all->map, options->shared.many_count, progress, &all->report);
     }
     lmb_pool_destroy(pool);
     return result;
@@ -276,7 +271,8 @@ static int models_run(const models_options *options)
     }
     console_finish(&console);
     if (result == LMB_OK && options->html) {
-        const models_page page = {&options->settings, all.map, options->path_count, &all.report, &all.cones, machine};
+        const models_page page = {&options->settings, all.map,    options->shared.many_count,
+                                  &all.report,        &all.cones, machine};
         result = models_html_write(options->html, &page, &error);
     }
     int status = EXIT_DONE;
@@ -299,14 +295,16 @@ static int models_run(const models_options *options)
 int command_models(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count, values, "models", usage);
-    models_options options = {.settings = models_settings_default(),
-                              .shared = {.takes = ARGUMENTS_THREADS | ARGUMENTS_QUIET}};
-    options.path = malloc(((size_t)count + 1) * sizeof *options.path);
-    if (!options.path) {
-        return command_fail(LMB_ERROR_MEMORY, &(lmb_error){""});
+    const char **const paths = malloc(((size_t)count + 1) * sizeof *paths);
+    if (!paths) {
+        return command_fail(LMB_ERROR_MEMORY, &(lmb_error){"out of memory"});
     }
+    models_options options = {
+        .settings = models_settings_default(),
+        .shared = {.many_name = "ENV", .many = paths, .takes = ARGUMENTS_THREADS | ARGUMENTS_QUIET}};
     options_read(&arguments, &options);
-    const int status = arguments.failed || arguments.help ? arguments_status(&arguments) : models_run(&options);
-    free(options.path);
+    const int status =
+        arguments_complete(&arguments, &options.shared) ? models_run(&options) : arguments_status(&arguments);
+    free(paths);
     return status;
 }

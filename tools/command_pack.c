@@ -4,7 +4,7 @@
 
 #include <lambent/file.h>
 #include <lambent/pack.h>
-#include <lambent/split.h>
+#include <lambent/tile_files.h>
 #include <lambent/vdb.h>
 
 #include "command.h"
@@ -32,56 +32,15 @@ typedef struct pack_options {
     double tile_size; /* metres; 0: one volume */
 } pack_options;
 
-/* Tiles while they are written: FILE_X_Y_Z.lmb beside the index FILE.lmt. */
-typedef struct tile_files {
-    const char *index;
-    uint32_t count;
-    uint64_t bytes;
-    lmb_error *error;
-} tile_files;
-
-static lmb_result tile_write(void *context, const int32_t at[3], const unsigned char *data, size_t size)
-{
-    tile_files *const files = context;
-    const size_t stem = strlen(files->index) - strlen(".lmt"), capacity = stem + 48;
-    char *const path = malloc(capacity);
-    if (!path) {
-        return lmb_error_set(files->error, LMB_ERROR_MEMORY, "out of memory");
-    }
-    snprintf(path, capacity, "%.*s_%d_%d_%d.lmb", (int)stem, files->index, at[0], at[1], at[2]);
-    const lmb_result result = lmb_file_write(path, data, size, files->error);
-    files->count += 1;
-    files->bytes += size;
-    free(path);
-    return result;
-}
-
-/* Writes the tiles of a volume, and their index last. */
+/* Writes the tiles of a volume, and their index. */
 static lmb_result tiles_write(const pack_options *options, const unsigned char *volume, size_t size, lmb_error *error)
 {
-    lmb_volume *opened;
-    unsigned char *index = NULL;
-    size_t index_size = 0;
-    tile_files files = {.index = options->shared.output, .error = error};
-    const lmb_split_sink sink = {tile_write, &files};
-    lmb_result result = lmb_volume_open_memory(volume, size, &opened);
-    if (result != LMB_OK) {
-        return lmb_error_set(error, result, "%s: %s", options->shared.output, lmb_result_text(result));
-    }
-    const lmb_volume_info info = lmb_volume_get_info(opened);
-    const int32_t cells = lmb_split_cells(&info, options->tile_size);
-    lmb_volume_close(opened);
-    result = lmb_split(volume, size, (const int32_t[3]){cells, cells, cells}, &sink, &index, &index_size);
-    if (result != LMB_OK) {
-        return error->message[0] ? result
-                                 : lmb_error_set(error, result, "%s: %s", files.index, lmb_result_text(result));
-    }
-    result = lmb_file_write(files.index, index, index_size, error);
-    free(index);
+    lmb_tile_files_stats tiles = {0};
+    const lmb_result result =
+        lmb_tile_files_write(volume, size, options->tile_size, options->shared.output, &tiles, error);
     if (result == LMB_OK && !options->shared.quiet) {
-        printf("tiles     %u of %g m (%.1f kB, %.1f %% more than undivided)\n", files.count,
-               cells * (double)info.spacing, 1e-3 * (double)files.bytes,
-               100.0 * ((double)files.bytes / (double)size - 1.0));
+        printf("tiles     %u of %g m (%.1f kB, %.1f %% more than undivided)\n", tiles.count, tiles.tile_size,
+               1e-3 * (double)tiles.bytes, 100.0 * ((double)tiles.bytes / (double)size - 1.0));
     }
     return result;
 }

@@ -280,8 +280,8 @@ int main(int count, char **values)
 {
     static filtering work = {.turns = 256};
     lmb_arguments arguments = arguments_begin(count - 1, values + 1, "filtering", usage);
-    const char **path = malloc((size_t)(count + 1) * sizeof *path);
-    size_t paths = 0;
+    const char **const path = malloc((size_t)(count + 1) * sizeof *path);
+    lmb_shared_arguments shared = {.many_name = "ENV", .many = path};
     for (const char *next; path && (next = arguments_next(&arguments));) {
         if (strcmp(next, "--turns") == 0) {
             work.turns = (uint32_t)arguments_integer(&arguments, next, 1, MOST_TURNS);
@@ -290,12 +290,10 @@ int main(int count, char **values)
         } else if (strcmp(next, "-o") == 0) {
             work.picture = arguments_text(&arguments, next);
         } else {
-            path[paths++] = next;
+            arguments_shared(&arguments, next, &shared);
         }
     }
-    if (!arguments.failed && !arguments.help && paths == 0) {
-        arguments_error(&arguments, "missing argument", "ENV");
-    } else if (!arguments.failed && work.picture && work.model_count == 0) {
+    if (path && arguments_complete(&arguments, &shared) && work.picture && work.model_count == 0) {
         arguments_error(&arguments, "missing option", "--models NAME,... of the picture");
     }
     lmb_error error = {""};
@@ -304,7 +302,7 @@ int main(int count, char **values)
         if (work.model_count == 0) {
             models_complete(&work);
         }
-        const lmb_result result = path ? all_measure(&work, path, paths, &error) : LMB_ERROR_MEMORY;
+        const lmb_result result = path ? all_measure(&work, path, shared.many_count, &error) : LMB_ERROR_MEMORY;
         status = result == LMB_OK ? EXIT_DONE : command_fail(result, &error);
     }
     for (int m = 0; m < work.model_count; ++m) {

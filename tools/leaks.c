@@ -1,6 +1,6 @@
 /* How much light each way of interpolating probes lets through walls, and what that costs:
  *
- *     lambent_leaks [--spacing M,...] [--scene NAME,...] [--method NAME,...] [--json] [--pictures DIR]
+ *     lambent_leaks [--spacing M,...] [--scene NAME,...] [--method NAME,...] [--tolerance E] [--json] [--pictures DIR]
  *
  * bakes the scenes of tests/scenes/leak_scenes.h with the library at every spacing, and measures every row of the table
  * in leaks_methods.h against light that is gathered at the very points. Leaks and errors are in percent, steps too:
@@ -30,6 +30,7 @@ static const char usage[] =
     "  --spacing M,...       metres between probes (default 0.5,1,2, and 0.25 in small scenes)\n"
     "  --scene NAME,...      (default: all; an unknown one lists them)\n"
     "  --method NAME,...     ways of interpolating (default: all; likewise)\n"
+    "  --tolerance E         error of interpolation beyond which the method `levels` has a finer one (default 0.05)\n"
     "  --json                one JSON object in place of the tables\n"
     "  --pictures DIR        plans as PNG, for each scene, spacing and method\n";
 
@@ -53,6 +54,7 @@ typedef struct leaks_run {
     int spacing_count;
     bool spacing_given;
     const char *scenes, *methods; /* names and commas; NULL: all */
+    double tolerance;             /* of levels */
     bool json;
     const char *pictures; /* folder, or NULL */
     char level_path[64];
@@ -158,6 +160,7 @@ static lmb_result spacing_measure(leaks_run *run, leaks_level *level, const leak
     if (result != LMB_OK) {
         return result;
     }
+    field.bake.record.settings.tolerance = run->tolerance;
     size_t count;
     const leaks_method *const *methods = leaks_methods(&count);
     for (size_t i = 0; i < count && result == LMB_OK; ++i) {
@@ -326,6 +329,8 @@ static void take_argument(leaks_run *run, lmb_arguments *arguments, const char *
         run->scenes = take_names(arguments, argument, scene_name);
     } else if (strcmp(argument, "--method") == 0) {
         run->methods = take_names(arguments, argument, method_name);
+    } else if (strcmp(argument, "--tolerance") == 0) {
+        run->tolerance = arguments_number(arguments, argument, 1e-6, 1e6);
     } else if (strcmp(argument, "--json") == 0) {
         run->json = true;
     } else if (strcmp(argument, "--pictures") == 0) {
@@ -337,8 +342,10 @@ static void take_argument(leaks_run *run, lmb_arguments *arguments, const char *
 
 int main(int count, char **values)
 {
-    leaks_run run = {
-        .spacing = {0.25, 0.5, 1.0, 2.0}, .spacing_count = 4, .level_path = "/tmp/lambent_leaks_XXXXXX.glb"};
+    leaks_run run = {.spacing = {0.25, 0.5, 1.0, 2.0},
+                     .spacing_count = 4,
+                     .tolerance = lmb_bake_settings_default().tolerance,
+                     .level_path = "/tmp/lambent_leaks_XXXXXX.glb"};
     lmb_arguments arguments = arguments_begin(count - 1, values + 1, "leaks", usage);
     for (const char *argument; (argument = arguments_next(&arguments));) {
         take_argument(&run, &arguments, argument);

@@ -81,7 +81,7 @@ const leaks_method leaks_regions = {
     .release = regions_release,
 };
 
-/* Levels from the field's spacing down, of the default tolerance. */
+/* Levels from the field's spacing down, of the tolerance of the field's settings. */
 static lmb_result levels_prepare(const leaks_field *field, void **state, size_t *bytes)
 {
     lmb_bake_settings settings = field->bake.record.settings;

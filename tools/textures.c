@@ -46,7 +46,7 @@ enum { OWN = -1, DISC, TRUTH, OTHERS };
 typedef struct textures {
     lmb_level level;
     lmb_lightmap *lightmap;
-    const char *directory;
+    lmb_shared_arguments shared; /* LEVEL, and the folder that is written */
     float texels_per_m;
     uint32_t samples, points, reference;
     textures_point *point;
@@ -136,7 +136,7 @@ static lmb_result store_textures(textures *work, int32_t image, const storing_wa
     for (int i = 0; i < count && result == LMB_OK; ++i) {
         char name[LMB_LIGHTMAP_FILE_NAME];
         lmb_lightmap_textures_name(work->lightmap, model, &parts[i], image, name);
-        char *path = lmb_file_in(work->directory, name);
+        char *path = lmb_file_in(work->shared.output, name);
         const float scale = lmb_lightmap_textures_scale(of, plane, &parts[i]);
         result = path ? lmb_lightmap_textures_write(work->lightmap, image, plane, &parts[i], path, error)
                       : lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
@@ -411,11 +411,10 @@ int main(int count, char **values)
 {
     lmb_arguments arguments = arguments_begin(count - 1, values + 1, "textures", usage);
     lmb_level_settings settings = lmb_level_settings_default();
-    textures work = {.samples = 512, .points = 8000, .reference = 256};
+    textures work = {
+        .shared = {.path_name = {"LEVEL"}, .output_name = "DIR"}, .samples = 512, .points = 8000, .reference = 256};
     for (const char *next; (next = arguments_next(&arguments));) {
-        if (strcmp(next, "-o") == 0) {
-            work.directory = arguments_text(&arguments, next);
-        } else if (strcmp(next, "--texels-per-m") == 0) {
+        if (strcmp(next, "--texels-per-m") == 0) {
             work.texels_per_m = (float)arguments_number(&arguments, next, 1e-6, 1e6);
         } else if (strcmp(next, "--samples") == 0) {
             work.samples = (uint32_t)arguments_integer(&arguments, next, 64, 1 << 20);
@@ -425,18 +424,14 @@ int main(int count, char **values)
             work.reference = (uint32_t)arguments_integer(&arguments, next, 2, 1 << 20);
         } else if (strcmp(next, "--model") == 0) {
             model_add(&work, &arguments, arguments_text(&arguments, next));
-        } else if (next[0] != '-' && !settings.path) {
-            settings.path = next;
         } else if (!level_argument(&settings, &arguments, next)) {
-            arguments_error(&arguments, "unexpected argument", next);
+            arguments_shared(&arguments, next, &work.shared);
         }
     }
-    if (!arguments.failed && !arguments.help && (!settings.path || !work.directory)) {
-        arguments_error(&arguments, "missing argument", settings.path ? "-o DIR" : "LEVEL");
-    }
-    if (arguments.failed || arguments.help) {
+    if (!arguments_complete(&arguments, &work.shared)) {
         return arguments_status(&arguments);
     }
+    settings.path = work.shared.path[0];
     work.point = calloc(work.points, sizeof *work.point);
     work.own = calloc(work.points, sizeof *work.own);
     work.truth = calloc(work.points, sizeof *work.truth);

@@ -101,7 +101,7 @@ static lmb_result tiles_write(lmb_splitting *splitting, const lmb_split_sink *si
     return result;
 }
 
-/* Of a volume that was verified. @return LMB_ERROR_ARGUMENT (tile_cells), _VERSION, _MEMORY */
+/* @return LMB_ERROR_ARGUMENT (tile_cells), _VERSION, _MEMORY */
 static lmb_result splitting_begin(lmb_splitting *splitting, const unsigned char *volume, const int32_t tile_cells[3])
 {
     const lmb_volume_header *const header = (const lmb_volume_header *)(const void *)volume;
@@ -142,20 +142,15 @@ static lmb_result splitting_begin(lmb_splitting *splitting, const unsigned char 
     return LMB_OK;
 }
 
-lmb_result lmb_split(const unsigned char *volume, size_t size, const int32_t tile_cells[3], const lmb_split_sink *sink,
+lmb_result lmb_split(const lmb_volume *volume, const int32_t tile_cells[3], const lmb_split_sink *sink,
                      unsigned char **index, size_t *index_size)
 {
     assert(volume && tile_cells && sink && index && index_size);
-    lmb_volume_storage storage;
-    lmb_volume *opened;
-    lmb_result result = lmb_volume_open_memory_in(&storage, volume, size, &opened); /* verifies it */
-    if (result != LMB_OK) {
-        return result;
-    }
     lmb_splitting splitting = {.source = NULL};
     unsigned char *data = NULL;
     size_t data_size = 0;
-    result = splitting_begin(&splitting, volume, tile_cells);
+    const void *const file = lmb_volume_get_gpu(volume, (lmb_vec3d){0.0, 0.0, 0.0}).words;
+    lmb_result result = splitting_begin(&splitting, file, tile_cells);
     if (result == LMB_OK) {
         result = index_begin(&splitting, &data, &data_size);
     }

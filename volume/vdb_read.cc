@@ -299,6 +299,27 @@ lmb_lattice read_lattice(const LevelGrids &level)
 
 // -------------------------------------------------------------------------------------------- placing probes
 
+[[noreturn]] void fail_topology(const openvdb::GridBase &grid, const SetGrids &set)
+{
+    fail(LMB_ERROR_FORMAT,
+         "grids " + grid.getName() + " and " + set.validity->getName() + " differ in spacing or active voxels");
+}
+
+// Before anything is made of a file's voxels, of which a few bytes may claim millions.
+void check_voxel_counts(const Contents &contents)
+{
+    for (const LevelGrids &level : contents.level) {
+        for (const SetGrids &set : level.set) {
+            const openvdb::Index64 voxels = set.validity->activeVoxelCount();
+            for (const auto &coefficient : set.coefficient) {
+                if (coefficient->activeVoxelCount() != voxels) {
+                    fail_topology(*coefficient, set);
+                }
+            }
+        }
+    }
+}
+
 // Active voxels, x fastest; tiles count as the voxels that they cover.
 std::vector<Coord> active_voxels(const FloatGrid &validity)
 {
@@ -382,6 +403,9 @@ void add_ghosts(lmb_probes &probes, LevelGrids &level)
 // Cuts the cells that still have all of their probes; others are what their level's probes make of them.
 void cut_cells(lmb_probes &probes, uint32_t number, const LevelGrids &level)
 {
+    if (level.cut_cells.empty()) {
+        return;
+    }
     LayerIndex index;
     for (const SetGrids &set : level.set) {
         for (size_t i = 0; i < set.voxel.size(); ++i) {
@@ -465,23 +489,12 @@ ProbesHandle make_probes(Contents &contents)
 
 // ---------------------------------------------------------------------------------------------------- values
 
-[[noreturn]] void fail_topology(const openvdb::GridBase &grid, const SetGrids &set)
-{
-    fail(LMB_ERROR_FORMAT,
-         "grids " + grid.getName() + " and " + set.validity->getName() + " differ in spacing or active voxels");
-}
-
-void check_topology(const openvdb::GridBase &grid, const SetGrids &set)
-{
-    if (read_spacing(grid) != read_spacing(*set.validity) || grid.activeVoxelCount() != set.voxel.size()) {
-        fail_topology(grid, set);
-    }
-}
-
 void read_coefficient(const SetGrids &set, int i, lmb_probes &probes)
 {
     const Vec3SGrid &coefficient = *set.coefficient[i];
-    check_topology(coefficient, set);
+    if (read_spacing(coefficient) != read_spacing(*set.validity)) {
+        fail_topology(coefficient, set);
+    }
     check_version(coefficient);
     const float scale = read_scale(coefficient);
     const Vec3SGrid::ConstAccessor accessor = coefficient.getConstAccessor();
@@ -498,7 +511,6 @@ void read_coefficient(const SetGrids &set, int i, lmb_probes &probes)
 
 void read_set(const SetGrids &set, lmb_probes &probes)
 {
-    check_topology(*set.validity, set);
     const FloatGrid::ConstAccessor accessor = set.validity->getConstAccessor();
     for (size_t k = 0; k < set.voxel.size(); ++k) {
         probes.validity[set.probe[k]] = accessor.getValue(set.voxel[k]);
@@ -535,6 +547,7 @@ void read_key_lights(const SetGrids &finest, lmb_probes &probes)
 
 ProbesHandle read_probes(Contents &contents)
 {
+    check_voxel_counts(contents);
     ProbesHandle probes = make_probes(contents);
     read_key_lights(contents.level[0].set[0], *probes);
     for (const LevelGrids &level : contents.level) {

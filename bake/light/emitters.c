@@ -32,7 +32,8 @@ static lmb_result triangles_collect(lmb_emitters *emitters)
     if (lmb_emitters_go_without(emitters, LMB_WITHOUT_TRIANGLE_AIM)) {
         return LMB_OK;
     }
-    const lmb_result result = lmb_emitters_find(emitters);
+    lmb_result result = lmb_emitters_find(emitters);
+    result = result == LMB_OK ? lmb_emitters_divide(emitters) : result;
     return result != LMB_OK || lmb_emitters_go_without(emitters, LMB_WITHOUT_TRIANGLE_TREE) ? result
                                                                                             : tree_create(emitters);
 }

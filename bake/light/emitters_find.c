@@ -304,7 +304,7 @@ lmb_result lmb_emitters_find(lmb_emitters *emitters)
         free(found.known[i]);
     }
     free(found.known);
-    return result == LMB_OK ? lmb_emitters_divide(emitters) : result;
+    return result;
 }
 
 void lmb_emitters_forget(lmb_emitters *emitters)

@@ -75,7 +75,7 @@ static inline bool lmb_emitters_go_without(const lmb_emitters *emitters, unsigne
 /* Where an emitter's triangle lies in the texture; false where that does not matter. */
 bool lmb_emitter_lattice(const lmb_emitters *emitters, const lmb_emitter *emitter, lmb_emission_lattice *lattice);
 
-/* Finds all emissive triangles, and divides some. @return LMB_ERROR_MEMORY */
+/* Finds all emissive triangles. @return LMB_ERROR_MEMORY */
 lmb_result lmb_emitters_find(lmb_emitters *emitters);
 
 /* Frees what that has made. */

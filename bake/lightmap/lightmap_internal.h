@@ -110,8 +110,14 @@ void lmb_lightmap_footprint_read(const lmb_lightmap *lightmap, const lmb_lightma
 void lmb_lightmap_footprint_keys(const lmb_lightmap *lightmap, const lmb_lightmap_footprint *footprint,
                                  float visibility[LMB_KEY_LIGHTS_MOST]);
 
+/* Whether it is lit by texels: static, not left out, and not empty. */
+bool lmb_instance_has_region(const lmb_scene *scene, uint32_t instance);
+
 /* Texels per metre that an instance asks for: its own or the level's, times its factor. */
 double lmb_lightmap_density_asked(const lmb_lightmap *lightmap, uint32_t instance);
+
+/* Area of a mesh's triangles after a transform, in square metres. */
+double lmb_mesh_area(const lmb_mesh *mesh, const lmb_affine *transform);
 
 /* Area of an instance's triangles, in square metres. */
 double lmb_instance_area(const lmb_scene *scene, uint32_t instance);

@@ -1,4 +1,4 @@
-/* Which UVs each mesh uses, how many texels each instance gets, and where they are. */
+/* Which UVs each mesh uses, how many texels each instance gets of those it asks for, and where they are. */
 #include "lightmap/lightmap_internal.h"
 #include "lightmap/lightmap_textures.h"
 
@@ -22,40 +22,8 @@ enum { MIN_IMAGE_SIZE = 16, MAX_IMAGE_SIZE = 16384 };
 /* Texels of all images: 4 GB of them. */
 #define MAX_TEXELS (UINT64_C(1) << 27)
 
-/* Defaults: this many texels across the level's diagonal, unless its surfaces then have more than this many. */
-#define DEFAULT_TEXELS_ACROSS 256.0
-#define DEFAULT_MAX_TEXELS 1e6
-
 /* Charts that do not fit an image are made again, each time coarser. */
 enum { CHART_ATTEMPTS = 24 };
-
-static double triangle_area(lmb_vec3 a, lmb_vec3 b, lmb_vec3 c)
-{
-    const double ux = (double)b.x - (double)a.x, uy = (double)b.y - (double)a.y, uz = (double)b.z - (double)a.z;
-    const double vx = (double)c.x - (double)a.x, vy = (double)c.y - (double)a.y, vz = (double)c.z - (double)a.z;
-    const double x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
-    return 0.5 * sqrt(x * x + y * y + z * z);
-}
-
-/* Area of a mesh's triangles after a transform. */
-static double mesh_area(const lmb_mesh *mesh, const lmb_affine *transform)
-{
-    double area = 0.0;
-    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-        lmb_vec3 corner[3];
-        for (int k = 0; k < 3; ++k) {
-            corner[k] = affine_vector(transform, mesh->position[mesh->triangle[t][k]]);
-        }
-        area += triangle_area(corner[0], corner[1], corner[2]);
-    }
-    return area;
-}
-
-double lmb_instance_area(const lmb_scene *scene, uint32_t instance)
-{
-    const lmb_instance *placed = &scene->instances[instance];
-    return mesh_area(&scene->meshes[placed->mesh], &placed->to_world);
-}
 
 static double mesh_uv_area(const lmb_mesh *mesh, const lmb_vec2 *corner_uv)
 {
@@ -69,45 +37,6 @@ static double mesh_uv_area(const lmb_mesh *mesh, const lmb_vec2 *corner_uv)
         area += 0.5 * fabs(ux * vy - uy * vx);
     }
     return area;
-}
-
-static bool instance_has_region(const lmb_scene *scene, uint32_t instance)
-{
-    const lmb_instance *placed = &scene->instances[instance];
-    return !placed->dynamic && !placed->no_lightmap && scene->meshes[placed->mesh].triangle_count > 0;
-}
-
-/* The factor on the level's density, of instances that have none of their own. */
-static double instance_scale(const lmb_instance *placed)
-{
-    return placed->texel_scale > 0.0f ? (double)placed->texel_scale : 1.0;
-}
-
-double lmb_lightmap_density_asked(const lmb_lightmap *lightmap, uint32_t instance)
-{
-    const lmb_instance *placed = &lightmap->scene->instances[instance];
-    const float density = placed->texels_per_m > 0.0f ? placed->texels_per_m : lightmap->settings.texels_per_m;
-    return instance_scale(placed) * (double)density;
-}
-
-lmb_lightmap_settings lmb_lightmap_settings_default(const lmb_scene *scene)
-{
-    lmb_lightmap_settings settings = {.texels_per_m = 1.0f, .max_image_size = 2048, .padding = 1};
-    double area = 0.0;
-    for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        const lmb_instance *placed = &scene->instances[i];
-        if (instance_has_region(scene, i) && !(placed->texels_per_m > 0.0f)) {
-            area += lmb_instance_area(scene, i) * instance_scale(placed) * instance_scale(placed);
-        }
-    }
-    const double x = (double)scene->bounds_max.x - (double)scene->bounds_min.x;
-    const double y = (double)scene->bounds_max.y - (double)scene->bounds_min.y;
-    const double z = (double)scene->bounds_max.z - (double)scene->bounds_min.z;
-    const double density = fmin(DEFAULT_TEXELS_ACROSS / sqrt(x * x + y * y + z * z), sqrt(DEFAULT_MAX_TEXELS / area));
-    if (area > 0.0 && isfinite(density) && (float)density > 0.0f) {
-        settings.texels_per_m = (float)density;
-    }
-    return settings;
 }
 
 /* What the instances of each mesh ask of it. */
@@ -166,7 +95,7 @@ static lmb_result mesh_make_charts(layout_work *work, uint32_t number)
     lmb_lightmap *lightmap = work->lightmap;
     const lmb_mesh *mesh = &lightmap->scene->meshes[number];
     const lmb_affine identity = {{{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}}};
-    const double own_area = mesh_area(mesh, &identity);
+    const double own_area = lmb_mesh_area(mesh, &identity);
     const int32_t padding = lightmap->settings.padding;
     const double room = lightmap->settings.max_image_size - 2 * padding;
     const double asked = sqrt(work->most_texels[number] / own_area);
@@ -281,7 +210,7 @@ static lmb_result regions_size(const layout_work *work, lmb_texel_grid *grids)
     uint64_t texels = 0;
     for (uint32_t i = 0; i < lightmap->scene->instance_count; ++i) {
         lightmap->region[i] = (lmb_lightmap_region){.image = -1};
-        if (!instance_has_region(lightmap->scene, i)) {
+        if (!lmb_instance_has_region(lightmap->scene, i)) {
             continue;
         }
         grids[i] = instance_grid(work, i);
@@ -407,7 +336,7 @@ static lmb_result layout_run(layout_work *work, lmb_texel_grid *grids)
         work->losses.first_instance[m] = UINT32_MAX;
     }
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        if (instance_has_region(scene, i)) {
+        if (lmb_instance_has_region(scene, i)) {
             const uint32_t mesh = scene->instances[i].mesh;
             const double density = lmb_lightmap_density_asked(lightmap, i);
             work->instance_area[i] = lmb_instance_area(scene, i);

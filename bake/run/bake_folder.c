@@ -244,6 +244,7 @@ static lmb_result targets_check(const lmb_bake_folder *folder, lmb_error *error)
         RECORD_NAME,
         "probes.lmb",
         "probes.vdb",
+        "probes.lmt",
         LMB_KEPT_PROBES,
         LMB_KEPT_LIGHTMAPS,
         LIGHTMAP_NAME "/lightmap.json",
@@ -253,7 +254,7 @@ static lmb_result targets_check(const lmb_bake_folder *folder, lmb_error *error)
         LIGHTMAP_NAME "/lightmap_0.dds",
     };
     lmb_result result = LMB_OK;
-    const size_t count = folder->lightmaps ? sizeof names / sizeof names[0] : 5;
+    const size_t count = folder->lightmaps ? sizeof names / sizeof names[0] : 6;
     for (size_t i = 0; i < count && result == LMB_OK; ++i) {
         result = target_check(folder, names[i], true, error);
     }
@@ -265,6 +266,18 @@ static lmb_result targets_check(const lmb_bake_folder *folder, lmb_error *error)
                : result;
 }
 
+/* probes_X_Y_Z.lmb */
+static bool name_is_a_tile(const char *name)
+{
+    long long at[3];
+    char own[64];
+    if (sscanf(name, "probes_%10lld_%10lld_%10lld.lmb", &at[0], &at[1], &at[2]) != 3) {
+        return false;
+    }
+    snprintf(own, sizeof own, "probes_%lld_%lld_%lld.lmb", at[0], at[1], at[2]);
+    return strcmp(name, own) == 0;
+}
+
 /* A name that a bake makes: no other is ever touched, whatever a record says. */
 static bool name_is_ours(const char *name)
 {
@@ -273,8 +286,8 @@ static bool name_is_ours(const char *name)
         name += folder;
         return name[0] != '\0' && name[0] != '.' && !strchr(name, '/') && strlen(name) + folder < MAX_NAME;
     }
-    return strcmp(name, "probes.lmb") == 0 || strcmp(name, "probes.vdb") == 0 || strcmp(name, LMB_KEPT_PROBES) == 0 ||
-           strcmp(name, LMB_KEPT_LIGHTMAPS) == 0;
+    return strcmp(name, "probes.lmb") == 0 || strcmp(name, "probes.vdb") == 0 || strcmp(name, "probes.lmt") == 0 ||
+           strcmp(name, LMB_KEPT_PROBES) == 0 || strcmp(name, LMB_KEPT_LIGHTMAPS) == 0 || name_is_a_tile(name);
 }
 
 /* The change of that name, made where there is none yet. NULL: out of memory. */

@@ -195,6 +195,9 @@ cJSON *lmb_bake_record_json(const lmb_bake_record *record, cJSON *files, cJSON *
     cJSON *bytes = cJSON_AddObjectToObject(json, "bytes");
     cJSON_AddNumberToObject(bytes, "vdb", (double)record->bytes_vdb);
     cJSON_AddNumberToObject(bytes, "lmb", (double)record->bytes_lmb);
+    if (record->tiles > 0) {
+        cJSON_AddNumberToObject(bytes, "tiles", (double)record->bytes_tiles);
+    }
     cJSON_AddNumberToObject(bytes, "lightmaps", (double)record->bytes_lightmaps);
     cJSON_AddNumberToObject(json, "fp16_overflows", (double)record->fp16_overflows);
     cJSON_AddNumberToObject(json, "estimated_rel_error", lmb_bake_record_error(record));

@@ -129,6 +129,9 @@ cJSON *lmb_bake_settings_json(const lmb_bake_settings *settings, uint64_t conten
     if (settings->compact) {
         cJSON_AddTrueToObject(json, "compact");
     }
+    if (settings->tile_size > 0.0) {
+        cJSON_AddNumberToObject(json, "tile_size", settings->tile_size);
+    }
     cJSON_AddBoolToObject(json, "lightmaps", settings->lightmaps);
     if (settings->lightmaps) {
         cJSON_AddNumberToObject(json, "texels_per_m", (double)settings->texels_per_m);
@@ -305,6 +308,7 @@ bool lmb_bake_settings_read(const cJSON *json, lmb_bake_settings *settings)
     read.placed_by_all = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "placed_by_all"));
     read.no_probes = cJSON_IsFalse(cJSON_GetObjectItemCaseSensitive(json, "probes"));
     read.compact = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "compact"));
+    read.tile_size = number_or(json, "tile_size", 0.0);
     read.lightmaps = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(json, "lightmaps"));
     read.texels_per_m = (float)number_or(json, "texels_per_m", 0.0);
     read.max_image_size = integer_or(json, "max_image_size", 0);

@@ -9,6 +9,7 @@
 
 #include <lambent/file.h>
 #include <lambent/pack.h>
+#include <lambent/tile_files.h>
 #include <lambent/vdb.h>
 
 #include "base/clock.h"
@@ -33,6 +34,22 @@ static lmb_result path_make(const char *directory, const char *name, char path[P
     return LMB_OK;
 }
 
+static lmb_result write_tiles(lmb_bake *bake, const char *stage, const unsigned char *data, size_t size,
+                              lmb_error *error)
+{
+    char path[PATH_SIZE];
+    lmb_tile_files_stats stats = {0};
+    lmb_result result = path_make(stage, "probes.lmt", path, error);
+    if (result == LMB_OK) {
+        result = lmb_tile_files_write(data, size, bake->record.settings.tile_size, path, &stats, error);
+    }
+    if (result == LMB_OK) {
+        bake->record.tiles = stats.count;
+        bake->record.bytes_tiles = stats.bytes;
+    }
+    return result;
+}
+
 static lmb_result write_lmb(lmb_bake *bake, const char *stage, lmb_error *error)
 {
     char path[PATH_SIZE];
@@ -51,6 +68,9 @@ static lmb_result write_lmb(lmb_bake *bake, const char *stage, lmb_error *error)
         bake->record.bytes_lmb = stats.bytes;
         bake->record.fp16_overflows = stats.overflow_count;
         result = lmb_file_write(path, data, size, error);
+    }
+    if (result == LMB_OK && bake->record.settings.tile_size > 0.0) {
+        result = write_tiles(bake, stage, data, size, error);
     }
     free(data);
     return result;

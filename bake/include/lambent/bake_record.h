@@ -84,6 +84,8 @@ typedef struct lmb_bake_record {
     /* What follows is of a bake that has been written. */
     double peak_rss_mb; /* of the process */
     uint64_t bytes_vdb, bytes_lmb, bytes_lightmaps;
+    uint32_t tiles; /* files beside probes.lmt; 0: not written */
+    uint64_t bytes_tiles;
     uint64_t fp16_overflows; /* coefficients of probes.lmb */
 } lmb_bake_record;
 

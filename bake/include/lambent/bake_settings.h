@@ -25,8 +25,9 @@ typedef struct lmb_bake_settings {
     int32_t max_probes;
     lmb_vec3d seeds[LMB_BAKE_MAX_SEEDS]; /* in the world */
     uint32_t seed_count;
-    bool no_probes; /* lightmaps alone */
-    bool compact;   /* probes.lmb is of compact probes: lmb_pack_as */
+    bool no_probes;   /* lightmaps alone */
+    bool compact;     /* probes.lmb is of compact probes: lmb_pack_as */
+    double tile_size; /* metres: the volume in tiles too, probes.lmt and its tiles (lmb_tile_files_write); 0: none */
     /* Effort: see lmb_gather_effort. */
     uint32_t samples; /* at each probe and texel; at least, if max_samples is more */
     uint32_t max_samples;
