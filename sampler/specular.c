@@ -87,11 +87,15 @@ lmb_rgb lmb_specular_light(const lmb_key_light *light, float visibility, const l
     return light_reflected(light, 0.25f * distribution * arrives * visibility, specular, at.half_along);
 }
 
+static lmb_vec3 mirrored_view(lmb_vec3 normal, lmb_vec3 view)
+{
+    return lmb_vec3_mad(lmb_vec3_scale(view, -1.0f), normal, 2.0f * lmb_vec3_dot(normal, view));
+}
+
 lmb_rgb lmb_specular_light_phong(const lmb_key_light *light, float visibility, const lmb_specular *specular,
                                  lmb_vec3 vertex_normal, lmb_vec3 normal, lmb_vec3 view)
 {
-    const lmb_vec3 mirrored = lmb_vec3_mad(lmb_vec3_scale(view, -1.0f), normal, 2.0f * lmb_vec3_dot(normal, view));
-    const float cosine = lmb_vec3_dot(mirrored, light->direction);
+    const float cosine = lmb_vec3_dot(mirrored_view(normal, view), light->direction);
     facing at;
     if (!(lmb_vec3_dot(vertex_normal, light->direction) > 0.0f && cosine > 0.0f) ||
         !facing_of(normal, view, light->direction, &at)) {
@@ -211,6 +215,28 @@ static lmb_rgb area_reflected(const lmb_sh3_rgb *radiance, const lmb_specular *s
 lmb_rgb lmb_specular_area(const lmb_sh3_rgb *radiance, const lmb_specular *specular, lmb_vec3 normal, lmb_vec3 view)
 {
     return area_reflected(radiance, specular, normal, view, 0.0f);
+}
+
+lmb_rgb lmb_specular_area_phong(const lmb_sh3_rgb *radiance, const lmb_specular *specular, lmb_vec3 normal,
+                                lmb_vec3 view)
+{
+    const float m = lmb_saturate(specular->roughness), s = m * m;
+    /* The lobe's means of P_1 and P_2 of cos(a) (docs/maths.md), to 1e-4. */
+    const float linear = (1.0f + s * (2.217397f + s * 0.358538f)) / (1.0f + s * (2.715846f + s * 1.002374f));
+    const float quadratic = (1.0f + s * (1.917728f - s * 0.474775f)) / (1.0f + s * (3.412533f + s * 1.778441f));
+    const lmb_vec3 mirrored = mirrored_view(normal, view);
+    const float beside = 1.0f - view_cosine(normal, view), beside2 = beside * beside;
+    const float schlick = beside2 * beside2 * beside;
+    lmb_rgb reflected;
+    for (int c = 0; c < 3; ++c) {
+        lmb_sh3 blurred = radiance->channel[c];
+        for (int i = 1; i < LMB_SH3_COUNT; ++i) {
+            blurred.c[i] *= i < LMB_SH2_COUNT ? linear : quadratic;
+        }
+        const float f0 = lmb_saturate(specular->f0.c[c]);
+        reflected.c[c] = lmb_light_clamped((f0 + (1.0f - f0) * schlick) * lmb_sh3_evaluate(&blurred, mirrored));
+    }
+    return reflected;
 }
 
 lmb_rgb lmb_specular_environment(lmb_rgb map, const lmb_sh3_rgb *radiance, const lmb_specular *specular,

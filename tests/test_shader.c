@@ -62,7 +62,8 @@ enum {
     OUT_PROXY = 71,
     OUT_LAMP = 74,
     OUT_PHONG = 75,
-    OUTPUTS = 78
+    OUT_PHONG_AREA = 78,
+    OUTPUTS = 81
 };
 
 enum { GROUP = 64, GROUPS = 512, ITEMS = GROUP * GROUPS };
@@ -244,6 +245,7 @@ static void item_expect_specular(const float *item, float *expected)
     const lmb_vec3 view = vector_get(item + IN_VIEW);
     const lmb_specular specular = {item[IN_ROUGHNESS], colour_get(item + IN_F0)};
     colour_put(expected + OUT_SPECULAR_AREA, lmb_specular_area(&light, &specular, n, view));
+    colour_put(expected + OUT_PHONG_AREA, lmb_specular_area_phong(&light, &specular, n, view));
     colour_put(expected + OUT_ENVIRONMENT,
                lmb_specular_environment(colour_get(item + IN_ALBEDO), &light, &specular, n, view));
     const lmb_key_light dominant = lmb_sh3_rgb_dominant_light(&light);
@@ -283,7 +285,9 @@ static void item_compare(const float *item, const float *got, int index, const c
     const float light = largest_of(item);
     for (int i = 0; i < OUTPUTS; ++i) {
         double tolerance = 2e-6 * (double)light;
-        if (i >= OUT_PHONG) {
+        if (i >= OUT_PHONG_AREA) {
+            tolerance = 4e-6 * (double)light;
+        } else if (i >= OUT_PHONG) {
             tolerance = 1e-4 * (1.0 + (double)expected[i]);
         } else if (i >= OUT_LAMP) {
             const float lamp = lmb_luminance(colour_get(item + IN_TEXEL_LIGHT));

@@ -289,6 +289,43 @@ static void area_is_monte_carlo(void)
     CHECK(sqrt(errors / squares) < 0.015, "rel. RMSE %g", sqrt(errors / squares));
 }
 
+/* The appendix's integral of harmonics by quadrature over tan^2(a)/m^2, whose weight is exp(-t), and azimuths. */
+static double phong_reflected(const lmb_sh3 *sky, double m, lmb_vec3 mirrored)
+{
+    enum { POINTS = 200, TURNS = 12 };
+    lmb_vec3 x, y;
+    lmb_vec3_frame(mirrored, &x, &y);
+    double sum = 0.0;
+    gsl_integration_glfixed_table *const table = gsl_integration_glfixed_table_alloc(POINTS);
+    for (size_t i = 0; i < POINTS * TURNS; ++i) {
+        double t, weight;
+        gsl_integration_glfixed_point(0.0, 40.0, i / TURNS, &t, &weight, table);
+        const double tangent = m * sqrt(t), cosine = 1.0 / sqrt(1.0 + tangent * tangent);
+        const double turn = 2.0 * PI * (double)(i % TURNS) / TURNS;
+        const lmb_vec3 across = lmb_vec3_mad(lmb_vec3_scale(x, (float)cos(turn)), y, (float)sin(turn));
+        const lmb_vec3 d = lmb_vec3_mad(lmb_vec3_scale(mirrored, (float)cosine), across, (float)(tangent * cosine));
+        sum += weight * exp(-t) * (double)lmb_sh3_evaluate(sky, d) / TURNS;
+    }
+    gsl_integration_glfixed_table_free(table);
+    return sum;
+}
+
+static void phong_area_is_its_integral(void)
+{
+    uint64_t state = 78;
+    for (int i = 0; i < 200; ++i) {
+        const lmb_sh3_rgb sky = soft_sky(&state);
+        const lmb_vec3 n = direction_any(&state), view = direction_any(&state);
+        const double m = i / 199.0, f0 = variate_next(&state), v = (double)lmb_vec3_dot(n, view);
+        const lmb_specular specular = {(float)m, grey((float)f0)};
+        const lmb_vec3 mirrored = lmb_vec3_mad(lmb_vec3_scale(view, -1.0f), n, 2.0f * (float)v);
+        const double schlick = f0 + (1.0 - f0) * pow(1.0 - fmax(v, 0.0), 5.0);
+        const double expected = schlick * phong_reflected(&sky.channel[1], m, mirrored);
+        CHECK_NEAR(lmb_specular_area_phong(&sky, &specular, n, view).c[1], expected, 3e-4 * expected,
+                   "m %g, f0 %g, N.V %g", m, f0, v);
+    }
+}
+
 /* At the place of a map, along its own directions, its picture comes back; half the light there gives half of it. */
 static void environment_maps_come_back(void)
 {
@@ -445,6 +482,7 @@ static void nothing_breaks_it(void)
         }
         CHECK(is_light(lmb_specular_light(&key, 1.0f, &specular, n, n, view)), "light, %d", i);
         CHECK(is_light(lmb_specular_light_phong(&key, 1.0f, &specular, n, n, view)), "Phong, %d", i);
+        CHECK(is_light(lmb_specular_area_phong(&light, &specular, n, view)), "Phong's area layer, %d", i);
         CHECK(is_light(lmb_specular_area(&light, &specular, n, view)), "area, %d", i);
         CHECK(is_light(lmb_specular_environment(key.irradiance, &light, &specular, n, view)), "environment, %d", i);
         CHECK(is_light(lmb_sh3_rgb_dominant_light(&light).irradiance), "dominant, %d", i);
@@ -464,6 +502,7 @@ static const test_case CASES[] = {
     {"fresnel is Snell's", fresnel_is_snells},
     {"furnaces lose light", furnaces_lose_light},
     {"area is Monte Carlo", area_is_monte_carlo},
+    {"Phong's area is its integral", phong_area_is_its_integral},
     {"environment maps come back", environment_maps_come_back},
     {"nothing jumps at the normal", nothing_jumps_at_the_normal},
     {"dominant light is the nearest", dominant_light_is_the_nearest},

@@ -5,12 +5,14 @@
  * ENV as --env takes it, a picture or daylight; a row for each. From left to right: the height map, the self-shadowed
  * bump map, one lightmap without bumps, radiosity normal mapping by the normal map, by the self-shadowed bump map, and
  * the truth (bump_truth.h). Prints what each is off, and how much more a normal map would be right with light that is
- * exact but for shadows: relative root mean square errors of luminance, as they are and with the truth's mean. */
+ * exact but for shadows: relative root mean square errors of luminance, as they are and with the truth's mean. Then
+ * what lmb_self_bounce has of the light from bump to bump, which the picture leaves out, at an albedo of 0.8. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include <lambent/hhd.h>
 #include <lambent/image.h>
 #include <lambent/sequence.h>
 #include <lambent/ssbump.h>
@@ -19,7 +21,7 @@
 #include "bump_truth.h"
 #include "tonemap.h"
 
-enum { SIDE = 192, TEXELS = SIDE * SIDE, STONES = 6, MOST_ROWS = 4 };
+enum { SIDE = 192, TEXELS = SIDE * SIDE, STONES = 6, MOST_ROWS = 4, BOUNCES = 4, BOUNCE_SAMPLES = 64 };
 
 typedef enum bump_column {
     COLUMN_HEIGHT,
@@ -92,21 +94,38 @@ static void row_light(bump_picture *picture, const specular_light *light)
     }
 }
 
-static void errors_print(const bump_picture *picture, bump_column column)
+static void errors_print(const char *name, const lmb_rgb *lit, const lmb_rgb *truths)
 {
-    double mean[2] = {0.0, 0.0}, squares = 0.0, as_bright = 0.0, truths = 0.0;
+    double mean[2] = {0.0, 0.0}, squares = 0.0, as_bright = 0.0, all = 0.0;
     for (int i = 0; i < TEXELS; ++i) {
-        mean[0] += (double)lmb_luminance(picture->lit[column][i]) / TEXELS;
-        mean[1] += (double)lmb_luminance(picture->lit[COLUMN_TRUTH][i]) / TEXELS;
+        mean[0] += (double)lmb_luminance(lit[i]) / TEXELS;
+        mean[1] += (double)lmb_luminance(truths[i]) / TEXELS;
     }
     for (int i = 0; i < TEXELS; ++i) {
-        const double found = (double)lmb_luminance(picture->lit[column][i]);
-        const double truth = (double)lmb_luminance(picture->lit[COLUMN_TRUTH][i]);
+        const double found = (double)lmb_luminance(lit[i]), truth = (double)lmb_luminance(truths[i]);
         squares += pow(found - truth, 2.0);
         as_bright += pow(found * mean[1] / mean[0] - truth, 2.0);
-        truths += truth * truth;
+        all += truth * truth;
     }
-    printf("%-24s%8.3f%8.3f\n", COLUMN_NAME[column], sqrt(squares / truths), sqrt(as_bright / truths));
+    printf("%-28s%8.3f%8.3f\n", name, sqrt(squares / all), sqrt(as_bright / all));
+}
+
+/* Of the truth's own direct light, with the bounce of one number for the floor and without. */
+static lmb_result bounce_print(const bump_picture *picture)
+{
+    static lmb_rgb truth[TEXELS], bounced[TEXELS];
+    const lmb_rgb albedo = {{0.8f, 0.8f, 0.8f}};
+    const lmb_vec3 up = {0.0f, 1.0f, 0.0f};
+    memcpy(truth, picture->lit[COLUMN_TRUTH], sizeof truth);
+    const lmb_result result = bump_bounces_add(&picture->bumps, albedo.c[0], BOUNCE_SAMPLES, BOUNCES, truth);
+    for (int i = 0; i < TEXELS; ++i) {
+        const lmb_vec3 normal = bump_normal(&picture->bumps, i % SIDE, i / SIDE);
+        const lmb_rgb bounce = lmb_self_bounce(albedo, picture->lit[COLUMN_FLAT][i], up, normal);
+        bounced[i] = lmb_rgb_add(picture->lit[COLUMN_TRUTH][i], bounce);
+    }
+    errors_print("truth without bounces", picture->lit[COLUMN_TRUTH], truth);
+    errors_print("truth with lmb_self_bounce", bounced, truth);
+    return result;
 }
 
 /* Lit columns have the truth's exposure; the others are data, not light. */
@@ -130,16 +149,17 @@ static void row_draw(bump_picture *picture, int row)
 static lmb_result row_make(bump_picture *picture, const char *env, int row, lmb_error *error)
 {
     static specular_light light;
-    const lmb_result result = specular_light_open(env, &light, error);
+    lmb_result result = specular_light_open(env, &light, error);
     if (result == LMB_OK) {
         row_light(picture, &light);
         row_draw(picture, row);
-        printf("%s\n%-24s%8s%8s\n", env, "", "rmse", "scaled");
+        printf("%s\n%-28s%8s%8s\n", env, "", "rmse", "scaled");
         for (int column = COLUMN_FLAT; column <= WITHOUT_SHADOWS; ++column) {
             if (column != COLUMN_TRUTH) {
-                errors_print(picture, (bump_column)column);
+                errors_print(COLUMN_NAME[column], picture->lit[column], picture->lit[COLUMN_TRUTH]);
             }
         }
+        result = bounce_print(picture);
         specular_light_close(&light);
     }
     return result;

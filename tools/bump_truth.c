@@ -1,7 +1,9 @@
 #include "bump_truth.h"
 
 #include <math.h>
+#include <stdlib.h>
 
+#include <lambent/sequence.h>
 #include <lambent/vector.h>
 
 #define STEP 0.5f /* along a ray, texels */
@@ -84,6 +86,71 @@ lmb_rgb bump_irradiance(const bump_floor *bumps, const specular_light *light, in
         sum[c] += cosine * (double)light->sun.irradiance.c[c];
     }
     return lmb_rgb_of((float)sum[0], (float)sum[1], (float)sum[2]);
+}
+
+/* The texel that a ray from one ends at, -1: none. */
+static int hit_find(const bump_floor *bumps, int x, int y, lmb_vec3 direction)
+{
+    const float step = STEP / lmb_larger(hypotf(direction.x, direction.z), fabsf(direction.y) + 1e-6f);
+    const float own = height_at(bumps, (float)x, (float)y);
+    for (float distance = step; distance < 4.0f * (float)bumps->map.width; distance += step) {
+        const float right = (float)x + direction.x * distance, down = (float)y + direction.z * distance;
+        const float height = own + direction.y * distance;
+        if (height > bumps->scale_texels) {
+            return -1;
+        }
+        if (height_at(bumps, right, down) > height) {
+            const int column = (int)lrintf(right) % bumps->map.width, row = (int)lrintf(down) % bumps->map.height;
+            return (column + bumps->map.width) % bumps->map.width +
+                   bumps->map.width * ((row + bumps->map.height) % bumps->map.height);
+        }
+    }
+    return -1;
+}
+
+/* By rays in proportion to the cosine: their mean. */
+static lmb_rgb bounce_gather(const bump_floor *bumps, int texel, uint32_t samples, const lmb_rgb *irradiance)
+{
+    const int x = texel % bumps->map.width, y = texel / bumps->map.width;
+    const lmb_vec3 normal = bump_normal(bumps, x, y);
+    lmb_vec3 tangent, bitangent;
+    lmb_vec3_frame(normal, &tangent, &bitangent);
+    lmb_rgb sum = {{0.0f, 0.0f, 0.0f}};
+    for (uint32_t i = 0; i < samples; ++i) {
+        float u[2];
+        lmb_sequence_2d((uint64_t)texel, i, 0, u);
+        const float radius = sqrtf(u[0]), turn = 2.0f * LMB_PI_F * u[1];
+        const lmb_vec3 across =
+            lmb_vec3_mad(lmb_vec3_scale(tangent, radius * cosf(turn)), bitangent, radius * sinf(turn));
+        const int hit = hit_find(bumps, x, y, lmb_vec3_mad(across, normal, sqrtf(1.0f - u[0])));
+        if (hit >= 0) {
+            sum = lmb_rgb_add(sum, irradiance[hit]);
+        }
+    }
+    return lmb_rgb_scale(sum, 1.0f / (float)samples);
+}
+
+lmb_result bump_bounces_add(const bump_floor *bumps, float albedo, uint32_t samples, int bounces, lmb_rgb *irradiance)
+{
+    const int texels = bumps->map.width * bumps->map.height;
+    lmb_rgb *const direct = malloc(2 * (size_t)texels * sizeof *direct);
+    if (!direct) {
+        return LMB_ERROR_MEMORY;
+    }
+    lmb_rgb *const next = direct + texels;
+    for (int i = 0; i < texels; ++i) {
+        direct[i] = irradiance[i];
+    }
+    for (int bounce = 0; bounce < bounces; ++bounce) {
+        for (int i = 0; i < texels; ++i) {
+            next[i] = lmb_rgb_scale(bounce_gather(bumps, i, samples, irradiance), albedo);
+        }
+        for (int i = 0; i < texels; ++i) {
+            irradiance[i] = lmb_rgb_add(direct[i], next[i]);
+        }
+    }
+    free(direct);
+    return LMB_OK;
 }
 
 lmb_rnm bump_slope_light(const specular_light *light, lmb_vec3 slope[LMB_RNM_SLOPES])

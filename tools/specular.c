@@ -25,8 +25,9 @@ enum { MOST_LIGHTS = 16, NORMALS = 96 };
 static const float ROUGHNESS[] = {0.05f, 0.1f, 0.2f, 0.3f, 0.4f, 0.6f, 0.8f, 1.0f};
 static const float VIEW_COSINE[] = {1.0f, 0.8f, 0.5f, 0.2f};
 static const float ROUGHNESS_BY_VIEW[] = {0.1f, 0.4f, 0.8f};
-static const char *const LAYER_NAME[SPECULAR_LAYERS] = {
-    "area", "env. map", "env. split", "key", "key+area", "key+env. map", "dominant+rest", "dominant+area", "area"};
+static const char *const LAYER_NAME[SPECULAR_LAYERS] = {"area",          "env. map", "env. split",   "Phong's area",
+                                                        "key",           "key+area", "key+env. map", "dominant+rest",
+                                                        "dominant+area", "area"};
 
 enum {
     ROUGHNESSES = sizeof ROUGHNESS / sizeof ROUGHNESS[0],
@@ -155,7 +156,7 @@ static void row_print(const char *name, float value, pooled *sum)
 static void tables_print(const specular_light *lights, const specular_options *options)
 {
     static pooled sum;
-    printf("f0 %g; rel. RMSE and median: three of the picture without its sun, the rest of all light\n%-14s",
+    printf("f0 %g; rel. RMSE and median: four of the picture without its sun, the rest of all light\n%-14s",
            (double)options->f0, "");
     for (int layer = 0; layer < SPECULAR_LAYERS; ++layer) {
         printf("%16s", LAYER_NAME[layer]);
@@ -180,6 +181,7 @@ typedef enum timed_call {
     CALL_ENVIRONMENT,
     CALL_LIGHT,
     CALL_PHONG,
+    CALL_PHONG_AREA,
     CALL_DOMINANT,
     CALL_VISIBILITY,
     CALL_SSBUMP,
@@ -187,8 +189,8 @@ typedef enum timed_call {
 } timed_call;
 
 static const char *const CALL_NAME[CALLS] = {
-    "lmb_specular_area",          "lmb_specular_environment",     "lmb_specular_light", "lmb_specular_light_phong",
-    "lmb_sh3_rgb_dominant_light", "lmb_sh3_rgb_light_visibility", "lmb_ssbump_evaluate"};
+    "lmb_specular_area",       "lmb_specular_environment",   "lmb_specular_light",           "lmb_specular_light_phong",
+    "lmb_specular_area_phong", "lmb_sh3_rgb_dominant_light", "lmb_sh3_rgb_light_visibility", "lmb_ssbump_evaluate"};
 
 /* Another surface for each `turn`, so that nothing is found once for all. */
 static float call_make(timed_call call, const specular_light *light, float turn)
@@ -206,6 +208,8 @@ static float call_make(timed_call call, const specular_light *light, float turn)
         return lmb_specular_light(&light->dominant, 1.0f, &specular, normal, normal, view).c[0];
     case CALL_PHONG:
         return lmb_specular_light_phong(&light->dominant, 1.0f, &specular, normal, normal, view).c[0];
+    case CALL_PHONG_AREA:
+        return lmb_specular_area_phong(&light->radiance, &specular, normal, view).c[0];
     case CALL_DOMINANT:
         return lmb_sh3_rgb_dominant_light(&light->radiance).irradiance.c[0] + turn;
     case CALL_VISIBILITY: {

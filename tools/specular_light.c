@@ -256,6 +256,10 @@ lmb_rgb specular_layer_of(const specular_light *light, specular_layer layer, con
         return picture_layer(light, layer, surface, samples, stream);
     }
     const lmb_vec3 normal = surface->normal, view = surface->view;
+    if (layer == SPECULAR_PHONG) {
+        const lmb_specular as_wide = {2.0f * surface->specular.roughness, surface->specular.f0};
+        return lmb_specular_area_phong(harmonics, &as_wide, normal, view);
+    }
     const lmb_rgb sun = lmb_specular_light(&light->sun, 1.0f, &surface->specular, normal, normal, view);
     if (layer == SPECULAR_SUN) {
         return sun;

@@ -50,6 +50,7 @@ typedef enum specular_layer {
     SPECULAR_ENVIRONMENT, /* of it, by a picture: as rough, in the mirrored direction, over its area layer, times that
                            */
     SPECULAR_SPLIT,       /* that picture times what a white sky sends on */
+    SPECULAR_PHONG,       /* of it, by harmonics, through Phong's lobe of twice the roughness */
     SPECULAR_SUN,         /* of all light: the sun's highlight alone */
     SPECULAR_KEY,         /* that and the area layer */
     SPECULAR_KEY_MAP,     /* that and the environment map */
@@ -62,7 +63,7 @@ typedef enum specular_layer {
 /* Whether a layer is of the picture, without the sun. */
 static inline bool specular_layer_is_of_picture(specular_layer layer)
 {
-    return layer <= SPECULAR_SPLIT;
+    return layer <= SPECULAR_PHONG;
 }
 
 lmb_rgb specular_layer_of(const specular_light *light, specular_layer layer, const specular_surface *surface,

@@ -100,6 +100,22 @@ vec3 lmbSh3Evaluate(LmbSh3 sh, vec3 d)
            0.31539156525 * (3.0 * d.z * d.z - 1.0) * sh.c[6] + 0.5462742153 * (d.x * d.x - d.y * d.y) * sh.c[8];
 }
 
+// The area layer by Phong's lobe, without textures (lmb_specular_area_phong).
+vec3 lmbSpecularAreaPhong(LmbSh3 sh, float roughness, vec3 f0, vec3 n, vec3 view)
+{
+    float m = lmbSaturate(roughness);
+    float s = m * m;
+    float linearShare = (1.0 + s * (2.217397 + s * 0.358538)) / (1.0 + s * (2.715846 + s * 1.002374));
+    float quadraticShare = (1.0 + s * (1.917728 - s * 0.474775)) / (1.0 + s * (3.412533 + s * 1.778441));
+    for (int i = 1; i < 9; ++i) {
+        sh.c[i] *= i < 4 ? linearShare : quadraticShare;
+    }
+    float beside = 1.0 - lmbSaturate(dot(n, view));
+    float schlick = beside * beside * beside * beside * beside;
+    vec3 fresnel = f0 + (vec3(1.0, 1.0, 1.0) - f0) * schlick;
+    return lmbLight(fresnel * lmbSh3Evaluate(sh, 2.0 * dot(n, view) * n - view));
+}
+
 // The directional light that is nearest to harmonics (lmb_sh3_rgb_dominant_light).
 LmbKeyLight lmbDominantLight(LmbSh3 sh)
 {

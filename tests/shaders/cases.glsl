@@ -2,7 +2,7 @@
 // The wrapper defines lmbRead(index) and lmbWrite(index, value).
 
 #define INPUTS 64
-#define OUTPUTS 78
+#define OUTPUTS 81
 
 vec3 lmbRead3(uint at)
 {
@@ -90,4 +90,5 @@ void lmbItem(uint item)
     lmbWrite3(to + 71u, lmbSpecularProxyDirection(texel.direction, -side - albedo, side + f0, 2.0 * view, n));
     lmbWrite(to + 74u, lmbLightVisibility(sh, key));
     lmbWrite3(to + 75u, lmbSpecularLightPhong(key, visibility, roughness, f0, nv, n, view));
+    lmbWrite3(to + 78u, lmbSpecularAreaPhong(sh, roughness, f0, n, view));
 }

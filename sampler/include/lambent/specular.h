@@ -61,7 +61,8 @@ LMB_API lmb_rgb lmb_specular_light(const lmb_key_light *light, float visibility,
                                    lmb_vec3 vertex_normal, lmb_vec3 normal, lmb_vec3 view);
 
 /* The same with the paper's Phong lobe, exp(-tan^2(a)/m^2) / (pi m^2 cos^3(a)), a between light and mirrored view: for
- * glossy surfaces; it keeps no account of light near the horizon. */
+ * glossy surfaces; it keeps no account of light near the horizon. Facets of slope m turn what they mirror by twice the
+ * angle: this lobe is about as wide as the reflectance's of half the roughness. */
 LMB_API lmb_rgb lmb_specular_light_phong(const lmb_key_light *light, float visibility, const lmb_specular *specular,
                                          lmb_vec3 vertex_normal, lmb_vec3 normal, lmb_vec3 view);
 
@@ -69,6 +70,12 @@ LMB_API lmb_rgb lmb_specular_light_phong(const lmb_key_light *light, float visib
  * factor. Harmonics are blurred light: below a roughness of about 0.4 reflections are blurred with it. */
 LMB_API lmb_rgb lmb_specular_area(const lmb_sh3_rgb *radiance, const lmb_specular *specular, lmb_vec3 normal,
                                   lmb_vec3 view);
+
+/* The same with Phong's lobe, without tables: each band of harmonics times what the lobe leaves of it, in the mirrored
+ * direction, and Schlick's factor at the view's own angle. The lobe is all about that direction, below the horizon too:
+ * for harmonics of the whole sphere. */
+LMB_API lmb_rgb lmb_specular_area_phong(const lmb_sh3_rgb *radiance, const lmb_specular *specular, lmb_vec3 normal,
+                                        lmb_vec3 view);
 
 /* Radiance of the reflection by an environment map: `map` is its texel in the mirrored direction, at the level of the
  * surface's roughness, as `lambent cube` writes it: over lmb_specular_environment_divisor of its own place, direction
