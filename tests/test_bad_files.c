@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include <lambent/file.h>
+#include <lambent/tiles_format.h>
 #include <lambent/volume_format.h>
 
 #include "command_fixture.h"
@@ -25,10 +26,12 @@ static bool bake_make(void)
 {
     static int made = -1;
     if (made < 0) {
-        made = cornell_make(OUTPUT, LEVEL) && CHECK_RUN(0, NULL,
-                                                        "rm -rf " BAKED " && " LMB_COMMAND " bake " LEVEL " -o " BAKED
-                                                        " --quiet --spacing 1 --samples 4 --lightmaps "
-                                                        "--texels-per-m 2");
+        made =
+            cornell_make(OUTPUT, LEVEL) &&
+            CHECK_RUN(0, NULL,
+                      "rm -rf " BAKED " && " LMB_COMMAND " bake " LEVEL " -o " BAKED
+                      " --quiet --spacing 1 --samples 4 --lightmaps --texels-per-m 2") &&
+            CHECK_RUN(0, NULL, LMB_COMMAND " pack " BAKED "/probes.vdb -o " OUTPUT "/tiles.lmt --tile-size 4 --quiet");
     }
     return made > 0;
 }
@@ -175,19 +178,33 @@ static bool large_exr_make(void)
     return file_make("large.exr", head, sizeof head - 1);
 }
 
-/* A volume that says it is of a version to come, its checksum right. */
-static bool newer_volume_make(void)
+/* A volume or an index of tiles with one word of its header changed, and the checksum put right. */
+static bool forged_make(const char *name, const char *of, size_t at, uint32_t word)
 {
+    _Static_assert(offsetof(lmb_tiles_header, version) == offsetof(lmb_volume_header, version) &&
+                       offsetof(lmb_tiles_header, checksum) == offsetof(lmb_volume_header, checksum),
+                   "both begin alike");
     unsigned char *data = NULL;
     size_t size = 0;
-    bool good = lmb_file_read(BAKED "/probes.lmb", &data, &size, NULL) == LMB_OK;
+    bool good = lmb_file_read(of, &data, &size, NULL) == LMB_OK && size > LMB_VOLUME_CHECKSUM_START;
+    CHECK(good, "%s cannot be read", of);
     if (good) {
-        const uint32_t version = 1000;
-        memcpy(data + offsetof(lmb_volume_header, version), &version, sizeof version);
-        good = file_make("newer.lmb", data, size);
+        memcpy(data + at, &word, sizeof word);
+        const uint64_t sum = lmb_volume_hash(data + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
+        memcpy(data + offsetof(lmb_volume_header, checksum), &sum, sizeof sum);
+        good = file_make(name, data, size);
     }
     free(data);
     return good;
+}
+
+static bool forgeries_make(void)
+{
+    return forged_make("newer.lmb", BAKED "/probes.lmb", offsetof(lmb_volume_header, version), 1000) &&
+           forged_make("newer.lmt", OUTPUT "/tiles.lmt", offsetof(lmb_tiles_header, version), 1000) &&
+           forged_make("many_tiles.lmt", OUTPUT "/tiles.lmt", offsetof(lmb_tiles_header, tile_count), UINT32_MAX) &&
+           forged_make("small_tiles.lmt", OUTPUT "/tiles.lmt", offsetof(lmb_tiles_header, tile_cells), 0) &&
+           forged_make("large_grid.lmt", OUTPUT "/tiles.lmt", offsetof(lmb_tiles_header, size), INT32_MAX);
 }
 
 static const struct {
@@ -200,6 +217,9 @@ static const struct {
     {"changed.lmb", "baked/probes.lmb", 0.5, true},
     {"cut.lmb", "baked/probes.lmb", 0.5, false},
     {"cut_in_header.lmb", "baked/probes.lmb", 0.002, false},
+    {"changed.lmt", "tiles.lmt", 0.5, true},
+    {"cut.lmt", "tiles.lmt", 0.5, false},
+    {"cut_in_header.lmt", "tiles.lmt", 0.02, false},
     {"changed.vdb", "baked/probes.vdb", 0.9, true},
     {"cut.vdb", "baked/probes.vdb", 0.5, false},
     {"cut_in_header.vdb", "baked/probes.vdb", 0.002, false},
@@ -220,13 +240,13 @@ static bool files_make(void)
     for (size_t i = 0; i < sizeof damages / sizeof damages[0] && good; ++i) {
         good = damaged_make(damages[i].name, damages[i].of, damages[i].share, damages[i].changed);
     }
-    good = good && deep_make("deep.gltf", GLTF "\"extras\":") && large_exr_make() && newer_volume_make();
+    good = good && deep_make("deep.gltf", GLTF "\"extras\":") && large_exr_make() && forgeries_make();
     made = good;
     return good;
 }
 
 /* What reads which kind; %s is the file. */
-enum { LEVELS = 1, PICTURES = 2, VOLUMES = 4, GRIDS = 8, ANY = 15 };
+enum { LEVELS = 1, PICTURES = 2, VOLUMES = 4, GRIDS = 8, INDEXES = 16, ANY = 31 };
 static const struct {
     int kinds;
     const char *arguments;
@@ -238,7 +258,7 @@ static const struct {
     {0, "probe %s --at 0,1,0 --samples 64 --quiet"},
     {PICTURES, "bake room.glb -o out --quiet --env %s"},
     {PICTURES, "models %s --turns 1 --quiet"},
-    {VOLUMES | GRIDS, "info %s"},
+    {VOLUMES | GRIDS | INDEXES, "info %s"},
     {GRIDS, "pack %s -o out.lmb"},
     {VOLUMES, "sample %s --at 0,0,0"},
 };
@@ -263,6 +283,7 @@ static int kinds_of(const char *file)
            : strcmp(dot, ".hdr") == 0 || strcmp(dot, ".exr") == 0  ? PICTURES
            : strcmp(dot, ".lmb") == 0                              ? VOLUMES
            : strcmp(dot, ".vdb") == 0                              ? GRIDS
+           : strcmp(dot, ".lmt") == 0                              ? INDEXES
                                                                    : ANY;
 }
 
@@ -282,7 +303,8 @@ static void damaged_files_are_refused(void)
 
 static void odd_files_are_refused(void)
 {
-    static const char *const odd[] = {"deep.gltf", "large.exr", "newer.lmb", "nowhere", "/dev/zero", "."};
+    static const char *const odd[] = {"deep.gltf",       "large.exr",      "newer.lmb", "newer.lmt", "many_tiles.lmt",
+                                      "small_tiles.lmt", "large_grid.lmt", "nowhere",   "/dev/zero", "."};
     for (size_t i = 0; i < sizeof odd / sizeof odd[0] && files_make(); ++i) {
         readers_refuse(odd[i], kinds_of(odd[i]));
     }
@@ -295,9 +317,8 @@ static void good_files_of_another_kind_are_refused(void)
         const char *file;
         int wrong;
     } table[] = {
-        {"room.glb", PICTURES | GRIDS | VOLUMES},
-        {"baked/probes.lmb", LEVELS | PICTURES},
-        {"baked/probes.vdb", LEVELS | PICTURES},
+        {"room.glb", PICTURES | GRIDS | VOLUMES},  {"baked/probes.lmb", LEVELS | PICTURES},
+        {"baked/probes.vdb", LEVELS | PICTURES},   {"tiles.lmt", LEVELS | PICTURES},
         {"baked/lightmap/lightmap_0.exr", LEVELS},
     };
     for (size_t i = 0; i < sizeof table / sizeof table[0] && files_make(); ++i) {
@@ -306,6 +327,8 @@ static void good_files_of_another_kind_are_refused(void)
     if (files_make()) {
         bad_check("baked/probes.lmb", "pack baked/probes.lmb -o out.lmb");
         bad_check("baked/probes.vdb", "sample baked/probes.vdb --at 0,0,0");
+        bad_check("tiles.lmt", "sample tiles.lmt --at 0,0,0");
+        bad_check("tiles.lmt", "pack tiles.lmt -o out.lmb");
         bad_check("baked/lightmap/lightmap_0.exr", "sample baked/lightmap/lightmap_0.exr --at 0,0,0");
     }
 }

@@ -1,9 +1,8 @@
 /* .lmb files: opened, and, where that is allowed, sampled all over. Bytes as they come hardly get past the checksum, so
  * that each input is also tried with its length and checksum put right. */
 #include "fuzz.h"
+#include "fuzz_light.h"
 
-#include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,37 +17,6 @@
 #include "local_fixture.h"
 
 enum { POSITIONS = 24, MOST_SETS = 8, BYTES_MOST = 1 << 24 /* of what is made of an input */ };
-
-static bool light_is_finite(const lmb_sh3_rgb *light)
-{
-    bool finite = true;
-    for (int i = 0; i < 27; ++i) {
-        finite = finite && isfinite(light->channel[i / 9].c[i % 9]);
-    }
-    return finite;
-}
-
-static bool seen_is_a_share(const float seen[LMB_KEY_LIGHTS_MOST])
-{
-    bool good = true;
-    for (int i = 0; i < LMB_KEY_LIGHTS_MOST; ++i) {
-        good = good && seen[i] >= 0.0f && seen[i] <= 1.0f;
-    }
-    return good;
-}
-
-/* Within the bounds, around them, and at places that no level has. */
-static lmb_vec3d position_of(const lmb_volume_info *info, int i)
-{
-    static const double odd[] = {0.0, NAN, INFINITY, -INFINITY, 1e300, -1e30, 1e-310, 0.5};
-    if (i < 8) {
-        return (lmb_vec3d){odd[i], odd[(i + 1) % 8], odd[(i + 3) % 8]};
-    }
-    const lmb_vec3d low = info->bounds_min, high = info->bounds_max;
-    const double x = fmod(0.754877666 * i, 1.0), y = fmod(0.569840291 * i, 1.0), z = fmod(0.438579021 * i, 1.0);
-    return (lmb_vec3d){low.x + (1.2 * x - 0.1) * (high.x - low.x), low.y + (1.2 * y - 0.1) * (high.y - low.y),
-                       low.z + (1.2 * z - 0.1) * (high.z - low.z)};
-}
 
 static bool halfs_are_finite(const uint16_t *half, size_t count)
 {
@@ -119,7 +87,7 @@ static void volume_use(const lmb_volume *volume)
     float seen[POSITIONS][LMB_KEY_LIGHTS_MOST];
     bool inside[POSITIONS];
     for (int i = 0; i < POSITIONS; ++i) {
-        position[i] = position_of(&info, i);
+        position[i] = fuzz_position(info.bounds_min, info.bounds_max, i);
     }
     lmb_volume_sample_batch(volume, position, POSITIONS, many, seen, inside);
     for (int i = 0; i < POSITIONS; ++i) {
