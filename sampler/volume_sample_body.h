@@ -115,15 +115,6 @@ LMB_INLINE void pairs_prefetch(const unsigned char *const corner[8], uint32_t un
     }
 }
 
-/* Most regions have most corners from the rows, where a plain cell has all: asked for while the record, which tells, is
- * on its way itself. Rows that no cell has points of lead anywhere, which is harmless. */
-LMB_INLINE void cut_prefetch(const lmb_volume *volume, const place *at, uint32_t units)
-{
-    const unsigned char *corner[8];
-    corners_find(volume, &at->brick->row[at->row], at->x, units, corner);
-    pairs_prefetch(corner, units);
-}
-
 /* A cut cell's slot (lmb_volume_cut), or its record of version 3. */
 LMB_INLINE const void *cut_find(const lmb_volume *volume, const lmb_volume_brick *brick, uint32_t cell)
 {
@@ -131,6 +122,17 @@ LMB_INLINE const void *cut_find(const lmb_volume *volume, const lmb_volume_brick
         return lmb_volume_cut_3_at(volume, brick->cut_first + lmb_volume_cuts_before(brick, cell));
     }
     return lmb_volume_cut_at(volume, lmb_volume_cut_slot(brick, cell));
+}
+
+/* The record first, which everything else waits for. Most regions have most corners from the rows, where a plain cell
+ * has all: asked for while the record, which tells, is on its way. Rows that no cell has points of lead anywhere, which
+ * is harmless. */
+LMB_INLINE void cut_prefetch(const lmb_volume *volume, const void *slot, const place *at, uint32_t units)
+{
+    const unsigned char *corner[8];
+    LMB_PREFETCH(slot);
+    corners_find(volume, &at->brick->row[at->row], at->x, units, corner);
+    pairs_prefetch(corner, units);
 }
 
 /* Of a record of version 3. */
@@ -199,11 +201,11 @@ LMB_INLINE void blend(const lmb_volume *volume, uint32_t form, const unsigned ch
 
 /* In a cell that is cut. What tells its place comes in registers, as in a cell that is not, it would be written for
  * nothing. */
-LMB_APART void blend_cut(const lmb_volume *volume, const lmb_volume_brick *brick, uint32_t cell, fraction at,
-                         lmb_sh3_rgb *radiance, float *visibility)
+LMB_APART void blend_cut(const lmb_volume *volume, const void *slot, const lmb_volume_brick *brick, uint32_t cell,
+                         fraction at, lmb_sh3_rgb *radiance, float *visibility)
 {
     const unsigned char *corner[8];
-    cut_corners_find(volume, cut_find(volume, brick, cell), brick, cell, at, corner);
+    cut_corners_find(volume, slot, brick, cell, at, corner);
     blend(volume, volume->header->probe_form, corner, at, radiance, visibility);
 }
 
@@ -216,8 +218,9 @@ LMB_APART bool sample_any(const lmb_volume *volume, double x, double y, double z
     const uint64_t cell = UINT64_C(1) << at.cell;
     const unsigned char *corner[8];
     if (is_number && (at.brick->cut & cell)) {
-        cut_prefetch(volume, &at, volume->probe_units);
-        cut_corners_find(volume, cut_find(volume, at.brick, at.cell), at.brick, at.cell, at.t, corner);
+        const void *const slot = cut_find(volume, at.brick, at.cell);
+        cut_prefetch(volume, slot, &at, volume->probe_units);
+        cut_corners_find(volume, slot, at.brick, at.cell, at.t, corner);
     } else if (is_number && (at.brick->plain & cell)) {
         corners_find(volume, &at.brick->row[at.row], at.x, volume->probe_units, corner);
     } else {
@@ -242,8 +245,9 @@ LMB_INLINE bool sample_one(const lmb_volume *volume, uint32_t form, uint32_t uni
         return true;
     }
     if (place_is_cut(&at)) {
-        cut_prefetch(volume, &at, units);
-        blend_cut(volume, at.brick, at.cell, at.t, radiance, visibility);
+        const void *const slot = cut_find(volume, at.brick, at.cell);
+        cut_prefetch(volume, slot, &at, units);
+        blend_cut(volume, slot, at.brick, at.cell, at.t, radiance, visibility);
         return true;
     }
     return sample_any(volume, x, y, z, radiance, visibility);
