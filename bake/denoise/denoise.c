@@ -17,6 +17,7 @@
 #include "denoise/neighbour_marks.h"
 #include "denoise/neighbours.h"
 #include "denoise/plane_filter.h"
+#include "denoise/sight.h"
 
 /* How far what reaches, in spacings. */
 enum { RADII = 4 };
@@ -37,8 +38,8 @@ enum { COEFFICIENTS = 3 * LMB_SH3_COUNT, LANES = 8, HALF = LMB_LIGHT_HALF, ROW =
 typedef struct denoise_work {
     const denoise_reach *reach;
     lmb_neighbour_cells cells;
-    lmb_neighbour_marks marks;    /* those around a point, then those alike */
-    const lmb_tracer *tracer;     /* of points in space; else NULL */
+    lmb_neighbour_marks marks; /* those around a point, then those alike */
+    lmb_sight sight;
     float (*light)[ROW];          /* [rank] */
     float *noise;                 /* [rank] squared, of the mean of the replicates */
     float *level;                 /* [rank] squared length of the mean light around */
@@ -93,37 +94,11 @@ static void alike_keep(const denoise_work *work, lmb_neighbours *found)
     found->count = alike;
 }
 
-static lmb_vec3 point_position(const denoise_work *work, uint32_t rank)
-{
-    return lmb_vec3_of(work->cells.x[rank], work->cells.y[rank], work->cells.z[rank]);
-}
-
-/* Leaves the neighbours that a point in space sees. */
-static void seen_keep(const denoise_work *work, lmb_neighbours *found)
-{
-    const uint32_t rank = found->rank[0];
-    uint32_t seen = 1;
-    for (uint32_t i = 1; i < found->count; ++i) {
-        uint64_t rays = 0;
-        const uint32_t other = found->rank[i];
-        /* The same from either side. */
-        const lmb_vec3 from = point_position(work, rank < other ? rank : other);
-        const lmb_vec3 to = point_position(work, rank < other ? other : rank);
-        const bool sees = lmb_rgb_max(lmb_trace_transmittance(work->tracer, from, to, &rays)) > 0.0f;
-        found->rank[seen] = other;
-        found->candidate[seen] = found->candidate[i];
-        seen += sees;
-    }
-    found->count = seen;
-}
-
-/* A point's neighbours; of a point in space those that it sees. */
+/* A point's neighbours that it sees. */
 static void around_find(denoise_work *work, const lmb_neighbour_point *point, lmb_neighbours *found)
 {
     lmb_neighbours_find(point->cells, point->ranges, point->rank, found);
-    if (work->tracer) {
-        seen_keep(work, found);
-    }
+    lmb_sight_keep(&work->sight, found);
     lmb_neighbour_marks_set(&work->marks, point, found);
     lmb_neighbours_place(point->cells, found);
 }
@@ -353,8 +328,8 @@ static lmb_result passes_run(denoise_work *work, lmb_pool *pool, const lmb_progr
 }
 
 /* Of which `work` has what the caller gave. */
-static lmb_result denoise_run(denoise_work *work, const lmb_denoise_point *points, size_t count, lmb_pool *pool,
-                              const lmb_progress *progress)
+static lmb_result denoise_run(denoise_work *work, const lmb_denoise_point *points, size_t count,
+                              const lmb_tracer *tracer, lmb_pool *pool, const lmb_progress *progress)
 {
     work->light = malloc((count + 1) * sizeof *work->light);
     work->noise = malloc((count + 1) * sizeof *work->noise);
@@ -370,9 +345,13 @@ static lmb_result denoise_run(denoise_work *work, const lmb_denoise_point *point
         result = lmb_neighbour_marks_make(&work->cells, &work->marks);
     }
     if (result == LMB_OK) {
+        result = lmb_sight_make(tracer, &work->cells, pool, &work->sight);
+    }
+    if (result == LMB_OK) {
         light_set(work);
         result = passes_run(work, pool, progress);
     }
+    lmb_sight_free(&work->sight);
     lmb_neighbour_marks_free(&work->marks);
     lmb_neighbour_cells_free(&work->cells);
     free(work->light);
@@ -384,16 +363,16 @@ static lmb_result denoise_run(denoise_work *work, const lmb_denoise_point *point
     return result;
 }
 
-lmb_result lmb_denoise(const lmb_denoise_point *points, size_t count, lmb_pool *pool, const lmb_progress *progress,
-                       lmb_gathered *gathered)
+lmb_result lmb_denoise(const lmb_denoise_point *points, size_t count, const lmb_tracer *tracer, lmb_pool *pool,
+                       const lmb_progress *progress, lmb_gathered *gathered)
 {
     denoise_work work = {.reach = &on_surfaces, .gathered = gathered};
-    return denoise_run(&work, points, count, pool, progress);
+    return denoise_run(&work, points, count, tracer, pool, progress);
 }
 
 lmb_result lmb_denoise_in_space(const lmb_denoise_point *points, size_t count, const lmb_tracer *tracer, lmb_pool *pool,
                                 const lmb_progress *progress, lmb_gathered *gathered)
 {
-    denoise_work work = {.reach = &in_space, .tracer = tracer, .gathered = gathered};
-    return denoise_run(&work, points, count, pool, progress);
+    denoise_work work = {.reach = &in_space, .gathered = gathered};
+    return denoise_run(&work, points, count, tracer, pool, progress);
 }

@@ -26,7 +26,22 @@ static bool area_has(const dilate_area *area, int32_t x, int32_t y)
     return x >= area->left && x < area->right && y >= area->top && y < area->bottom;
 }
 
-/* Makes of a texel the mean of the lit ones around it, those beside it counting twice those at its corners. */
+/* Adds a texel of the area that has light. Returns whether it has. */
+static bool lit_add(const dilate_area *area, int32_t x, int32_t y, float *sum)
+{
+    const lmb_lightmap_image *image = area->image;
+    const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
+    if (!area_has(area, x, y) || (image->state[at] != LMB_TEXEL_GATHERED && image->state[at] != LMB_TEXEL_DILATED)) {
+        return false;
+    }
+    for (int c = 0; c < area->planes; ++c) {
+        sum[c] += lmb_lightmap_plane(image, c)[at];
+    }
+    return true;
+}
+
+/* Makes of a texel the mean of the lit ones beside it, or, where there are none, of those at its corners. Those at its
+ * corners may be across a wall from those beside it. */
 static void around_mean(const dilate_area *area, uint32_t pixel)
 {
     const lmb_lightmap_image *image = area->image;
@@ -34,21 +49,16 @@ static void around_mean(const dilate_area *area, uint32_t pixel)
     const int32_t x = (int32_t)(pixel % (uint32_t)image->width);
     const int32_t y = (int32_t)(pixel / (uint32_t)image->width);
     float sum[LMB_MODEL_MOST_CHANNELS + LMB_KEY_LIGHTS_MOST] = {0.0f};
-    float total = 0.0f;
-    for (int32_t dy = -1; dy <= 1; ++dy) {
-        for (int32_t dx = -1; dx <= 1; ++dx) {
-            const size_t at = (size_t)(y + dy) * (size_t)image->width + (size_t)(x + dx);
-            if (!area_has(area, x + dx, y + dy) ||
-                (image->state[at] != LMB_TEXEL_GATHERED && image->state[at] != LMB_TEXEL_DILATED)) {
-                continue;
-            }
-            const float weight = dx == 0 || dy == 0 ? 2.0f : 1.0f;
-            total += weight;
-            for (int c = 0; c < area->planes; ++c) {
-                sum[c] += weight * lmb_lightmap_plane(image, c)[at];
-            }
-        }
+    int count = 0;
+    for (int along = -1; along <= 1; along += 2) {
+        count += lit_add(area, x + along, y, sum);
+        count += lit_add(area, x, y + along, sum);
     }
+    const bool none_beside = count == 0;
+    for (int corner = 0; corner < 4 && none_beside; ++corner) {
+        count += lit_add(area, x + (corner & 1 ? 1 : -1), y + (corner & 2 ? 1 : -1), sum);
+    }
+    const float total = (float)count;
     for (int c = model->channel_count; c < area->planes; ++c) {
         sum[c] /= total;
     }

@@ -212,8 +212,10 @@ static void points_task(void *context, size_t task, int worker)
         const listed_texel *texel = &list->texel[i];
         const lmb_hit at = {.instance = texel->instance, .triangle = texel->triangle, .u = texel->u, .v = texel->v};
         const lmb_place place = lmb_trace_place(list->tracer, &at);
-        work->points[i] = (lmb_denoise_point){place.position, place.shading_normal,
-                                              list->lightmap->region[texel->instance].texel_size};
+        const float texel_size = list->lightmap->region[texel->instance].texel_size;
+        bool moved;
+        const lmb_gather_point middle = lmb_surface_gather_point(list->tracer, &place, texel_size, &moved);
+        work->points[i] = (lmb_denoise_point){middle.position, place.shading_normal, texel_size};
     }
 }
 
@@ -227,7 +229,7 @@ lmb_result lmb_texel_list_denoise(const lmb_texel_list *list, lmb_pool *pool, co
     points_work work = {list, points};
     lmb_result result = lmb_pool_run(pool, task_count(list), points_task, &work, "denoise", NULL);
     if (result == LMB_OK) {
-        result = lmb_denoise(points, list->count, pool, progress, gathered);
+        result = lmb_denoise(points, list->count, list->tracer, pool, progress, gathered);
     }
     free(points);
     return result;

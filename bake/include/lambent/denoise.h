@@ -27,12 +27,13 @@ typedef struct lmb_denoise_point {
     float spacing;   /* metres, > 0: to the next points of its surface, or in space */
 } lmb_denoise_point;
 
-/* Filters the moments of `count` points and sets their squared errors to what is left. The same for any number of
+/* Filters the moments of `count` points on surfaces, by those that each sees from half a spacing over its own, and sets
+ * their squared errors to what is left. `tracer` NULL: nothing stands on the surfaces. The same for any number of
  * threads. @return LMB_ERROR_MEMORY, _INTERRUPTED; then `gathered` is as it was */
-lmb_result lmb_denoise(const lmb_denoise_point *points, size_t count, lmb_pool *pool, const lmb_progress *progress,
-                       lmb_gathered *gathered);
+lmb_result lmb_denoise(const lmb_denoise_point *points, size_t count, const lmb_tracer *tracer, lmb_pool *pool,
+                       const lmb_progress *progress, lmb_gathered *gathered);
 
-/* The same of points in space, by those within about two spacings that each sees: as the value of a field that is
+/* The same of points in space, by those within about two spacings: as the value of a field that is
  * linear in all three directions. */
 lmb_result lmb_denoise_in_space(const lmb_denoise_point *points, size_t count, const lmb_tracer *tracer, lmb_pool *pool,
                                 const lmb_progress *progress, lmb_gathered *gathered);
