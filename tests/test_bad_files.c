@@ -327,7 +327,6 @@ static void good_files_of_another_kind_are_refused(void)
     if (files_make()) {
         bad_check("baked/probes.lmb", "pack baked/probes.lmb -o out.lmb");
         bad_check("baked/probes.vdb", "sample baked/probes.vdb --at 0,0,0");
-        bad_check("tiles.lmt", "sample tiles.lmt --at 0,0,0");
         bad_check("tiles.lmt", "pack tiles.lmt -o out.lmb");
         bad_check("baked/lightmap/lightmap_0.exr", "sample baked/lightmap/lightmap_0.exr --at 0,0,0");
     }
