@@ -29,8 +29,9 @@ static double volume_at(const hard_level *level, lmb_vec3d world, bool *inside)
 /* Moved by multiples of the level's own unit of 8 m the floor is the same to the last bit, and so is its light. */
 static void same_bytes_wherever_it_is(void)
 {
-    static const double positions[][3] = {{0, 0, 0},        {1e5, 0, 1e5}, {1e6, 0, 1e6},      {1e7, 0, 1e7},
-                                          {-1e7, 8e5, 1e6}, {0, -1e6, 0},  {1e8, -3.2e7, 1e8}, {8000, 0, -8000.0}};
+    static const double positions[][3] = {{0, 0, 0},          {1e5, 0, 1e5},      {1e6, 0, 1e6},
+                                          {1e7, 0, 1e7},      {-1e7, 8e5, 1e6},   {0, -1e6, 0},
+                                          {1e8, -3.2e7, 1e8}, {8000, 0, -8000.0}, {10000, 0, 0}};
     hard_level first = {0};
     for (size_t i = 0; i < sizeof positions / sizeof positions[0]; ++i) {
         const double *const at = positions[i];

@@ -6,7 +6,6 @@
 #include "scenes/levels.h"
 
 #include <float.h>
-#include <time.h>
 
 #include <lambent/environment.h>
 #include <lambent/surface.h>
@@ -625,49 +624,6 @@ static void lightmap_uvs(void)
     }
 }
 
-static double seconds_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-/* A hundred thousand boxes of one mesh, in rows, under a sky. */
-static void many_instances(void)
-{
-    enum { ALONG = 320, ACROSS = 313 };
-    lmb_level_builder *builder = lmb_level_builder_create(0.1f);
-    const int mesh = lmb_level_builder_add_mesh(builder, "box");
-    const lmb_level_box box =
-        lmb_level_box_of((lmb_vec3){0, 0, 0}, (lmb_vec3){0.5f, 0.5f, 0.5f}, hard_material(builder, 0.5f, 0.0f));
-    lmb_level_builder_add_box(builder, mesh, &box);
-    for (int i = 0; i < ALONG * ACROSS; ++i) {
-        lmb_level_builder_place(builder, "box", mesh, (lmb_vec3){(float)(i % ALONG), 0, (float)(i / ALONG)});
-    }
-    const char *path = hard_path("many", "glb");
-    double at = seconds_now();
-    hard_level level = {0};
-    if (!hard_write(builder, path)) {
-        return;
-    }
-    const double wrote = seconds_now() - at;
-    at = seconds_now();
-    if (!level_fixture_load(&level.traced, path, WHITE_SKY, 2)) {
-        return;
-    }
-    const double loaded = seconds_now() - at;
-    at = seconds_now();
-    CHECK(level.traced.scene->instance_count == ALONG * ACROSS, "%u", level.traced.scene->instance_count);
-    if (hard_bake_volume(&level, &(hard_settings){16.0f, 1.0f, 16})) {
-        const double placed = seconds_now() - at;
-        printf("     %d instances: written in %.2f s, loaded and made ready in %.2f s (%.0f MB), baked in %.2f s\n",
-               ALONG * ACROSS, wrote, loaded, 1e-6 * (double)lmb_tracer_bytes(level.traced.tracer), placed);
-        const lmb_rgb open = traced_irradiance(&level.traced, (lmb_vec3){100.7f, 0.51f, 100.7f}, hard_up, 256);
-        CHECK_NEAR(open.c[0], 1.0, 0.02, "above the boxes");
-    }
-    hard_close(&level);
-}
-
 static const test_case cases[] = {
     {"empty_scene", empty_scene},
     {"sealed_dark_room", sealed_dark_room},
@@ -683,7 +639,6 @@ static const test_case cases[] = {
     {"probes_in_solids", probes_in_solids},
     {"non_manifold", non_manifold},
     {"lightmap_uvs", lightmap_uvs},
-    {"many_instances", many_instances},
 };
 
 TEST_MAIN(cases)
