@@ -10,8 +10,9 @@ int32_t lmb_split_cells(const lmb_volume_info *info, double metres)
     enum { MOST = 1 << 30 };
     assert(info && info->level_count >= 1 && info->level_count <= LMB_VOLUME_LEVELS_MOST);
     const int32_t coarsest = LMB_BRICK_CELLS << (info->level_count - 1);
+    const int32_t most_bricks = MOST / coarsest;
     const double bricks = round(metres / ((double)info->spacing * coarsest));
-    return bricks >= 1.0 ? (bricks < (double)(MOST / coarsest) ? (int32_t)bricks * coarsest : MOST) : coarsest;
+    return bricks >= 1.0 ? (bricks < most_bricks ? (int32_t)bricks * coarsest : MOST) : coarsest;
 }
 
 /* The place with a number in the grid. */

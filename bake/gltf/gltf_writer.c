@@ -136,7 +136,8 @@ static bool finish_lists(lmb_gltf_writer *w)
         cJSON_Delete(buffer);
         return false;
     }
-    return lmb_gltf_set_number(buffer, "byteLength", (double)((w->size + 3) / 4 * 4));
+    const size_t padded = (w->size + 3) / 4 * 4;
+    return lmb_gltf_set_number(buffer, "byteLength", (double)padded);
 }
 
 lmb_result lmb_gltf_write_glb(lmb_gltf_writer *w, const char *path)

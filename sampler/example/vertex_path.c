@@ -95,16 +95,19 @@ static void tessellation_measure(const lmb_volume *volume, const sphere *ball, i
     const int columns = side * PIXELS_ACROSS, rows = side / 2 * PIXELS_ACROSS, pixels = columns * rows;
     double error = 0.0, light = 0.0;
     for (int i = 0; i < pixels; ++i) {
-        const double u = (i % columns + 0.5) / columns, v = (i / columns + 0.5) / rows;
+        const int column = i % columns, row = i / columns;
+        const double u = (column + 0.5) / columns, v = (row + 0.5) / rows;
         pixel[i].n_v = normal_at(u, v);
         pixel[i].n = bumped(pixel[i].n_v, u, v);
     }
     clock_t start = clock();
     vertices_light(volume, ball, side, vertex);
-    const double vertex_cost = nanoseconds_since(start, (side + 1.0) * (side / 2 + 1.0));
+    const int vertices = (side + 1) * (side / 2 + 1);
+    const double vertex_cost = nanoseconds_since(start, vertices);
     start = clock();
     for (int i = 0; i < pixels; ++i) {
-        const double u = (i % columns + 0.5) / columns, v = (i / columns + 0.5) / rows;
+        const int column = i % columns, row = i / columns;
+        const double u = (column + 0.5) / columns, v = (row + 0.5) / rows;
         pixel[i].cheap = pixel_light(vertex, side, u, v, pixel[i].n_v, pixel[i].n);
     }
     const double cheap_cost = nanoseconds_since(start, pixels);
