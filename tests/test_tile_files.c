@@ -129,6 +129,8 @@ static void tiles_that_are_missing(void)
     CHECK_RUN(3, "cut.lmt: ",
               IN_OUTPUT "head -c 200 broken/probes.lmt >cut.lmt && " LMB_COMMAND " sample cut.lmt --at 0.5,0.5,0.5");
     CHECK_RUN(2, "--tile-size takes", BAKE " --tile-size 0 -o broken");
+    CHECK_RUN(3, "broken/probes.lmb: is wanted undivided, not in tiles",
+              IN_OUTPUT "rm broken/probes.lmb && " LMB_COMMAND " check room.glb broken --points 4 --samples 4 --quiet");
 }
 
 static const test_case cases[] = {

@@ -7,6 +7,7 @@
 #include <cjson/cJSON.h>
 
 #include <lambent/file.h>
+#include <lambent/tile_files.h>
 
 #include "run/bake_settings_internal.h"
 
@@ -30,14 +31,14 @@ static lmb_result json_open(const char *directory, cJSON **json, lmb_error *erro
 
 static lmb_result volume_open(const char *directory, lmb_volume **volume, lmb_error *error)
 {
-    char *path = lmb_file_in(directory, "probes.lmb");
-    if (!path) {
-        return lmb_error_set(error, LMB_ERROR_MEMORY, "out of memory");
+    char *const path = lmb_file_in(directory, "probes.lmb"), *const index = lmb_file_in(directory, "probes.lmt");
+    lmb_result result = path && index ? lmb_volume_open_file(path, volume) : LMB_ERROR_MEMORY;
+    if (result == LMB_ERROR_IO && lmb_tile_files_is_index(index)) {
+        lmb_error_set(error, result, "%s: is wanted undivided, not in tiles: lambent pack probes.vdb makes it", path);
+    } else if (result != LMB_OK) {
+        lmb_error_set(error, result, "%s: %s", path ? path : directory, lmb_result_text(result));
     }
-    lmb_result result = lmb_volume_open_file(path, volume);
-    if (result != LMB_OK) {
-        lmb_error_set(error, result, "%s: %s", path, lmb_result_text(result));
-    }
+    free(index);
     free(path);
     return result;
 }
