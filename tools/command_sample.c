@@ -186,7 +186,8 @@ int command_sample(int count, char **values)
     lmb_arguments arguments = arguments_begin(count, values, "sample", usage());
     lmb_query_arguments query_arguments = {0};
     lmb_shared_arguments shared = {.path_name = {"FILE.lmb or .lmt"}};
-    static sampled from;
+    static sampled from; /* too large for the stack */
+    from = (sampled){.volume = NULL};
     const lmb_model *model = lmb_model_default(LMB_MODEL_FOR_SURFACE);
     bool json = false;
     for (const char *argument; (argument = arguments_next(&arguments));) {
