@@ -110,6 +110,12 @@ static const struct {
      "\"type\":\"VEC3\",\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":0,\"componentType\":5125},\"values\":"
      "{\"bufferView\":0}}}]," GLTF_REST},
     {"buffer_of_4_gb.gltf", GLTF "\"buffers\":[{\"uri\":\"data:,abcd\",\"byteLength\":4294967295}]}"},
+    {"large_picture.gltf", GLTF_BUFFER
+     "\"bufferViews\":[{\"buffer\":0,\"byteLength\":12}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
+     "\"count\":1,\"type\":\"VEC3\"}],\"images\":[{\"uri\":\"data:image/"
+     "png;base64,iVBORw0KGgoAAAANSUhEUgAAfQAAAH0ACAAAAABjcmNf\"}],"
+     "\"textures\":[{\"source\":0}],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}],"
+     "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}],\"nodes\":[{\"mesh\":0}]}"},
     {"above.gltf", GLTF_URI("../room.glb")},
     {"absolute.gltf", GLTF_URI("/etc/passwd")},
     {"scheme.gltf", GLTF_URI("file:///etc/passwd")},
@@ -178,6 +184,13 @@ static bool large_exr_make(void)
     return file_make("large.exr", head, sizeof head - 1);
 }
 
+/* A PNG header that promises 32000 x 32000 pixels of grey. */
+static bool large_png_make(void)
+{
+    static const char head[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x7d\0\0\0\x7d\0\x08\0\0\0\0crc";
+    return file_make("large.png", head, sizeof head);
+}
+
 /* A volume or an index of tiles with one word of its header changed, and the checksum put right. */
 static bool forged_make(const char *name, const char *of, size_t at, uint32_t word)
 {
@@ -240,13 +253,14 @@ static bool files_make(void)
     for (size_t i = 0; i < sizeof damages / sizeof damages[0] && good; ++i) {
         good = damaged_make(damages[i].name, damages[i].of, damages[i].share, damages[i].changed);
     }
-    good = good && deep_make("deep.gltf", GLTF "\"extras\":") && large_exr_make() && forgeries_make();
+    good =
+        good && deep_make("deep.gltf", GLTF "\"extras\":") && large_exr_make() && large_png_make() && forgeries_make();
     made = good;
     return good;
 }
 
 /* What reads which kind; %s is the file. */
-enum { LEVELS = 1, PICTURES = 2, VOLUMES = 4, GRIDS = 8, INDEXES = 16, ANY = 31 };
+enum { LEVELS = 1, PICTURES = 2, VOLUMES = 4, GRIDS = 8, INDEXES = 16, CHANNELS = 32, HEIGHTS = 64, ANY = 127 };
 static const struct {
     int kinds;
     const char *arguments;
@@ -258,7 +272,8 @@ static const struct {
     {0, "probe %s --at 0,1,0 --samples 64 --quiet"},
     {PICTURES, "bake room.glb -o out --quiet --env %s"},
     {PICTURES, "models %s --turns 1 --quiet"},
-    {VOLUMES | GRIDS | INDEXES, "info %s"},
+    {VOLUMES | GRIDS | INDEXES | CHANNELS, "info %s"},
+    {HEIGHTS, "ssbump %s -o out.png --quiet"},
     {GRIDS, "pack %s -o out.lmb"},
     {VOLUMES, "sample %s --at 0,0,0"},
 };
@@ -277,14 +292,18 @@ static void readers_refuse(const char *file, int kinds)
 
 static int kinds_of(const char *file)
 {
+    static const struct {
+        const char *ending;
+        int kinds;
+    } table[] = {{".gltf", LEVELS}, {".glb", LEVELS}, {".hdr", PICTURES}, {".exr", PICTURES | CHANNELS},
+                 {".lmb", VOLUMES}, {".vdb", GRIDS},  {".lmt", INDEXES},  {".png", HEIGHTS}};
     const char *const dot = strrchr(file, '.');
-    return !dot                                                    ? ANY
-           : strcmp(dot, ".gltf") == 0 || strcmp(dot, ".glb") == 0 ? LEVELS
-           : strcmp(dot, ".hdr") == 0 || strcmp(dot, ".exr") == 0  ? PICTURES
-           : strcmp(dot, ".lmb") == 0                              ? VOLUMES
-           : strcmp(dot, ".vdb") == 0                              ? GRIDS
-           : strcmp(dot, ".lmt") == 0                              ? INDEXES
-                                                                   : ANY;
+    for (size_t i = 0; dot && i < sizeof table / sizeof table[0]; ++i) {
+        if (strcmp(dot, table[i].ending) == 0) {
+            return table[i].kinds;
+        }
+    }
+    return ANY;
 }
 
 static void texts_are_refused(void)
@@ -303,8 +322,9 @@ static void damaged_files_are_refused(void)
 
 static void odd_files_are_refused(void)
 {
-    static const char *const odd[] = {"deep.gltf",       "large.exr",      "newer.lmb", "newer.lmt", "many_tiles.lmt",
-                                      "small_tiles.lmt", "large_grid.lmt", "nowhere",   "/dev/zero", "."};
+    static const char *const odd[] = {
+        "deep.gltf",       "large.exr",      "large.png", "newer.lmb", "newer.lmt", "many_tiles.lmt",
+        "small_tiles.lmt", "large_grid.lmt", "nowhere",   "/dev/zero", "."};
     for (size_t i = 0; i < sizeof odd / sizeof odd[0] && files_make(); ++i) {
         readers_refuse(odd[i], kinds_of(odd[i]));
     }
@@ -376,7 +396,7 @@ static void bad_lines_are_refused(void)
     }
 }
 
-/* The corpora of real data: whatever they hold, a level is read or refused. */
+/* The corpora of real data, each file as a level, and pictures as such: whatever they hold, it is read or refused. */
 static void real_data_is_read_or_refused(void)
 {
     static char printed[65536];
@@ -386,10 +406,12 @@ static void real_data_is_read_or_refused(void)
     }
     const int status = run(
         printed, sizeof printed,
-        "find " LMB_DATA_DIR "/malformed -type f ! -name LICENSE | LC_ALL=C sort | while read f; do " LMB_COMMAND
-        " bake \"$f\" -o " OUTPUT "/real --dry-run --quiet >/dev/null 2>" OUTPUT "/said; s=$?; "
-        "[ $s = 0 ] || { [ $s = 3 ] && [ $(wc -l <" OUTPUT "/said) = 1 ] && grep -qF \"$f: \" " OUTPUT "/said; } || "
-        "{ echo \"$f: status $s\"; cat " OUTPUT "/said; }; done");
+        "try() { " LMB_COMMAND " \"$@\" >/dev/null 2>" OUTPUT "/said; s=$?; "
+        "[ $s = 0 ] || { [ $s = 3 ] && [ $(wc -l <" OUTPUT "/said) = 1 ] && grep -qF \"$2: \" " OUTPUT "/said; } || "
+        "{ echo \"$*: status $s\"; cat " OUTPUT "/said; }; }; "
+        "find " LMB_DATA_DIR "/malformed -type f ! -name LICENSE | LC_ALL=C sort | while read f; do "
+        "try bake \"$f\" -o " OUTPUT "/real --dry-run --quiet; "
+        "case $f in *.exr) try info \"$f\" ;; *.png) try ssbump \"$f\" -o " OUTPUT "/real.png --quiet ;; esac; done");
     CHECK(status == 0 && printed[0] == '\0', "%s", printed);
 }
 

@@ -103,6 +103,37 @@ static void full_disk_leaves_the_old(void)
     CHECK_RUN(0, NULL, "umount " OUTPUT "/disk");
 }
 
+/* Every job of a farm on a disk that is full says which file does not fit, and goes on when there is room. */
+static void full_disk_of_a_farm(void)
+{
+#define DISK OUTPUT "/farm_disk"
+#define ROOM "mount -o remount,size=200m " DISK " && "
+    static const char share[] = BAKE LIGHTMAPS "--spacing 0.25 --texels-per-m 10";
+    char printed[4096];
+    if (!level_make()) {
+        return;
+    }
+    if (run(printed, sizeof printed, "mkdir -p " DISK " && mount -t tmpfs -o size=300k none " DISK) != 0) {
+        test_skip("no file system can be mounted here");
+        return;
+    }
+    CHECK_RUN(1, "prepared.bin: cannot write: No space left", "%s --prepare -o " DISK "/prepared", share);
+    CHECK_RUN(1, ".part: cannot write: No space left", "%s --shard 1/2 -o " DISK "/s1", share);
+    CHECK_RUN(0, NULL, ROOM "%s --prepare -o " DISK "/prepared", share);
+    for (int k = 1; k <= 2; ++k) {
+        CHECK_RUN(0, NULL, "%s --prepared " DISK "/prepared --shard %d/2 --resume -o " DISK "/s%d", share, k, k);
+    }
+    CHECK_RUN(1, "cannot write: No space left",
+              "mount -o remount,size=$(($(du -sk " DISK " | cut -f1) + 100))k " DISK " && " LMB_COMMAND " merge " DISK
+              "/s1 " DISK "/s2 -o " DISK "/merged --quiet");
+    CHECK(access(DISK "/merged", F_OK) != 0, "a merge that failed left a folder");
+    CHECK_RUN(0, NULL, ROOM LMB_COMMAND " merge " DISK "/s1 " DISK "/s2 -o " DISK "/merged --quiet");
+    CHECK_RUN(0, NULL, "%s -o " DISK "/whole && diff -r --exclude=bake.json " DISK "/whole " DISK "/merged", share);
+    CHECK_RUN(0, NULL, "umount " DISK);
+#undef DISK
+#undef ROOM
+}
+
 /* The folder is removed while the bake is at work: nothing is made in its place. */
 static void vanished_folder_is_an_error(void)
 {
@@ -239,6 +270,7 @@ static const test_case cases[] = {
     {"immutable_files_cost_nothing", immutable_files_cost_nothing},
     {"file_size_limit_leaves_the_old", file_size_limit_leaves_the_old},
     {"full_disk_leaves_the_old", full_disk_leaves_the_old},
+    {"full_disk_of_a_farm", full_disk_of_a_farm},
     {"vanished_folder_is_an_error", vanished_folder_is_an_error},
     {"read_only_folder_is_an_error", read_only_folder_is_an_error},
     {"failed_moves_are_undone", failed_moves_are_undone},

@@ -78,8 +78,8 @@ static lmb_result decode(const char *path, const char *where, const lmb_gltf_byt
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: %s: %s: neither PNG nor JPEG", path, where, image->name);
     }
     if ((int64_t)image->width * image->height > MAX_PIXELS) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %s: %s: %d x %d pixels", path, where, image->name,
-                             image->width, image->height);
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %s: %s: %d x %d pixels are too many", path, where,
+                             image->name, image->width, image->height);
     }
     image->rgba = stbi_is_16_bit_from_memory(bytes->data, size)
                       ? load_wide(bytes, &image->width, &image->height)

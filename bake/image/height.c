@@ -29,7 +29,8 @@ static lmb_result decode(const lmb_image_bytes *file, lmb_height_map *map, lmb_e
         return lmb_error_set(error, LMB_ERROR_FORMAT, "%s: a broken PNG: %s", file->name, stbi_failure_reason());
     }
     if ((int64_t)width * height > LMB_IMAGE_MAX_PIXELS) {
-        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %d x %d pixels", file->name, width, height);
+        return lmb_error_set(error, LMB_ERROR_UNSUPPORTED, "%s: %d x %d pixels are too many", file->name, width,
+                             height);
     }
     stbi_us *const grey = stbi_load_16_from_memory(file->data, size, &width, &height, &channels, 1);
     if (!grey) {
