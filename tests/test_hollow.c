@@ -19,6 +19,7 @@
 #define HEIGHT_M 3.0f
 #define STONE_M 0.06f  /* tops of the floor's stones */
 #define GROOVE_M 0.02f /* what is between them */
+#define SHEET_X 0.13f  /* off the planes of probes */
 
 typedef enum wall_kind { SHELL, CLOSED, CLOSED_DOUBLE_SIDED, INSIDE_OUT, WALL_KINDS } wall_kind;
 static const char *const kind_name[WALL_KINDS] = {"shell", "closed", "closed, double-sided", "inside out"};
@@ -205,8 +206,59 @@ static void faces_are_lit_by_what_is_before_them(void)
     }
 }
 
+/* A sheet that is seen from one side alone stands between a lit room and a dark one. */
+static lmb_result sheet_write(const char *path, float turn, lmb_error *error)
+{
+    lmb_level_builder *const builder = lmb_level_builder_create(0.2f);
+    const lmb_level_material grey = lmb_level_material_default();
+    const int material = lmb_level_builder_add_material(builder, &grey);
+    const int rooms = lmb_level_builder_add_mesh(builder, "rooms"),
+              sheet = lmb_level_builder_add_mesh(builder, "sheet");
+    lmb_level_box box = lmb_level_box_of((lmb_vec3){-2, 0.07f, -2}, (lmb_vec3){2, 2.9f, 2}, material);
+    box.inward = true;
+    lmb_level_builder_add_box(builder, rooms, &box);
+    lmb_level_builder_add_quad(builder, sheet, material, (lmb_vec3){0, -0.5f, -5}, (lmb_vec3){0, 0, 10},
+                               (lmb_vec3){0, 4, 0});
+    lmb_level_builder_place(builder, "rooms", rooms, (lmb_vec3){0, 0, 0});
+    lmb_level_node node = lmb_level_node_default("sheet");
+    node.mesh = sheet;
+    node.translation = (lmb_vec3){SHEET_X, 0, 0};
+    lmb_level_turn(turn, node.rotation);
+    lmb_level_builder_add_node(builder, &node);
+    torch_add(builder, "torch", (lmb_vec3){-1.2f, 1.6f, 0.3f});
+    const lmb_result result = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+static void what_lies_on_a_sheet_is_before_it(void)
+{
+    static const float turns[] = {0.0f, 0.1f, -0.2f, 0.35f, -0.7f};
+    for (size_t i = 0; i < sizeof turns / sizeof turns[0]; ++i) {
+        const char *const path = LMB_TEST_OUTPUT_DIR "/hollow_sheet.glb";
+        lmb_error error = {{0}};
+        level_fixture level;
+        if (!level_fixture_open(&level, path, sheet_write(path, turns[i], &error), &error, 2)) {
+            return;
+        }
+        lmb_probes *const probes = probes_bake(&level);
+        errors sheet = {.count = 0};
+        for (int k = 0; k < 400; ++k) {
+            const double along = -1.5 + 3.0 * (k % 20 + 0.5) / 20.0, before = 2e-6;
+            const double cosine = cos((double)turns[i]), sine = sin((double)turns[i]);
+            const lmb_vec3 at = {(float)((double)SHEET_X + sine * along - cosine * before),
+                                 (float)(0.2 + 2.6 * (k / 20 + 0.5) / 20.0), (float)(cosine * along + sine * before)};
+            point_compare(&level, probes, at, &sheet);
+        }
+        CHECK(sheet.least > 0.4, "turned by %g: down to %g of the light", (double)turns[i], sheet.least);
+        lmb_probes_destroy(probes);
+        level_fixture_close(&level);
+    }
+}
+
 static const test_case cases[] = {
     {"faces are lit by what is before them", faces_are_lit_by_what_is_before_them},
+    {"what lies on a sheet is before it", what_lies_on_a_sheet_is_before_it},
 };
 
 TEST_MAIN(cases)
