@@ -10,6 +10,7 @@
 #include <lambent/vector.h>
 
 #include "harness.h"
+#include "scenes/level_blocks.h"
 #include "scenes/level_builder.h"
 #include "level_fixture.h"
 
@@ -19,6 +20,8 @@
 #define HEIGHT_M 3.0f
 #define STONE_M 0.06f  /* tops of the floor's stones */
 #define GROOVE_M 0.02f /* what is between them */
+#define NICHE_M 0.2f   /* deep */
+#define SHEET_X 0.13f  /* off the planes of probes */
 
 typedef enum wall_kind { SHELL, CLOSED, CLOSED_DOUBLE_SIDED, INSIDE_OUT, WALL_KINDS } wall_kind;
 static const char *const kind_name[WALL_KINDS] = {"shell", "closed", "closed, double-sided", "inside out"};
@@ -205,8 +208,107 @@ static void faces_are_lit_by_what_is_before_them(void)
     }
 }
 
+/* A sheet that is seen from one side alone stands between a lit room and a dark one. */
+static lmb_result sheet_write(const char *path, float turn, lmb_error *error)
+{
+    lmb_level_builder *const builder = lmb_level_builder_create(0.2f);
+    const lmb_level_material grey = lmb_level_material_default();
+    const int material = lmb_level_builder_add_material(builder, &grey);
+    const int rooms = lmb_level_builder_add_mesh(builder, "rooms"),
+              sheet = lmb_level_builder_add_mesh(builder, "sheet");
+    lmb_level_box box = lmb_level_box_of((lmb_vec3){-2, 0.07f, -2}, (lmb_vec3){2, 2.9f, 2}, material);
+    box.inward = true;
+    lmb_level_builder_add_box(builder, rooms, &box);
+    lmb_level_builder_add_quad(builder, sheet, material, (lmb_vec3){0, -0.5f, -5}, (lmb_vec3){0, 0, 10},
+                               (lmb_vec3){0, 4, 0});
+    lmb_level_builder_place(builder, "rooms", rooms, (lmb_vec3){0, 0, 0});
+    lmb_level_node node = lmb_level_node_default("sheet");
+    node.mesh = sheet;
+    node.translation = (lmb_vec3){SHEET_X, 0, 0};
+    lmb_level_turn(turn, node.rotation);
+    lmb_level_builder_add_node(builder, &node);
+    torch_add(builder, "torch", (lmb_vec3){-1.2f, 1.6f, 0.3f});
+    const lmb_result result = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+static void what_lies_on_a_sheet_is_before_it(void)
+{
+    static const float turns[] = {0.0f, 0.1f, -0.2f, 0.35f, -0.7f};
+    for (size_t i = 0; i < sizeof turns / sizeof turns[0]; ++i) {
+        const char *const path = LMB_TEST_OUTPUT_DIR "/hollow_sheet.glb";
+        lmb_error error = {{0}};
+        level_fixture level;
+        if (!level_fixture_open(&level, path, sheet_write(path, turns[i], &error), &error, 2)) {
+            return;
+        }
+        lmb_probes *const probes = probes_bake(&level);
+        errors sheet = {.count = 0};
+        for (int k = 0; k < 400; ++k) {
+            const double along = -1.5 + 3.0 * (k % 20 + 0.5) / 20.0, before = 2e-6;
+            const double cosine = cos((double)turns[i]), sine = sin((double)turns[i]);
+            const lmb_vec3 at = {(float)((double)SHEET_X + sine * along - cosine * before),
+                                 (float)(0.2 + 2.6 * (k / 20 + 0.5) / 20.0), (float)(cosine * along + sine * before)};
+            point_compare(&level, probes, at, &sheet);
+        }
+        CHECK(sheet.least > 0.4, "turned by %g: down to %g of the light", (double)turns[i], sheet.least);
+        lmb_probes_destroy(probes);
+        level_fixture_close(&level);
+    }
+}
+
+/* A torch on a bracket hangs before a niche in the wall of a room, with a board across it: light in the niche and on
+ * the bracket differs by a factor of a thousand, within one cell. */
+static lmb_result niche_write(const char *path, lmb_vec3 shift, lmb_error *error)
+{
+    lmb_level_builder *const builder = lmb_level_builder_create(0.2f);
+    const lmb_level_material grey = lmb_level_material_default();
+    const int material = lmb_level_builder_add_material(builder, &grey);
+    const int room = lmb_level_builder_add_mesh(builder, "room");
+    const lmb_level_block blocks[] = {
+        lmb_level_block_of(true, (lmb_vec3){-3, -1, -3}, (lmb_vec3){3, 4, 3}, material),
+        lmb_level_block_of(false, (lmb_vec3){-2, 0, -2}, (lmb_vec3){2, 3, 2}, material),
+        lmb_level_block_of(false, (lmb_vec3){-0.4f, 1.2f, -2.0f - NICHE_M}, (lmb_vec3){0.4f, 2.2f, -2}, material),
+        lmb_level_block_of(true, (lmb_vec3){-0.5f, 1.55f, -2.1f}, (lmb_vec3){0.5f, 1.7f, -2.0f}, material),
+        lmb_level_block_of(true, (lmb_vec3){0.07f, 1.72f, -2.0f}, (lmb_vec3){0.13f, 1.84f, -1.65f}, material)};
+    lmb_level_builder_add_blocks(builder, room, blocks, sizeof blocks / sizeof blocks[0]);
+    lmb_level_builder_place(builder, "room", room, shift);
+    torch_add(builder, "torch", lmb_vec3_add(shift, (lmb_vec3){0.1f, 1.9f, -1.7f}));
+    const lmb_result result = lmb_level_builder_write(builder, path, error);
+    lmb_level_builder_destroy(builder);
+    return result;
+}
+
+static void a_niche_by_a_torch_is_not_black(void)
+{
+    static const lmb_vec3 shifts[] = {{0.33f, 0.33f, 0.0f}, {0.66f, 0.33f, 0.0f}}; /* off the planes of probes */
+    for (size_t i = 0; i < sizeof shifts / sizeof shifts[0]; ++i) {
+        const lmb_vec3 shift = shifts[i];
+        const char *const path = LMB_TEST_OUTPUT_DIR "/hollow_niche.glb";
+        lmb_error error = {{0}};
+        level_fixture level;
+        if (!level_fixture_open(&level, path, niche_write(path, shift, &error), &error, 2)) {
+            return;
+        }
+        lmb_probes *const probes = probes_bake(&level);
+        errors niche = {.count = 0};
+        for (int k = 0; k < 100; ++k) {
+            const lmb_vec3 at = {-0.38f + 0.76f * ((float)(k % 10) + 0.5f) / 10.0f,
+                                 1.22f + 0.96f * ((float)(k / 10) + 0.5f) / 10.0f, -2.0f - NICHE_M + 0.003f};
+            point_compare(&level, probes, lmb_vec3_add(shift, at), &niche);
+        }
+        CHECK(niche.least > 0.2, "niche moved by %g, %g: down to %g of the light", (double)shift.x, (double)shift.y,
+              niche.least);
+        lmb_probes_destroy(probes);
+        level_fixture_close(&level);
+    }
+}
+
 static const test_case cases[] = {
     {"faces are lit by what is before them", faces_are_lit_by_what_is_before_them},
+    {"what lies on a sheet is before it", what_lies_on_a_sheet_is_before_it},
+    {"a niche by a torch is not black", a_niche_by_a_torch_is_not_black},
 };
 
 TEST_MAIN(cases)

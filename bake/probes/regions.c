@@ -9,6 +9,7 @@ void lmb_regions_destroy(lmb_regions *regions)
 {
     if (regions) {
         free(regions->point);
+        free(regions->place);
         free(regions->corner);
         free(regions->hanging);
         free(regions->hangs);

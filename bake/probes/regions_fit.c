@@ -16,6 +16,9 @@
 /* Coefficients that are solved at once: a channel's, or all key lights'. */
 enum { LANES = LMB_SH3_COUNT, MOST_PASSES = 200 };
 
+/* Each holds some more of what came out negative in the last one. */
+enum { MOST_FITS = 4 };
+
 /* Squared, of what is left to where it began. */
 #define CONVERGED 1e-10
 
@@ -37,6 +40,7 @@ typedef struct fit_job {
     uint32_t set;
     fit_matrix matrix;
     double *diagonal; /* [unknown] */
+    bool *held;       /* [unknown] its radiance stays where solving starts */
     bool failed[4];   /* [task] out of memory */
 } fit_job;
 
@@ -248,17 +252,24 @@ static void right_make(const fit_job *job, size_t task, double (*right)[LANES])
 typedef struct fit_work {
     const fit_matrix *matrix;
     const double *diagonal;
+    const bool *held; /* NULL: none is */
     size_t rows;
     double (*x)[LANES], (*left)[LANES], (*direction)[LANES], (*image)[LANES];
 } fit_work;
 
-/* The matrix times the direction; `along` is the direction's product with it. */
+static bool is_held(const fit_work *work, size_t row)
+{
+    return work->held && work->held[row];
+}
+
+/* The matrix times the direction, 0 where it is held; `along` is the direction's product with it. */
 static void image_make(const fit_work *work, double along[LANES])
 {
     memset(along, 0, LANES * sizeof *along);
     for (size_t row = 0; row < work->rows; ++row) {
         double sum[LANES] = {0.0};
-        for (size_t i = work->matrix->first[row]; i < work->matrix->first[row + 1]; ++i) {
+        const size_t end = is_held(work, row) ? work->matrix->first[row] : work->matrix->first[row + 1];
+        for (size_t i = work->matrix->first[row]; i < end; ++i) {
             const double value = work->matrix->entry[i].value;
             const double *const column = work->direction[work->matrix->entry[i].column];
             for (int k = 0; k < LANES; ++k) {
@@ -369,6 +380,7 @@ static void coefficients_fit(void *context, size_t task, int worker)
     }
     const fit_work work = {.matrix = &job->matrix,
                            .diagonal = job->diagonal,
+                           .held = task < 3 ? job->held : NULL,
                            .rows = rows,
                            .x = vectors,
                            .left = vectors + rows,
@@ -381,7 +393,7 @@ static void coefficients_fit(void *context, size_t task, int worker)
     image_make(&work, along);
     for (size_t i = 0; i < rows; ++i) {
         for (int k = 0; k < LANES; ++k) {
-            work.left[i][k] -= work.image[i][k];
+            work.left[i][k] = is_held(&work, i) ? 0.0 : work.left[i][k] - work.image[i][k];
         }
     }
     solve(&work);
@@ -390,6 +402,36 @@ static void coefficients_fit(void *context, size_t task, int worker)
     }
     free(vectors);
     free(sum);
+}
+
+static float mean_light(const fit_job *job, int32_t probe)
+{
+    const lmb_sh3_rgb *const light = &job->probes->radiance[job->set][probe];
+    return lmb_luminance(lmb_rgb_of(light->channel[0].c[0], light->channel[1].c[0], light->channel[2].c[0]));
+}
+
+/* Holds what makes light negative before a surface: beside a lamp light falls off fast, and lines through what is
+ * gathered can come out below 0 behind a wall. Returns how many more are held. */
+static size_t negative_hold(const fit_job *job)
+{
+    const lmb_regions *const regions = job->regions;
+    size_t more = 0;
+    for (size_t i = 0; i < regions->place_count; ++i) {
+        const int32_t *const corner = regions->corner[regions->place[i].region];
+        float weight[8], sum = 0.0f;
+        lmb_region_weights(regions->place[i].t, weight);
+        for (int c = 0; c < 8; ++c) {
+            sum += weight[c] * mean_light(job, corner[c]);
+        }
+        for (int c = 0; c < 8 && sum < 0.0f; ++c) {
+            const int32_t unknown = regions->unknown_of[corner[c]];
+            if (unknown >= 0 && !job->held[unknown] && mean_light(job, corner[c]) < 0.0f) {
+                job->held[unknown] = true;
+                ++more;
+            }
+        }
+    }
+    return more;
 }
 
 /* Sets what hangs on coarser levels. */
@@ -422,22 +464,29 @@ lmb_result lmb_regions_fit(const lmb_regions *regions, const lmb_gathered *gathe
                    .probes = probes,
                    .set = set,
                    .matrix.first = malloc((rows + 1) * sizeof *job.matrix.first),
-                   .diagonal = malloc((rows + 1) * sizeof *job.diagonal)};
+                   .diagonal = malloc((rows + 1) * sizeof *job.diagonal),
+                   .held = calloc(rows + 1, sizeof *job.held)};
+    const size_t tasks = probes->key_light_count > 0 ? 4 : 3;
     lmb_result result = LMB_ERROR_MEMORY;
-    if (job.matrix.first && job.diagonal) {
+    if (job.matrix.first && job.diagonal && job.held) {
         result = matrix_make(regions, &job.matrix, job.diagonal);
     }
     /* Each pass, one more level hangs on those that are done. */
     for (uint32_t pass = 0; pass < probes->level_count && result == LMB_OK; ++pass) {
-        values_hang(&job, probes->key_light_count > 0 ? 4 : 3);
-        result = lmb_pool_run(pool, probes->key_light_count > 0 ? 4 : 3, coefficients_fit, &job, "probes", NULL);
+        values_hang(&job, tasks);
+        size_t held = 1;
+        for (int fit = 0; fit < MOST_FITS && held > 0 && result == LMB_OK; ++fit) {
+            result = lmb_pool_run(pool, tasks, coefficients_fit, &job, "probes", NULL);
+            held = negative_hold(&job);
+        }
     }
-    values_hang(&job, probes->key_light_count > 0 ? 4 : 3);
+    values_hang(&job, tasks);
     for (int i = 0; i < 4; ++i) {
         result = job.failed[i] ? LMB_ERROR_MEMORY : result;
     }
     free(job.matrix.first);
     free(job.matrix.entry);
     free(job.diagonal);
+    free(job.held);
     return result;
 }

@@ -112,9 +112,17 @@ typedef struct lmb_region_frame {
 lmb_region_frame lmb_region_frame_of(const lmb_probes *probes, const lmb_region_cell *cell);
 lmb_vec3 lmb_region_position(const lmb_region_frame *frame, const float t[3]);
 
+/* A place of a region that is just before a surface, where one of its corners that are to be fitted weighs most. */
+typedef struct lmb_region_place {
+    uint32_t region;
+    float t[3];
+} lmb_region_place;
+
 struct lmb_regions {
     size_t point_count;
     lmb_region_point *point;
+    size_t place_count;
+    lmb_region_place *place;
     uint32_t region_count; /* that have anything to fit */
     int32_t (*corner)[8];  /* [region] */
     size_t hanging_count;

@@ -94,6 +94,41 @@ static void choices_make(const points_work *work)
     }
 }
 
+/* The place of a region before a surface that is best for one of its corners. `weight` 0: there is none. */
+static point_choice surface_best(const lmb_region_work *all, uint32_t cell, uint32_t label, int corner)
+{
+    const lmb_region_cell *const own = &all->cell[cell];
+    const lmb_region_look *const look = own->look == UINT32_MAX ? NULL : &all->look[own->look];
+    point_choice best = {.weight = 0.0f};
+    for (uint32_t i = 0; look && i < look->end_count; ++i) {
+        if (look->label[look->end[i].node] == label) {
+            float t[3];
+            end_place(&look->end[i], t);
+            choice_offer(&best, cell, own->first + label, t, corner);
+        }
+    }
+    return best;
+}
+
+static void places_choose(const lmb_region_work *all, const uint32_t *kept)
+{
+    lmb_regions *const made = all->regions;
+    for (uint32_t c = 0; c < all->cell_count; ++c) {
+        for (uint32_t label = 0; label < all->cell[c].count; ++label) {
+            const uint32_t region = all->cell[c].first + label;
+            for (int corner = 0; corner < 8 && kept[region] != UINT32_MAX; ++corner) {
+                if (made->unknown_of[all->corner[region][corner]] >= 0) {
+                    const point_choice best = surface_best(all, c, label, corner);
+                    if (best.weight > 0.0f) {
+                        made->place[made->place_count++] =
+                            (lmb_region_place){kept[region], {best.t[0], best.t[1], best.t[2]}};
+                    }
+                }
+            }
+        }
+    }
+}
+
 /* Spreads points over a region of a cell that holds a lamp. */
 static void lamp_choose(points_work *work, uint32_t cell, uint32_t label)
 {
@@ -239,7 +274,8 @@ lmb_result lmb_region_points_choose(lmb_region_work *all)
         const size_t most = (size_t)made->unknown_count * POINTS_EACH + lamp_regions(all) * LAMP_POINTS + 1;
         work.choice = calloc(most, sizeof *work.choice);
         made->point = malloc(most * sizeof *made->point);
-        result = work.choice && made->point ? LMB_OK : LMB_ERROR_MEMORY;
+        made->place = malloc((8 * (size_t)made->region_count + 1) * sizeof *made->place);
+        result = work.choice && made->point && made->place ? LMB_OK : LMB_ERROR_MEMORY;
     }
     if (result == LMB_OK) {
         work.count = (size_t)made->unknown_count * POINTS_EACH;
@@ -247,6 +283,7 @@ lmb_result lmb_region_points_choose(lmb_region_work *all)
         choices_make(&work);
         lamps_choose(&work, kept);
         points_add(&work, kept);
+        places_choose(all, kept);
         all->stats->points = (int64_t)made->point_count;
     }
     free(kept);

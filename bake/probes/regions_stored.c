@@ -7,13 +7,15 @@
 /* Names all there is, in its order: written, or read. */
 static void regions_move(lmb_stored *stored, lmb_regions *regions, int32_t probes)
 {
-    uint64_t counts[2] = {regions->point_count, regions->hanging_count};
+    uint64_t counts[3] = {regions->point_count, regions->hanging_count, regions->place_count};
     LMB_STORED(stored, counts);
     LMB_STORED(stored, regions->region_count);
     LMB_STORED(stored, regions->unknown_count);
     regions->point_count = (size_t)counts[0];
     regions->hanging_count = (size_t)counts[1];
+    regions->place_count = (size_t)counts[2];
     regions->point = lmb_stored_array(stored, regions->point, regions->point_count, sizeof *regions->point);
+    regions->place = lmb_stored_array(stored, regions->place, regions->place_count, sizeof *regions->place);
     regions->corner = lmb_stored_array(stored, regions->corner, regions->region_count, sizeof *regions->corner);
     regions->hanging = lmb_stored_array(stored, regions->hanging, regions->hanging_count, sizeof *regions->hanging);
     regions->hangs = lmb_stored_array(stored, regions->hangs, (size_t)probes, sizeof *regions->hangs);
@@ -25,6 +27,7 @@ void lmb_regions_write(const lmb_regions *regions, int32_t probes, lmb_stored *s
 {
     /* Structures of fours of bytes: without padding. */
     _Static_assert(sizeof(lmb_region_point) == 9 * sizeof(float), "padded");
+    _Static_assert(sizeof(lmb_region_place) == 4 * sizeof(float), "padded");
     _Static_assert(sizeof(lmb_region_hanging) == 18 * sizeof(float), "padded");
     lmb_regions own = *regions;
     regions_move(stored, &own, probes);
@@ -46,6 +49,9 @@ static bool regions_are_sane(const lmb_regions *regions, int32_t probes)
         (regions->region_count == 0 || are_probes(regions->corner[0], 8 * (size_t)regions->region_count, probes));
     for (size_t i = 0; i < regions->point_count && sane; ++i) {
         sane = regions->point[i].region < regions->region_count && regions->point[i].spacing > 0.0f;
+    }
+    for (size_t i = 0; i < regions->place_count && sane; ++i) {
+        sane = regions->place[i].region < regions->region_count;
     }
     for (size_t i = 0; i < regions->hanging_count && sane; ++i) {
         sane = are_probes(&regions->hanging[i].value, 1, probes) && are_probes(regions->hanging[i].parent, 8, probes);

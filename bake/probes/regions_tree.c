@@ -11,9 +11,10 @@
 #define SAME_PLANE 0.002f
 #define SAME_COSINE 0.9995f
 
-/* A sample beside a surface is so much of its way to the next node, or of a spacing, before it. */
-#define BEFORE_SHARE 0.02f
-#define BEFORE_MOST 0.0005f
+/* A sample beside a surface is that many spacings before it, or half of its way to the next node: more than rounding of
+ * planes can move it across. */
+#define BEFORE_SPACINGS 0.0005f
+#define BEFORE_SHARE 0.5f
 
 enum {
     MOST_PLANES = 64,
@@ -28,7 +29,8 @@ enum {
 
 typedef struct tree_plane {
     int16_t normal[3], offset;
-    int votes; /* surfaces met that lie in it */
+    int votes;  /* surfaces met that lie in it, */
+    int facing; /* and how many more of them are seen from above alone than from below alone */
 } tree_plane;
 
 /* A side of a triangle, by the region that it is seen from. */
@@ -79,10 +81,11 @@ static void sample_add(tree_work *work, const float t[3], uint8_t name)
     }
 }
 
-/* In the cell's coordinates. */
-static void plane_add(tree_work *work, lmb_vec3 normal, float offset)
+/* In the cell's coordinates. `facing` is 1 for a surface that is seen from above alone, or 0. */
+static void plane_add(tree_work *work, lmb_vec3 normal, float offset, int facing)
 {
-    const tree_plane added = {{quantised(normal.x), quantised(normal.y), quantised(normal.z)}, quantised(offset), 1};
+    const tree_plane added = {
+        {quantised(normal.x), quantised(normal.y), quantised(normal.z)}, quantised(offset), 1, facing};
     for (int i = 0; i < work->plane_count; ++i) {
         const float one = 1.0f / (float)LMB_CELL_UNIT;
         const int16_t *const n = work->plane[i].normal;
@@ -90,6 +93,7 @@ static void plane_add(tree_work *work, lmb_vec3 normal, float offset)
         const float side = cosine < 0.0f ? -1.0f : 1.0f;
         if (fabsf(cosine) > SAME_COSINE && fabsf((float)work->plane[i].offset * one - side * offset) < SAME_PLANE) {
             ++work->plane[i].votes;
+            work->plane[i].facing += side < 0.0f ? -facing : facing;
             return;
         }
     }
@@ -108,7 +112,9 @@ static void surface_add(tree_work *work, const lmb_hit *hit)
     const lmb_vec3 normal =
         lmb_vec3_of(inverse * lmb_vec3_dot(n, frame->step[0]), inverse * lmb_vec3_dot(n, frame->step[1]),
                     inverse * lmb_vec3_dot(n, frame->step[2]));
-    plane_add(work, normal, lmb_vec3_dot(n, from));
+    const lmb_scene *const scene = lmb_tracer_scene(work->tracer);
+    const lmb_mesh *const mesh = &scene->meshes[scene->instances[hit->instance].mesh];
+    plane_add(work, normal, lmb_vec3_dot(n, from), !scene->materials[mesh->material[hit->triangle]].double_sided);
 }
 
 static bool met_before(tree_work *work, const lmb_hit *hit, uint8_t name)
@@ -163,6 +169,14 @@ static void corners_add(tree_work *work, const lmb_hit *hit, const float from[3]
     }
 }
 
+/* How far along the axis a sample stays away from a surface whose next node is `way` from it. */
+static float before_surface(const tree_work *work, const lmb_hit *hit, int axis, float way)
+{
+    const lmb_vec3 normal = lmb_trace_place(work->tracer, hit).geometric_normal;
+    const float cosine = fabsf(lmb_vec3_dot(normal, work->frame.step[axis])) / work->frame.spacing;
+    return lmb_smaller(BEFORE_SHARE * way, BEFORE_SPACINGS / lmb_larger(cosine, 0.01f));
+}
+
 /* Both ends of what stands between two nodes of a line: the first and the last surface. */
 static void ends_add(tree_work *work, const uint8_t *name, int axis, int line, const lmb_region_line *found)
 {
@@ -175,13 +189,13 @@ static void ends_add(tree_work *work, const uint8_t *name, int axis, int line, c
         const int low = lmb_region_line_node(axis, line, node), high = lmb_region_line_node(axis, line, node + 1);
         if (i == 0 || lmb_region_node_before(found->at[i - 1]) != node) {
             lmb_region_node_at(low, t);
-            t[axis] = found->at[i] - lmb_smaller(BEFORE_SHARE * (found->at[i] - t[axis]), BEFORE_MOST);
+            t[axis] = found->at[i] - before_surface(work, &found->hit[i], axis, found->at[i] - t[axis]);
             sample_add(work, t, name[low]);
             corners_add(work, &found->hit[i], t, name[low]);
         }
         if (i + 1 == found->count || lmb_region_node_before(found->at[i + 1]) != node) {
             lmb_region_node_at(high, t);
-            t[axis] = found->at[i] + lmb_smaller(BEFORE_SHARE * (t[axis] - found->at[i]), BEFORE_MOST);
+            t[axis] = found->at[i] + before_surface(work, &found->hit[i], axis, t[axis] - found->at[i]);
             sample_add(work, t, name[high]);
             corners_add(work, &found->hit[i], t, name[high]);
         }
@@ -265,11 +279,12 @@ static tree_plane plane_between(const tree_work *work, const branch *at)
     const float length = sqrtf(nearest);
     const lmb_vec3 normal = lmb_vec3_of((q[0] - p[0]) / length, (q[1] - p[1]) / length, (q[2] - p[2]) / length);
     const float offset = 0.5f * (normal.x * (p[0] + q[0]) + normal.y * (p[1] + q[1]) + normal.z * (p[2] + q[2]));
-    return (tree_plane){{quantised(normal.x), quantised(normal.y), quantised(normal.z)}, quantised(offset), 0};
+    return (tree_plane){{quantised(normal.x), quantised(normal.y), quantised(normal.z)}, quantised(offset), 0, 0};
 }
 
 /* Moves a plane into the middle between what it parts: off the surface that it was found at, where points that are lit
- * lie. */
+ * lie. Where all surfaces in it are seen from one side alone it moves towards their backs: what lies on them is before
+ * them. */
 static void plane_centre(const tree_work *work, const branch *at, tree_plane *plane)
 {
     float below = -INFINITY, above = INFINITY;
@@ -281,6 +296,12 @@ static void plane_centre(const tree_work *work, const branch *at, tree_plane *pl
         } else {
             below = fmaxf(below, found);
         }
+    }
+    const float own = (float)plane->offset;
+    if (plane->facing > 0 && plane->facing == plane->votes) {
+        above = own;
+    } else if (plane->facing < 0 && plane->facing == -plane->votes) {
+        below = own;
     }
     const float middle = floorf(0.5f * (below + above));
     if (middle >= below && middle < above) {
