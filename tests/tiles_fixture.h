@@ -42,8 +42,8 @@ static inline lmb_result tile_keep(void *context, const int32_t at[3], const uns
 static inline void divided_of(const lmb_probes *probes, lmb_volume_form form, int32_t bricks, divided *made)
 {
     const int32_t cells = bricks * (LMB_BRICK_CELLS << (probes->level_count - 1));
-    const lmb_split_sink sink = {tile_keep, made};
     memset(made, 0, sizeof *made);
+    const lmb_split_sink sink = {tile_keep, made};
     bool good = lmb_pack_as(form, probes, &made->whole_data, &made->whole_size, NULL) == LMB_OK &&
                 lmb_volume_open_memory(made->whole_data, made->whole_size, &made->whole) == LMB_OK &&
                 lmb_split(made->whole, (const int32_t[3]){cells, cells, cells}, &sink, &made->index,
