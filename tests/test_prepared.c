@@ -211,7 +211,7 @@ static void jobs_of_slurm_follow_each_other(void)
 #define JOB                                                                                                            \
     "cd " OUTPUT " && LAMBENT=" LMB_COMMAND " SLURM_ARRAY_TASK_MAX=2 SLURM_ARRAY_TASK_ID=%d " LMB_SLURM " --%s farm"
 #define OPTIONS LEVEL " --spacing 0.5 --samples 16"
-    CHECK_RUN(0, NULL, "cd " OUTPUT " && rm -rf farm && " LMB_COMMAND " bake " OPTIONS " --quiet -o plain");
+    CHECK_RUN(0, NULL, "cd " OUTPUT " && rm -rf farm plain && " LMB_COMMAND " bake " OPTIONS " --quiet -o plain");
     CHECK_RUN(0, "prepared", JOB " " OPTIONS, 0, "prepare");
     CHECK_RUN(0, "gathered", JOB " " OPTIONS, 1, "share");
     CHECK_RUN(0, "gathered", JOB " " OPTIONS, 2, "share");
