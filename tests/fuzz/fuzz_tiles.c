@@ -3,6 +3,7 @@
  * checksum put right. */
 #include "fuzz.h"
 #include "fuzz_light.h"
+#include "fuzz_sealed.h"
 
 #include <string.h>
 
@@ -111,20 +112,7 @@ static void bytes_open(const unsigned char *bytes, size_t size)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     bakes_make();
-    unsigned char *const copy = calloc(size > 0 ? size : 1, 1); /* aligned, and of just this size */
-    FUZZ_CHECK(copy, "%zu bytes", size);
-    if (size > 0) {
-        memcpy(copy, data, size);
-    }
-    bytes_open(copy, size);
-    if (size >= sizeof(lmb_tiles_header)) {
-        const uint64_t bytes = size;
-        memcpy(copy + offsetof(lmb_tiles_header, file_bytes), &bytes, sizeof bytes);
-        const uint64_t checksum = lmb_volume_hash(copy + LMB_VOLUME_CHECKSUM_START, size - LMB_VOLUME_CHECKSUM_START);
-        memcpy(copy + offsetof(lmb_tiles_header, checksum), &checksum, sizeof checksum);
-        bytes_open(copy, size);
-    }
-    free(copy);
+    fuzz_sealed(data, size, bytes_open);
     return 0;
 }
 
