@@ -24,7 +24,7 @@ endforeach()
 
 set(faults 0)
 foreach(file IN LISTS files)
-    if(file MATCHES "/bake/(model|bump)/") # bump maps are of one model
+    if(file MATCHES "/bake/(model|bump)/|/tools/bump_") # bump maps are of one model
         continue()
     endif()
     file(STRINGS ${file} lines REGEX "${known}")

@@ -13,7 +13,6 @@
 #include <string.h>
 #include <time.h>
 
-#include <lambent/rnm.h>
 #include <lambent/sequence.h>
 #include <lambent/vector.h>
 
@@ -184,13 +183,12 @@ typedef enum timed_call {
     CALL_PHONG_AREA,
     CALL_DOMINANT,
     CALL_VISIBILITY,
-    CALL_SSBUMP,
     CALLS
 } timed_call;
 
 static const char *const CALL_NAME[CALLS] = {
-    "lmb_specular_area",       "lmb_specular_environment",   "lmb_specular_light",           "lmb_specular_light_phong",
-    "lmb_specular_area_phong", "lmb_sh3_rgb_dominant_light", "lmb_sh3_rgb_light_visibility", "lmb_ssbump_evaluate"};
+    "lmb_specular_area",       "lmb_specular_environment",   "lmb_specular_light",          "lmb_specular_light_phong",
+    "lmb_specular_area_phong", "lmb_sh3_rgb_dominant_light", "lmb_sh3_rgb_light_visibility"};
 
 /* Another surface for each `turn`, so that nothing is found once for all. */
 static float call_make(timed_call call, const specular_light *light, float turn)
@@ -212,35 +210,29 @@ static float call_make(timed_call call, const specular_light *light, float turn)
         return lmb_specular_area_phong(&light->radiance, &specular, normal, view).c[0];
     case CALL_DOMINANT:
         return lmb_sh3_rgb_dominant_light(&light->radiance).irradiance.c[0] + turn;
-    case CALL_VISIBILITY: {
+    default: {
         const lmb_key_light lamp = {view, light->dominant.irradiance};
         return lmb_sh3_rgb_light_visibility(&light->radiance, &lamp);
-    }
-    default: {
-        const lmb_rnm rnm = {{light->sun.irradiance, light->dominant.irradiance, weight}};
-        const lmb_rgb found = lmb_ssbump_evaluate(&rnm, weight);
-        return found.c[0] + found.c[1] + found.c[2];
     }
     }
 }
 
 static void call_time(timed_call call, const specular_light *light)
 {
-    enum { REPEATS = 5 };
-    const int count = call == CALL_SSBUMP ? 20000000 : 200000;
+    enum { REPEATS = 5, COUNT = 200000 };
     double best = 1e30;
     volatile float sink = 0.0f;
     for (int repeat = 0; repeat < REPEATS; ++repeat) {
         const double start = seconds_used();
         float sum = 0.0f;
-        for (int i = 0; i < count; ++i) {
+        for (int i = 0; i < COUNT; ++i) {
             sum += call_make(call, light, (float)(i & 1023) * 0.006f);
         }
         const double seconds = seconds_used() - start;
         sink = sink + sum;
         best = seconds < best ? seconds : best;
     }
-    printf("%-30s%6.1f ns\n", CALL_NAME[call], 1e9 * best / count);
+    printf("%-30s%6.1f ns\n", CALL_NAME[call], 1e9 * best / COUNT);
 }
 
 static bool options_read(int count, char **values, specular_options *options)
