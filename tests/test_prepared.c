@@ -188,7 +188,9 @@ static void commands_go_with_each_other(void)
 #define BAKE "cd " OUTPUT " && " LMB_COMMAND " bake " LEVEL " --spacing 0.5 --samples 16 --quiet"
     CHECK_RUN(0, NULL, BAKE " -o plain && rm -rf once");
     CHECK_RUN(0, "prepared", BAKE " --prepare -o once");
+    CHECK_RUN(0, NULL, "cd " OUTPUT "/once && mkdir .lambent-parts && touch .lambent-parts/probes-000000.part");
     CHECK_RUN(0, "current", BAKE " --prepare -o once");
+    CHECK_RUN(0, NULL, "test -e " OUTPUT "/once/.lambent-parts/probes-000000.part");
     CHECK_RUN(0, "prepared", BAKE " --prepare --force -o once");
     CHECK_RUN(0, "gathered", BAKE " --shard 1/2 --prepared once -o s1");
     CHECK_RUN(0, "gathered", BAKE " --shard 2/2 -o s2");

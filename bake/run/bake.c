@@ -179,7 +179,10 @@ static lmb_result bake_whole(lmb_bake *bake, const lmb_bake_settings *asked, con
     lmb_kept kept = {.read_from = NULL};
     bake->record.is_current = lmb_bake_work_is_done(work, folder, bake->record.key);
     if (bake->record.is_current) {
-        lmb_bake_folder_drop_parts(folder); /* of one that was killed when all was written */
+        /* Parts of a bake that was killed when all was written; beside what is prepared they are another's. */
+        if (!work->prepare) {
+            lmb_bake_folder_drop_parts(folder);
+        }
         return LMB_OK;
     }
     if (work->prepare) {

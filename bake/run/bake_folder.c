@@ -254,9 +254,10 @@ static lmb_result targets_check(const lmb_bake_folder *folder, lmb_error *error)
         LIGHTMAP_NAME "/lightmap_0.dds",
     };
     lmb_result result = LMB_OK;
-    const size_t count = folder->lightmaps ? sizeof names / sizeof names[0] : 6;
-    for (size_t i = 0; i < count && result == LMB_OK; ++i) {
-        result = target_check(folder, names[i], true, error);
+    for (size_t i = 0; i < sizeof names / sizeof names[0] && result == LMB_OK; ++i) {
+        if (folder->lightmaps || !strchr(names[i], '/')) {
+            result = target_check(folder, names[i], true, error);
+        }
     }
     for (size_t i = 0; i < folder->change_count && result == LMB_OK; ++i) {
         result = target_check(folder, folder->changes[i].name, false, error);
