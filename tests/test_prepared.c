@@ -186,7 +186,8 @@ static void commands_go_with_each_other(void)
         return;
     }
 #define BAKE "cd " OUTPUT " && " LMB_COMMAND " bake " LEVEL " --spacing 0.5 --samples 16 --quiet"
-    CHECK_RUN(0, NULL, BAKE " -o plain && rm -rf once");
+    CHECK_RUN(0, NULL, "cd " OUTPUT " && rm -rf plain once s1 s2 joined");
+    CHECK_RUN(0, NULL, BAKE " -o plain");
     CHECK_RUN(0, "prepared", BAKE " --prepare -o once");
     CHECK_RUN(0, NULL, "cd " OUTPUT "/once && mkdir .lambent-parts && touch .lambent-parts/probes-000000.part");
     CHECK_RUN(0, "current", BAKE " --prepare -o once");
