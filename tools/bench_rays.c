@@ -1,10 +1,9 @@
-#define _POSIX_C_SOURCE 200809L
 #include "bench_rays.h"
 
 #include <stdlib.h>
-#include <time.h>
 
 #include "command.h"
+#include "cpu_time.h"
 
 const lmb_bake_phase bench_phases[BENCH_PHASES] = {LMB_PHASE_PLACE, LMB_PHASE_SURFACE, LMB_PHASE_PROBES,
                                                    LMB_PHASE_LIGHTMAPS};
@@ -34,9 +33,7 @@ typedef struct bench_work {
 
 static time_pair time_now(void)
 {
-    struct timespec cpu;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
-    return (time_pair){seconds_now(), (double)cpu.tv_sec + 1e-9 * (double)cpu.tv_nsec};
+    return (time_pair){seconds_now(), cpu_time_of_process()};
 }
 
 static time_pair time_since(time_pair start)

@@ -1,9 +1,9 @@
-#define _POSIX_C_SOURCE 200809L
 #include "bench_time.h"
 
 #include <pthread.h>
 #include <stdbool.h>
-#include <time.h>
+
+#include "cpu_time.h"
 
 /* Where threads wait for each other. */
 typedef struct gate {
@@ -19,13 +19,6 @@ typedef struct share {
     gate *start;
     double seconds;
 } share;
-
-static double thread_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static void gate_wait(gate *start)
 {
@@ -52,13 +45,13 @@ static void *share_run(void *context)
     own->sampler->sample(own->sampler->data, own->position, own->count < BENCH_CHUNK ? own->count : BENCH_CHUNK,
                          radiance);
     gate_wait(own->start);
-    const double start = thread_seconds();
+    const double start = cpu_time_of_thread();
     for (size_t first = 0; first < own->count; first += BENCH_CHUNK) {
         const size_t left = own->count - first;
         own->sampler->sample(own->sampler->data, own->position + first, left < BENCH_CHUNK ? left : BENCH_CHUNK,
                              radiance);
     }
-    own->seconds = thread_seconds() - start;
+    own->seconds = cpu_time_of_thread() - start;
     return NULL;
 }
 

@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <lambent/hhd.h>
 #include <lambent/image.h>
@@ -21,6 +20,7 @@
 #include <lambent/vector.h>
 
 #include "bump_truth.h"
+#include "cpu_time.h"
 #include "tonemap.h"
 
 enum { SIDE = 192, TEXELS = SIDE * SIDE, STONES = 6, MOST_ROWS = 4, BOUNCES = 4, BOUNCE_SAMPLES = 64 };
@@ -137,14 +137,14 @@ static void evaluation_time(const bump_picture *picture, const lmb_rnm *rnm)
     double best = INFINITY;
     volatile float sink = 0.0f;
     for (int round = 0; round < ROUNDS; ++round) {
-        const clock_t start = clock();
+        const double start = cpu_time_of_thread();
         float sum = 0.0f;
         for (int i = 0; i < TEXELS; ++i) {
             const lmb_rgb found = lmb_ssbump_evaluate(rnm, picture->lit[COLUMN_SSBUMP][i]);
             sum += found.c[0] + found.c[1] + found.c[2];
         }
         sink = sink + sum;
-        best = fmin(best, (double)(clock() - start) / CLOCKS_PER_SEC);
+        best = fmin(best, cpu_time_of_thread() - start);
     }
     printf("%-28s%8.1f ns\n", "lmb_ssbump_evaluate", 1e9 * best / TEXELS);
 }

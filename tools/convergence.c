@@ -8,13 +8,11 @@
  * relative RMSE of the SH3 moments over all points. The estimator is `reference`, `cached`, `cached without` an
  * ingredient, in the solve too, or `cells`: `cached` with caches of several sizes. The truth is the reference's, by
  * many more samples; its own standard error is printed first. tools/plot_convergence draws it. */
-#define _POSIX_C_SOURCE 200809L
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <lambent/lightmap.h>
 #include <lambent/placement.h>
@@ -24,6 +22,7 @@
 #include <lambent/vector.h>
 
 #include "command.h"
+#include "cpu_time.h"
 #include "level_arguments.h"
 #include "light/emitters_internal.h"
 
@@ -159,13 +158,6 @@ static void truth_task(void *context, size_t task, int worker)
     lmb_gather_sh3(&reference, &set->point[task], truth->work->truth_samples, &set->truth[task]);
 }
 
-static double seconds_used(void)
-{
-    struct timespec used;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
-    return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
-}
-
 /* Error and CPU seconds of both kinds of points. */
 static void measure(const convergence *work, const lmb_transport *transport, const char *name, uint32_t cells,
                     uint32_t samples)
@@ -174,7 +166,7 @@ static void measure(const convergence *work, const lmb_transport *transport, con
         const point_set *set = work->set[kind];
         double off = 0.0;
         double all = 0.0;
-        const double start = seconds_used();
+        const double start = cpu_time_of_thread();
         for (int i = 0; i < set->count; ++i) {
             lmb_gathered found;
             lmb_gather_sh3(transport, &set->point[i], samples, &found);
@@ -186,7 +178,7 @@ static void measure(const convergence *work, const lmb_transport *transport, con
                 }
             }
         }
-        printf("%s\t%s\t%u\t%u\t%.6f\t%.6f\n", kind_names[kind], name, cells, samples, seconds_used() - start,
+        printf("%s\t%s\t%u\t%u\t%.6f\t%.6f\n", kind_names[kind], name, cells, samples, cpu_time_of_thread() - start,
                sqrt(off / all));
         fflush(stdout);
     }

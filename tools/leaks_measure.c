@@ -1,11 +1,11 @@
-#define _POSIX_C_SOURCE 200809L
 #include "leaks_measure.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include <lambent/vector.h>
+
+#include "cpu_time.h"
 
 static const lmb_vec3 axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
@@ -167,13 +167,6 @@ double leaks_step(const leaks_sampler *sampler, lmb_vec3 from, lmb_vec3 to)
 
 /* --- time --------------------------------------------------------------------------------------------------------- */
 
-static double cpu_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static int compare_doubles(const void *left, const void *right)
 {
     const double a = *(const double *)left, b = *(const double *)right;
@@ -188,12 +181,12 @@ double leaks_time(const leaks_sampler *sampler, const leaks_places *places)
         return 0.0;
     }
     for (int i = 0; i < REPEATS; ++i) {
-        const double start = cpu_seconds();
+        const double start = cpu_time_of_thread();
         for (size_t k = 0; k < ROUNDS * places->point_count; ++k) {
             lmb_sh3_rgb found;
             sample_at(sampler, &places->point[k % places->point_count], &found);
         }
-        seconds[i] = cpu_seconds() - start;
+        seconds[i] = cpu_time_of_thread() - start;
     }
     qsort(seconds, REPEATS, sizeof seconds[0], compare_doubles);
     return 1e9 * seconds[REPEATS / 2] / (double)(ROUNDS * places->point_count);

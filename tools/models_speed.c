@@ -1,7 +1,6 @@
-#define _POSIX_C_SOURCE 200809L
 #include <stdlib.h>
-#include <time.h>
 
+#include "cpu_time.h"
 #include "models.h"
 
 enum {
@@ -36,14 +35,6 @@ static void inputs_fill(speed_inputs *inputs, const models_map *map, size_t map_
             inputs->sh3[input][i] = turn->sh3[input];
         }
     }
-}
-
-/* CPU time of this thread, which what else the machine does leaves alone. */
-static double now_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return 1e9 * (double)now.tv_sec + (double)now.tv_nsec;
 }
 
 /* Encodes so many inputs. */
@@ -86,11 +77,11 @@ static double pass_ns(int (*pass)(const models_row *, speed_inputs *), const mod
     int passes = 1, done = 1;
     double spent = 0.0;
     while (passes < MOST_PASSES) {
-        const double start = now_ns();
+        const double start = cpu_time_of_thread();
         for (int i = 0; i < passes; ++i) {
             done = pass(row, inputs);
         }
-        spent = now_ns() - start;
+        spent = 1e9 * (cpu_time_of_thread() - start);
         if (spent >= REPEAT_NS) {
             break;
         }
@@ -98,11 +89,11 @@ static double pass_ns(int (*pass)(const models_row *, speed_inputs *), const mod
     }
     double sample[REPEATS];
     for (int repeat = 0; repeat < REPEATS; ++repeat) {
-        const double start = now_ns();
+        const double start = cpu_time_of_thread();
         for (int i = 0; i < passes; ++i) {
             pass(row, inputs);
         }
-        sample[repeat] = (now_ns() - start) / ((double)passes * done);
+        sample[repeat] = 1e9 * (cpu_time_of_thread() - start) / ((double)passes * done);
     }
     qsort(sample, REPEATS, sizeof *sample, compare_doubles);
     return sample[REPEATS / 2];

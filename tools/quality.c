@@ -23,11 +23,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <lambent/bake_phases.h>
 
 #include "bake_arguments.h"
+#include "cpu_time.h"
 
 static const char usage[] =
     "usage: lambent_quality LEVEL [options]\n"
@@ -75,13 +75,6 @@ typedef struct quality_work {
     int seeds;
     char *efforts;
 } quality_work;
-
-static double seconds_used(void)
-{
-    struct timespec used;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
-    return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
-}
 
 static float rgb_mean(const lmb_rgb *light)
 {
@@ -139,7 +132,7 @@ static void texels_keep(const lmb_bake *bake, elements *texels)
 static lmb_result probes_bake(lmb_bake *bake, const lmb_transport *transport, const lmb_gather_effort *effort,
                               baked_light *light)
 {
-    const double start = seconds_used();
+    const double start = cpu_time_of_process();
     lmb_probe_list list;
     lmb_result result = lmb_probe_list_create(bake->probes, bake->regions, transport->tracer, &list);
     if (result != LMB_OK) {
@@ -150,15 +143,15 @@ static lmb_result probes_bake(lmb_bake *bake, const lmb_transport *transport, co
     lmb_gathered *gathered = malloc((all.count + 1) * sizeof *gathered);
     result = gathered ? lmb_gather_elements(&job, bake->level->pool, NULL, gathered, &bake->record.gathered)
                       : LMB_ERROR_MEMORY;
-    light->seconds += seconds_used() - start;
+    light->seconds += cpu_time_of_process() - start;
     if (result == LMB_OK) {
         result = lmb_probe_list_finish(&list, gathered, bake->level->pool, bake->probes);
         probes_keep(bake, &light->kind[PROBES]);
     }
-    const double kept_at = seconds_used();
+    const double kept_at = cpu_time_of_process();
     if (result == LMB_OK) {
         result = lmb_probe_list_denoise(&list, bake->level->pool, NULL, gathered);
-        light->denoise_seconds += seconds_used() - kept_at;
+        light->denoise_seconds += cpu_time_of_process() - kept_at;
     }
     if (result == LMB_OK) {
         lmb_gather_stats_renew(&bake->record.gathered, gathered, list.count);
@@ -187,7 +180,7 @@ static lmb_result texels_finish(lmb_bake *bake, const lmb_texel_list *list, cons
 static lmb_result texels_bake(lmb_bake *bake, const lmb_transport *transport, const lmb_gather_effort *effort,
                               baked_light *light)
 {
-    const double start = seconds_used();
+    const double start = cpu_time_of_process();
     lmb_texel_list *list;
     lmb_result result = lmb_texel_list_create(bake->lightmap, transport, effort, &list);
     if (result != LMB_OK) {
@@ -198,14 +191,14 @@ static lmb_result texels_bake(lmb_bake *bake, const lmb_transport *transport, co
     lmb_gathered *gathered = malloc((all.count + 1) * sizeof *gathered);
     result = gathered ? lmb_gather_elements(&job, bake->level->pool, NULL, gathered, &bake->record.lightmap)
                       : LMB_ERROR_MEMORY;
-    const double gathered_at = seconds_used();
+    const double gathered_at = cpu_time_of_process();
     if (result == LMB_OK) {
         result = texels_finish(bake, list, gathered, &light->kind[TEXELS]);
     }
-    const double finished_at = seconds_used();
+    const double finished_at = cpu_time_of_process();
     if (result == LMB_OK) {
         result = lmb_texel_list_denoise(list, bake->level->pool, NULL, gathered);
-        light->denoise_seconds += seconds_used() - finished_at;
+        light->denoise_seconds += cpu_time_of_process() - finished_at;
     }
     light->seconds += gathered_at - start;
     if (result == LMB_OK) {

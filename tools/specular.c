@@ -11,11 +11,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <lambent/sequence.h>
 #include <lambent/vector.h>
 
+#include "cpu_time.h"
 #include "machine.h"
 #include "specular_picture.h"
 
@@ -54,11 +54,6 @@ static int float_compare(const void *a, const void *b)
 {
     const float x = *(const float *)a, y = *(const float *)b;
     return (x > y) - (x < y);
-}
-
-static double seconds_used(void)
-{
-    return (double)clock() / CLOCKS_PER_SEC;
 }
 
 /* Normals are spread evenly (Fibonacci), and the view turns about each. */
@@ -223,12 +218,12 @@ static void call_time(timed_call call, const specular_light *light)
     double best = 1e30;
     volatile float sink = 0.0f;
     for (int repeat = 0; repeat < REPEATS; ++repeat) {
-        const double start = seconds_used();
+        const double start = cpu_time_of_thread();
         float sum = 0.0f;
         for (int i = 0; i < COUNT; ++i) {
             sum += call_make(call, light, (float)(i & 1023) * 0.006f);
         }
-        const double seconds = seconds_used() - start;
+        const double seconds = cpu_time_of_thread() - start;
         sink = sink + sum;
         best = seconds < best ? seconds : best;
     }

@@ -8,12 +8,10 @@
  * and of those at the borders of charts; beside SH3 of each texel, filtered, which knows its colours and all of its
  * directions; and beside the path tracer, free of its noise. The direct light of key lights is in none. One line for
  * each way, tabs between. */
-#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <lambent/bake_level.h>
 #include <lambent/file.h>
@@ -23,6 +21,7 @@
 
 #include "check_statistics.h"
 #include "command.h"
+#include "cpu_time.h"
 #include "level_arguments.h"
 #include "lightmap/lightmap_textures.h"
 #include "textures_eight_bits.h"
@@ -171,13 +170,6 @@ static const storing_way ways[] = {
      .format = LMB_LIGHTMAP_KTX2_ASTC},
 };
 
-static double seconds_used(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static bool reads_dilated(const lmb_lightmap *lightmap, const lmb_hit *hit)
 {
     lmb_lightmap_footprint footprint;
@@ -250,13 +242,13 @@ static lmb_result way_measure(textures *work, const storing_way *way, lmb_error 
     float *planes[64] = {NULL};
     uint64_t bytes = 0, texels = 0;
     lmb_result result = LMB_OK;
-    const double start = seconds_used();
+    const double start = cpu_time_of_process();
     for (int32_t i = 0; i < lightmap->image_count && result == LMB_OK; ++i) {
         planes[i] = planes_copy(&lightmap->image[i], way->model, model, (int)lightmap->key_light_count);
         result = planes[i] ? way->store(work, i, way, planes[i], &bytes, error) : LMB_ERROR_MEMORY;
         texels += texels_of(&lightmap->image[i]);
     }
-    const double seconds = seconds_used() - start;
+    const double seconds = cpu_time_of_process() - start;
     lmb_rgb(*light)[NORMALS] = calloc(work->points, sizeof *light);
     if (result == LMB_OK && light) {
         light_evaluate(work, model, planes, light);
@@ -348,11 +340,11 @@ static lmb_result run(textures *work, const lmb_level_settings *settings, lmb_er
         return result;
     }
     result = lmb_level_solve(&work->level, LMB_ESTIMATOR_CACHED, NULL, error);
-    const double start = seconds_used();
+    const double start = cpu_time_of_process();
     if (result == LMB_OK) {
         result = texels_bake(work, error);
     }
-    const double gathered = seconds_used() - start;
+    const double gathered = cpu_time_of_process() - start;
     if (result == LMB_OK) {
         result = points_make(work);
     }
