@@ -88,9 +88,8 @@ static inline lmb_cell_regions lmb_cell_regions_at(const lmb_cell_plane *plane, 
     const uint32_t first = own->child[1 - side];
     const uint32_t second = other->child[lmb_cell_is_region(other->child[0]) ? 0 : 1];
     const float above = lmb_cell_above(own, t), beyond = lmb_cell_above(other, t);
-    const float near = above < 0.0f ? -above : above, far = beyond < 0.0f ? -beyond : beyond;
-    return (lmb_cell_regions){{first - LMB_CELL_REGION, second - LMB_CELL_REGION},
-                              near + far > 0.0f ? near / (near + far) : 0.0f};
+    const float distance = above < 0.0f ? -above : above, sum = distance + (beyond < 0.0f ? -beyond : beyond);
+    return (lmb_cell_regions){{first - LMB_CELL_REGION, second - LMB_CELL_REGION}, sum > 0.0f ? distance / sum : 0.0f};
 }
 
 /* The one that weighs most. */
