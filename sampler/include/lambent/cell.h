@@ -81,15 +81,16 @@ static inline lmb_cell_regions lmb_cell_regions_at(const lmb_cell_plane *plane, 
         side = along > (float)p->offset;
         at = p->child[side];
     }
-    if (at < LMB_CELL_BLEND) {
-        return (lmb_cell_regions){{at - LMB_CELL_REGION, at - LMB_CELL_REGION}, 0.0f};
+    lmb_cell_regions in = {{at - LMB_CELL_REGION, at - LMB_CELL_REGION}, 0.0f};
+    if (at >= LMB_CELL_BLEND) {
+        const lmb_cell_plane *const own = &plane[last], *const other = &plane[at - LMB_CELL_BLEND];
+        const float above = lmb_cell_above(own, t), beyond = lmb_cell_above(other, t);
+        const float distance = above < 0.0f ? -above : above, sum = distance + (beyond < 0.0f ? -beyond : beyond);
+        in.region[0] = (uint32_t)own->child[1 - side] - LMB_CELL_REGION;
+        in.region[1] = (uint32_t)other->child[lmb_cell_is_region(other->child[0]) ? 0 : 1] - LMB_CELL_REGION;
+        in.share = sum > 0.0f ? distance / sum : 0.0f;
     }
-    const lmb_cell_plane *const own = &plane[last], *const other = &plane[at - LMB_CELL_BLEND];
-    const uint32_t first = own->child[1 - side];
-    const uint32_t second = other->child[lmb_cell_is_region(other->child[0]) ? 0 : 1];
-    const float above = lmb_cell_above(own, t), beyond = lmb_cell_above(other, t);
-    const float distance = above < 0.0f ? -above : above, sum = distance + (beyond < 0.0f ? -beyond : beyond);
-    return (lmb_cell_regions){{first - LMB_CELL_REGION, second - LMB_CELL_REGION}, sum > 0.0f ? distance / sum : 0.0f};
+    return in;
 }
 
 /* The one that weighs most. */
