@@ -84,8 +84,8 @@ static inline uint32_t lmb_volume_choose(uint32_t condition, uint32_t a, uint32_
     return b ^ ((a ^ b) & (0u - condition));
 }
 
-/* lmb_cell_region, of planes of which two may be read whatever the count. `above`: bit 0 whether t is above the first,
- * bit 1 the second. Most cells have no more. */
+/* The region of lmb_cell_regions_at, of planes of which two may be read whatever the count; from LMB_CELL_REGIONS_MOST
+ * on: a wedge. `above`: bit 0 whether t is above the first, bit 1 the second. Most cells have no more. */
 static inline uint32_t lmb_volume_cut_region_find(const lmb_cell_plane *plane, uint32_t count, uint32_t above,
                                                   const float t[3])
 {

@@ -149,22 +149,13 @@ LMB_APART void cut_3_corners_find(const lmb_volume *volume, const lmb_volume_cut
     }
 }
 
-/* Those of the region that the position is in: its ghosts, and else what a plain cell has there. Where there are no
- * ghosts, processors guess that, and go on before the record is there. */
-LMB_INLINE void cut_corners_find(const lmb_volume *volume, const void *slot, const lmb_volume_brick *brick,
-                                 uint32_t cell, fraction at, const unsigned char *corner[8])
+/* Those of a region: its ghosts, and else what a plain cell has there. Where there are no ghosts, processors guess
+ * that, and go on before the record is there. */
+LMB_INLINE void region_corners_find(const lmb_volume *volume, const lmb_volume_cut *cut, const lmb_volume_brick *brick,
+                                    uint32_t cell, uint32_t number, const unsigned char *corner[8])
 {
-    if (volume->cut_offsets) {
-        cut_3_corners_find(volume, slot, at, corner);
-        return;
-    }
-    const lmb_volume_cut *const cut = lmb_volume_cut_record(volume, slot);
-    const lmb_cell_plane *const planes = lmb_volume_cut_planes(cut);
     const uint32_t *const row = &brick->row[(cell >> 2 & 3u) + LMB_BRICK_POINTS * (cell >> 4)];
     const uint32_t x = cell & 3u, units = volume->probe_units;
-    float t[3];
-    fraction_store(at, t);
-    const uint32_t number = lmb_volume_cut_region_find(planes, cut->plane_count, planes_ask(planes, at), t);
     const lmb_volume_cut_region region = lmb_volume_cut_regions(cut)[number];
     if (region.ghosts == 0) {
         corners_find(volume, row, x, units, corner);
@@ -173,6 +164,26 @@ LMB_INLINE void cut_corners_find(const lmb_volume *volume, const void *slot, con
     uint32_t probe[8];
     places_find(row, x, units, region.ghosts, lmb_volume_cut_ghosts(cut) + region.first, brick->ghost_first, probe);
     places_point(volume, probe, corner);
+}
+
+/* Those of the region that the position is in. @return false, and nothing is found: it is in a wedge, which is rare */
+LMB_INLINE bool cut_corners_find(const lmb_volume *volume, const void *slot, const lmb_volume_brick *brick,
+                                 uint32_t cell, fraction at, const unsigned char *corner[8])
+{
+    if (volume->cut_offsets) {
+        cut_3_corners_find(volume, slot, at, corner);
+        return true;
+    }
+    const lmb_volume_cut *const cut = lmb_volume_cut_record(volume, slot);
+    const lmb_cell_plane *const planes = lmb_volume_cut_planes(cut);
+    float t[3];
+    fraction_store(at, t);
+    const uint32_t number = lmb_volume_cut_region_find(planes, cut->plane_count, planes_ask(planes, at), t);
+    if (number >= LMB_CELL_REGIONS_MOST) {
+        return false;
+    }
+    region_corners_find(volume, cut, brick, cell, number, corner);
+    return true;
 }
 
 /* `visibility`: of key lights, or NULL. */
@@ -200,13 +211,41 @@ LMB_INLINE void blend(const lmb_volume *volume, uint32_t form, const unsigned ch
     }
 }
 
+/* In a wedge of a cut cell: of two regions. Always true. */
+LMB_APART bool blend_wedge(const lmb_volume *volume, const void *slot, const lmb_volume_brick *brick, uint32_t cell,
+                           fraction at, lmb_sh3_rgb *radiance, float *visibility)
+{
+    const lmb_volume_cut *const cut = lmb_volume_cut_record(volume, slot);
+    const unsigned char *corner[8];
+    lmb_sh3_rgb light[2];
+    float seen[2][LMB_KEY_LIGHTS_MOST], t[3];
+    fraction_store(at, t);
+    const lmb_cell_regions in = lmb_cell_regions_at(lmb_volume_cut_planes(cut), cut->plane_count, t);
+    for (int i = 0; i < 2; ++i) {
+        region_corners_find(volume, cut, brick, cell, in.region[i], corner);
+        blend(volume, volume->header->probe_form, corner, at, &light[i], visibility ? seen[i] : NULL);
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        const float *const first = light[0].channel[channel].c, *const second = light[1].channel[channel].c;
+        for (int k = 0; k < LMB_SH3_COUNT; ++k) {
+            radiance->channel[channel].c[k] = first[k] + in.share * (second[k] - first[k]);
+        }
+    }
+    for (int key = 0; visibility && key < LMB_KEY_LIGHTS_MOST; ++key) {
+        visibility[key] = seen[0][key] + in.share * (seen[1][key] - seen[0][key]);
+    }
+    return true;
+}
+
 /* In a cell that is cut. What tells its place comes in registers, as in a cell that is not, it would be written for
  * nothing. Always true: a caller that returns this needs no stack, and is faster in cells that are not cut, too. */
 LMB_APART bool blend_cut(const lmb_volume *volume, const void *slot, const lmb_volume_brick *brick, uint32_t cell,
                          fraction at, lmb_sh3_rgb *radiance, float *visibility)
 {
     const unsigned char *corner[8];
-    cut_corners_find(volume, slot, brick, cell, at, corner);
+    if (!cut_corners_find(volume, slot, brick, cell, at, corner)) {
+        return blend_wedge(volume, slot, brick, cell, at, radiance, visibility);
+    }
     blend(volume, volume->header->probe_form, corner, at, radiance, visibility);
     return true;
 }
@@ -222,7 +261,10 @@ LMB_APART bool sample_any(const lmb_volume *volume, double x, double y, double z
     if (is_number && (at.brick->cut & cell)) {
         const void *const slot = cut_find(volume, at.brick, at.cell);
         cut_prefetch(volume, slot, &at, volume->probe_units);
-        cut_corners_find(volume, slot, at.brick, at.cell, at.t, corner);
+        if (!cut_corners_find(volume, slot, at.brick, at.cell, at.t, corner)) {
+            blend_wedge(volume, slot, at.brick, at.cell, at.t, radiance, visibility);
+            return at.inside;
+        }
     } else if (is_number && (at.brick->plain & cell)) {
         corners_find(volume, &at.brick->row[at.row], at.x, volume->probe_units, corner);
     } else {
@@ -256,7 +298,7 @@ LMB_INLINE bool sample_one(const lmb_volume *volume, uint32_t form, uint32_t uni
 
 /* A later sample of a batch. */
 typedef struct waiting {
-    const unsigned char *corner[8]; /* [0] is NULL where the cell is neither plain nor cut */
+    const unsigned char *corner[8]; /* [0] is NULL where the cell is neither plain nor cut, and in wedges */
     const void *cut;                /* as cut_find has it, until its corners are found; then NULL */
     const lmb_volume_brick *brick;
     uint32_t cell;
@@ -319,8 +361,11 @@ LMB_INLINE void waiting_begin(const lmb_volume *volume, uint32_t units, const lm
 /* Finds the probes of a cut cell, whose record is there by now, and asks for them. */
 LMB_APART void waiting_resolve(const lmb_volume *volume, waiting *next)
 {
-    cut_corners_find(volume, next->cut, next->brick, next->cell, next->t, next->corner);
+    const bool found = cut_corners_find(volume, next->cut, next->brick, next->cell, next->t, next->corner);
     next->cut = NULL;
+    if (!found) { /* corner[0] is still NULL */
+        return;
+    }
     for (int i = 0; i < 8; ++i) {
         LMB_PREFETCH(next->corner[i]);
         LMB_PREFETCH(next->corner[i] + volume->probe_units * LMB_PROBE_UNIT - 1);

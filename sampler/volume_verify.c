@@ -192,6 +192,17 @@ static bool counts_are_sane(uint32_t regions, uint32_t planes)
     return regions >= 1 && regions <= LMB_CELL_REGIONS_MOST && planes <= LMB_CELL_PLANES_MOST;
 }
 
+/* Files of versions before 5 have no wedges. */
+static bool planes_are_sane(const lmb_volume *volume, const lmb_cell_plane *plane, uint32_t planes, uint32_t regions)
+{
+    const uint32_t first_unknown = volume->header->version < 5 ? LMB_CELL_BLEND : 256;
+    bool sane = lmb_cell_planes_are_sane(plane, planes, regions);
+    for (uint32_t i = 0; sane && i < planes; ++i) {
+        sane = plane[i].child[0] < first_unknown && plane[i].child[1] < first_unknown;
+    }
+    return sane;
+}
+
 /* The record at an offset lies wholly in the file, and names probes and planes that there are. */
 static bool cut_3_is_sane(const lmb_volume *volume, uint32_t number)
 {
@@ -204,7 +215,7 @@ static bool cut_3_is_sane(const lmb_volume *volume, uint32_t number)
         at + lmb_volume_cut_3_bytes(cut->region_count, cut->plane_count) > end) {
         return false;
     }
-    bool sane = lmb_cell_planes_are_sane(lmb_volume_cut_3_planes(cut), cut->plane_count, cut->region_count);
+    bool sane = planes_are_sane(volume, lmb_volume_cut_3_planes(cut), cut->plane_count, cut->region_count);
     for (uint32_t i = 0; i < cut->region_count * 8u; ++i) {
         sane = sane && place_is_sane(volume, lmb_volume_cut_3_corners(cut, 0)[i]);
     }
@@ -256,7 +267,7 @@ static bool cut_is_sane(const lmb_volume *volume, const lmb_volume_brick *brick,
         return false;
     }
     uint32_t ghosts = 0;
-    bool sane = lmb_cell_planes_are_sane(lmb_volume_cut_planes(cut), planes, regions);
+    bool sane = planes_are_sane(volume, lmb_volume_cut_planes(cut), planes, regions);
     for (uint32_t i = 0; i < regions; ++i) {
         sane = sane && region[i].first == ghosts;
         ghosts += lmb_volume_bits(region[i].ghosts);

@@ -20,13 +20,13 @@ static const struct {
 } cut_fixture_missing[3] = {{0, {-4, 4, 4}}, {0, {0, 0, 4}}, {1, {-1, 1, 1}}};
 enum { CUT_FIXTURE_FINE = 123, CUT_FIXTURE_COARSE = 44 };
 
-enum { CUT_FIXTURE_CELLS = 5, CUT_FIXTURE_REGIONS = 3 };
+enum { CUT_FIXTURE_CELLS = 6, CUT_FIXTURE_REGIONS = 3, CUT_FIXTURE_PLANES = 3 };
 
 typedef struct cut_fixture_cell {
     uint32_t level;
     int32_t point[3];
     uint32_t plane_count, region_count;
-    lmb_cell_plane plane[2];
+    lmb_cell_plane plane[CUT_FIXTURE_PLANES];
     uint8_t ghosts[CUT_FIXTURE_REGIONS]; /* [region] a bit for each corner that gets a ghost, of this region alone */
 } cut_fixture_cell;
 
@@ -40,6 +40,7 @@ typedef struct cut_fixture_cell {
         }                                                                                                              \
     }
 #define CUT_REGION(r) (uint8_t)(LMB_CELL_REGION + (r))
+#define CUT_BLEND(plane) (uint8_t)(LMB_CELL_BLEND + (plane))
 
 /* Offsets are a quarter and a half but for their last digits; 11585 is 16383 / sqrt(2). */
 static const cut_fixture_cell cut_fixture_cells[CUT_FIXTURE_CELLS] = {
@@ -58,6 +59,15 @@ static const cut_fixture_cell cut_fixture_cells[CUT_FIXTURE_CELLS] = {
     {0, {-4, 3, 3}, 0, 1, CUT_NO_PLANES, {0x40}},
     /* x + y = 1 */
     {1, {0, 0, 0}, 1, 2, {{{11585, 11585, 0}, 11585, {CUT_REGION(0), CUT_REGION(1)}}}, {0x88, 0x11}},
+    /* a wall at z = 1/2, up to x = 1/2, and from there on a wedge: x + z = 1 below, x = z above */
+    {1,
+     {1, 0, 0},
+     3,
+     2,
+     {{{0, 0, 16383}, 8192, {1, 2}},
+      {{11585, 0, 11585}, 11585, {CUT_REGION(0), CUT_BLEND(2)}},
+      {{11585, 0, -11585}, 0, {CUT_REGION(1), CUT_BLEND(1)}}},
+     {0xf0, 0x0f}},
 };
 
 /* Of coefficient i: probes of the finest level have cut_fixture_light of their place, coarse ones so much more. */

@@ -18,6 +18,7 @@ typedef struct levels_recipe {
     double split;       /* share of cubes that are finer */
     double holes;       /* share of whole cubes that are not there */
     double cut;         /* share of cells that are cut */
+    double wedges;      /* share of these, where they have two regions or more, that have a wedge */
     uint32_t keys;
     uint64_t seed;
 } levels_recipe;
@@ -120,13 +121,24 @@ static inline void levels_light(levels_work *work, lmb_probes *probes, int32_t p
     probes->validity[probe] = 1.0f;
 }
 
-/* A cell's regions in a chain of planes, each with some ghosts. */
+/* A cell's regions in a chain of planes, or two with a wedge between, each with some ghosts. */
 typedef struct levels_cut {
     int32_t cell[3];
-    uint32_t level, regions;
+    uint32_t level, regions, planes;
     int32_t corner[4][8]; /* a probe, or -1 - a ghost of the level */
     lmb_cell_plane plane[3];
 } levels_cut;
+
+/* Above the second plane, and the third, the first region and the last pass over into each other. */
+static inline void levels_wedge_make(levels_cut *cut)
+{
+    const uint8_t child[3][2] = {{1, 2},
+                                 {LMB_CELL_REGION, LMB_CELL_BLEND + 2},
+                                 {(uint8_t)(LMB_CELL_REGION + cut->regions - 1), LMB_CELL_BLEND + 1}};
+    for (int k = 0; k < 3; ++k) {
+        memcpy(cut->plane[k].child, child[k], sizeof child[k]);
+    }
+}
 
 static inline void levels_cut_make(levels_work *work, const lmb_probes *probes, levels_cut *cut)
 {
@@ -142,7 +154,10 @@ static inline void levels_cut_make(levels_work *work, const lmb_probes *probes, 
             }
         }
     }
-    for (uint32_t k = 0; k + 1 < cut->regions; ++k) {
+    const double wedges = work->recipe->wedges;
+    const bool has_wedge = wedges > 0.0 && cut->regions > 1 && fixture_random(&work->state) < wedges;
+    cut->planes = has_wedge ? 3 : cut->regions - 1;
+    for (uint32_t k = 0; k < cut->planes; ++k) {
         double n[3], length = 0.0;
         for (int axis = 0; axis < 3; ++axis) {
             n[axis] = 2.0 * fixture_random(&work->state) - 1.0;
@@ -157,6 +172,9 @@ static inline void levels_cut_make(levels_work *work, const lmb_probes *probes, 
         cut->plane[k].offset = (int16_t)lrint(offset * LMB_CELL_UNIT);
         cut->plane[k].child[0] = (uint8_t)(LMB_CELL_REGION + k);
         cut->plane[k].child[1] = (uint8_t)(k + 2 < cut->regions ? k + 1 : LMB_CELL_REGION + k + 1);
+    }
+    if (has_wedge) {
+        levels_wedge_make(cut);
     }
 }
 
@@ -194,7 +212,7 @@ static inline bool levels_cut_cells(levels_work *work, lmb_probes *probes)
             int32_t *const corner = &cut[i].corner[k / 8][k % 8];
             *corner = *corner < 0 ? first[cut[i].level] - 1 - *corner : *corner;
         }
-        good = lmb_probes_cut(probes, cut[i].level, cut[i].cell, cut[i].plane, cut[i].regions - 1,
+        good = lmb_probes_cut(probes, cut[i].level, cut[i].cell, cut[i].plane, cut[i].planes,
                               (const int32_t(*)[8])cut[i].corner, cut[i].regions) == LMB_OK;
     }
     free(cut);
@@ -271,6 +289,15 @@ static const levels_recipe levels_recipes[] = {
     {.spacing = 1.7f, .levels = 3, .low = 5, .cubes = 3, .split = 0.6, .holes = 0.2, .cut = 0.2, .keys = 4, .seed = 4},
     {.spacing = 0.25f, .levels = 4, .low = -1, .cubes = 2, .split = 0.6, .holes = 0.1, .cut = 0.1, .seed = 5},
     {.spacing = 0.1f, .levels = 4, .low = 40, .cubes = 2, .split = 0.4, .cut = 0.5, .keys = 3, .seed = 6},
+    {.spacing = 0.5f,
+     .levels = 2,
+     .low = -2,
+     .cubes = 4,
+     .split = 0.3,
+     .cut = 0.15,
+     .wedges = 0.8,
+     .keys = 3,
+     .seed = 7},
 };
 enum { LEVELS_RECIPES = sizeof levels_recipes / sizeof levels_recipes[0] };
 

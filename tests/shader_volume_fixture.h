@@ -10,8 +10,8 @@
 /* What is done with a volume. @return false: there is no Vulkan here */
 typedef bool shader_volume_check(const lmb_volume *volume, const void *context, const char *name);
 
-/* Does it with volumes of several levels, with cut cells, in both forms, and with one of version 3; skips the test
- * where there is no Vulkan. */
+/* Does it with volumes of several levels, with cut cells and wedges, in both forms, and with one of version 3; skips
+ * the test where there is no Vulkan. */
 static inline void shader_volumes_check(shader_volume_check *check, const void *context)
 {
     bool has_device = true;

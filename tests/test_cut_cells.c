@@ -69,7 +69,7 @@ typedef struct cut_case {
     const char *name;
     int32_t point[3];
     uint32_t plane_count, region_count;
-    lmb_cell_plane plane[2];
+    lmb_cell_plane plane[3];
     int wrong_corner; /* of region 0, or -1 */
     int32_t wrong;
 } cut_case;
@@ -88,7 +88,7 @@ static lmb_result cut_try(lmb_probes *probes, const cut_case *c)
         corner[k / 8][at] = lmb_probes_find(probes, 0, point[0], point[1], point[2]);
     }
     for (uint32_t i = 0; i < c->plane_count; ++i) {
-        plane[i] = i < 2 ? c->plane[i] : (lmb_cell_plane){{1, 0, 0}, 0, {CUT_REGION(0), CUT_REGION(0)}};
+        plane[i] = i < 3 ? c->plane[i] : (lmb_cell_plane){{1, 0, 0}, 0, {CUT_REGION(0), CUT_REGION(0)}};
     }
     if (c->wrong_corner >= 0) {
         corner[0][c->wrong_corner] = c->wrong;
@@ -113,11 +113,30 @@ static const cut_case refused[] = {
     {"far outside", {INT32_MAX, INT32_MIN, 0}, 0, 1, CUT_NO_PLANES, 0, 0},
     {"no region", {0, 0, 0}, 0, 0, CUT_NO_PLANES, -1, 0},
     {"too many regions", {0, 0, 0}, 0, LMB_CELL_REGIONS_MOST + 1, CUT_NO_PLANES, -1, 0},
-    {"too many planes", {0, 0, 0}, LMB_CELL_PLANES_MOST + 1, 2, {SPLIT(1, 2), SPLIT(128, 129)}, -1, 0},
+    {"too many planes", {0, 0, 0}, LMB_CELL_PLANES_MOST + 1, 2, {SPLIT(1, 2), SPLIT(128, 129), SPLIT(128, 129)}, -1, 0},
     {"a plane leads to itself", {0, 0, 0}, 1, 2, {SPLIT(CUT_REGION(0), 0)}, -1, 0},
     {"a plane leads backwards", {0, 0, 0}, 2, 2, {SPLIT(1, CUT_REGION(1)), SPLIT(0, CUT_REGION(0))}, -1, 0},
     {"a plane that is not there", {0, 0, 0}, 2, 2, {SPLIT(1, 2), SPLIT(CUT_REGION(0), CUT_REGION(1))}, -1, 0},
     {"a region that is not there", {0, 0, 0}, 1, 2, {SPLIT(CUT_REGION(0), CUT_REGION(2))}, -1, 0},
+    {"a wedge beside itself", {0, 0, 0}, 2, 2, {SPLIT(1, CUT_REGION(1)), SPLIT(CUT_REGION(0), CUT_BLEND(1))}, -1, 0},
+    {"a wedge of no plane", {0, 0, 0}, 2, 2, {SPLIT(1, CUT_REGION(1)), SPLIT(CUT_REGION(0), CUT_BLEND(2))}, -1, 0},
+    {"a wedge of the last number", {0, 0, 0}, 2, 2, {SPLIT(1, CUT_REGION(1)), SPLIT(CUT_REGION(0), 255)}, -1, 0},
+    {"two wedges of a plane", {0, 0, 0}, 2, 2, {SPLIT(1, CUT_REGION(1)), SPLIT(CUT_BLEND(0), CUT_BLEND(0))}, -1, 0},
+    {"a wedge beside a plane",
+     {0, 0, 0},
+     3,
+     2,
+     {SPLIT(1, CUT_BLEND(2)), SPLIT(CUT_REGION(0), CUT_REGION(1)), SPLIT(CUT_REGION(0), CUT_BLEND(1))},
+     -1,
+     0},
+    {"a wedge of two regions",
+     {0, 0, 0},
+     3,
+     2,
+     {SPLIT(1, 2), SPLIT(CUT_REGION(0), CUT_REGION(1)), SPLIT(CUT_REGION(0), CUT_BLEND(1))},
+     -1,
+     0},
+    {"a wedge of no region", {0, 0, 0}, 3, 2, {SPLIT(1, 2), SPLIT(2, 2), SPLIT(CUT_REGION(0), CUT_BLEND(1))}, -1, 0},
     {"no probe", {0, 0, 0}, 0, 1, CUT_NO_PLANES, 3, -1},
     {"a probe that is not there", {0, 0, 0}, 0, 1, CUT_NO_PLANES, 3, 31},
     {"another corner's probe", {0, 0, 0}, 0, 1, CUT_NO_PLANES, 0, 1},
@@ -129,11 +148,18 @@ static const cut_case refused[] = {
 static const cut_case taken[] = {
     {"a corner's ghost", {0, 0, 0}, 0, 1, CUT_NO_PLANES, 0, 28},
     {"another corner's", {1, 1, 1}, 1, 2, {SPLIT(CUT_REGION(1), CUT_REGION(0))}, 0, 29},
+    {"a wedge",
+     {0, 1, 0},
+     3,
+     2,
+     {SPLIT(1, 2), SPLIT(CUT_REGION(0), CUT_BLEND(2)), SPLIT(CUT_BLEND(1), CUT_REGION(1))},
+     -1,
+     0},
     {"as many planes as may be",
      {1, 0, 0},
      LMB_CELL_PLANES_MOST,
      LMB_CELL_REGIONS_MOST,
-     {SPLIT(1, 30), SPLIT(CUT_REGION(31), CUT_REGION(0))},
+     {SPLIT(1, 30), SPLIT(CUT_REGION(31), CUT_REGION(0)), SPLIT(CUT_REGION(0), CUT_REGION(0))},
      -1,
      0},
 };
@@ -299,6 +325,12 @@ static bool expected_light(lmb_vec3d at, double *expected)
         return cell[0] != -1 || cell[1] != 0 || cell[2] != 3;
     }
     double ghosts = 0.0;
+    if (at.x >= 1.0 && at.y < 1.0 && at.z < 1.0) { /* the wall that ends, and what is beyond */
+        const double x = at.x - 1.0, above = x + at.z - 1.0, below = x - at.z;
+        const double low = cut_fixture_jump(5, 0) * at.z, high = cut_fixture_jump(5, 1) * (1.0 - at.z);
+        const double share = above > 0.0 && below > 0.0 ? above / (above + below) : at.z <= 0.5 ? 0.0 : 1.0;
+        ghosts = low + share * (high - low);
+    }
     if (at.x < 1.0 && at.y < 1.0 && at.z < 1.0) {
         ghosts = at.x + at.y <= 1.0 ? cut_fixture_jump(4, 0) * at.x * at.y
                                     : cut_fixture_jump(4, 1) * (1.0 - at.x) * (1.0 - at.y);

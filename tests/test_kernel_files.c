@@ -59,6 +59,7 @@ static void golden_files(void)
     file_check(kernel, LMB_GOLDEN_DIR "/small_keys.lmb");
     file_check(kernel, LMB_GOLDEN_DIR "/levels_3.lmb");
     file_check(kernel, LMB_GOLDEN_DIR "/levels_4.lmb");
+    file_check(kernel, LMB_GOLDEN_DIR "/levels_5.lmb");
 }
 
 static const test_case table[] = {{"golden_files", golden_files}};

@@ -115,7 +115,7 @@ static void exchange_file_has_them(void)
     lmb_probes_destroy(probes);
 }
 
-/* What tests/golden/local_sets.* hold, files of versions 4 (.lmb) and 3 (.vdb), is read for ever. Where it is not these
+/* What tests/golden/local_sets.* hold, files of versions 5 (.lmb) and 3 (.vdb), is read for ever. Where it is not these
  * probes, files of today lie in the tests' output folder. */
 static void golden_files_have_them(void)
 {

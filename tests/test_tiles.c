@@ -346,6 +346,30 @@ static void hostile_index(void)
     divided_free(&made);
 }
 
+/* Of version 4, tiles are of that version too; version 3, of other cut cells, is not split. */
+static void earlier_versions(void)
+{
+    static const char *const path[2] = {LMB_GOLDEN_DIR "/levels_3.lmb", LMB_GOLDEN_DIR "/levels_4.lmb"};
+    for (uint32_t version = 3; version <= 4; ++version) {
+        divided made = {.count = 0};
+        const lmb_split_sink sink = {tile_keep, &made};
+        CHECK(lmb_volume_open_file(path[version - 3], &made.whole) == LMB_OK, "%s", path[version - 3]);
+        if (!made.whole) {
+            continue;
+        }
+        const lmb_result result =
+            lmb_split(made.whole, (const int32_t[3]){8, 8, 8}, &sink, &made.index, &made.index_size);
+        CHECK(result == (version == 3 ? LMB_ERROR_VERSION : LMB_OK), "version %u: %d", version, result);
+        CHECK((made.count > 0) == (version == 4), "version %u: %u tiles", version, made.count);
+        for (uint32_t i = 0; i < made.count; ++i) {
+            CHECK(lmb_volume_open_memory(made.data[i], made.size[i], &made.volume[i]) == LMB_OK &&
+                      lmb_volume_get_info(made.volume[i]).version == version,
+                  "tile %u", i);
+        }
+        divided_free(&made);
+    }
+}
+
 /* Files as the command names them, for sampler/example/tiles.c: 27 tiles of 2 m, without holes. */
 static void files_for_the_example(void)
 {
@@ -371,6 +395,7 @@ static const test_case cases[] = {
     {"readers while tiles come and go", readers_and_tiles},
     {"quiet when all have left", quiet_when_left},
     {"a hostile index", hostile_index},
+    {"earlier versions", earlier_versions},
     {"files for the example", files_for_the_example},
 };
 

@@ -254,12 +254,12 @@ static void test_removed_voxels(void)
         bool is_there;  /* as a plain one */
     } cases[] = {
         /* The first and the second ghost of point (-3, 0, 0), and the only one of (-4, 4, 4) */
-        {"_ghosts", {-12, 0, 0}, 4, {-1.9, 0.1, 0.2}, true},
-        {"_ghosts", {-11, 0, 0}, 4, {-1.45, 0.1, 0.2}, true},
-        {"_ghosts", {-16, 16, 16}, 4, {-1.9, 1.8, 1.8}, false},
-        {"", {-4, 0, 0}, 4, {-1.9, 0.2, 0.2}, false},
-        {"", {0, 4, 0}, 5, {-0.1, 1.9, 0.2}, false},
-        {"_level_1_ghosts", {4, 4, 0}, 4, {0.2, 0.3, 0.4}, true},
+        {"_ghosts", {-12, 0, 0}, 5, {-1.9, 0.1, 0.2}, true},
+        {"_ghosts", {-11, 0, 0}, 5, {-1.45, 0.1, 0.2}, true},
+        {"_ghosts", {-16, 16, 16}, 5, {-1.9, 1.8, 1.8}, false},
+        {"", {-4, 0, 0}, 5, {-1.9, 0.2, 0.2}, false},
+        {"", {0, 4, 0}, 6, {-0.1, 1.9, 0.2}, false},
+        {"_level_1_ghosts", {4, 4, 0}, 5, {0.2, 0.3, 0.4}, true},
     };
     folder_start(FOLDER);
     lmb_probes *const probes = cut_fixture_probes();
@@ -286,7 +286,7 @@ static void test_broken_structure(void)
     check_refused(LMB_ERROR_FORMAT, "grid validity has no usable lambent_cut_cells");
     CHECK(vdb_editor_drop_set(PATH, "_ghosts"), "drop");
     lmb_probes *const plain = read_probes(); /* who drops both wants a plain level */
-    CHECK(plain && plain->cut.count == 1 && plain->ghost_count == 4, "%u cells", plain ? plain->cut.count : 0);
+    CHECK(plain && plain->cut.count == 2 && plain->ghost_count == 12, "%u cells", plain ? plain->cut.count : 0);
     lmb_probes_destroy(plain);
     write_probes(probes);
     CHECK(vdb_editor_drop_set(PATH, "_level_1_ghosts"), "drop");
@@ -357,6 +357,48 @@ static void test_broken_cells(void)
     }
     free(text);
     lmb_probes_destroy(probes);
+}
+
+/* Wedges that no cell has: edited into a file, each child of the three planes of the cell with one. */
+static void test_broken_wedges(void)
+{
+    static const struct {
+        const char *name;
+        int plane, side;
+        uint8_t child;
+    } cases[] = {
+        {"beside itself", 1, 1, CUT_BLEND(1)},
+        {"of a plane that is not there", 1, 1, CUT_BLEND(3)},
+        {"of the last number", 2, 1, 255},
+        {"without a region beside it", 1, 0, CUT_BLEND(2)},
+        {"of a plane without regions", 1, 1, CUT_BLEND(0)},
+        {"between planes further on", 0, 0, CUT_BLEND(1)},
+    };
+    folder_start(FOLDER);
+    lmb_probes *const probes = cut_fixture_probes();
+    write_probes(probes);
+    lmb_probes_destroy(probes);
+    char *const text = vdb_editor_text(PATH, "validity_level_1", "lambent_cut_cells");
+    unsigned char bytes[512];
+    size_t size = sizeof bytes, wedge = 0;
+    CHECK(text && strlen(text) < sizeof bytes && lmb_base64_decode(text, bytes, &size), "the text is not there");
+    for (size_t i = 0; i + 12 < size; ++i) { /* the first plane's children, behind its normal and offset */
+        wedge = bytes[i] == 1 && bytes[i + 1] == 2 && bytes[i + 11] == CUT_BLEND(2) ? i : wedge;
+    }
+    CHECK(wedge > 0, "the wedge is not there");
+    for (size_t i = 0; text && wedge > 0 && i < sizeof cases / sizeof cases[0]; ++i) {
+        unsigned char *const child = &bytes[wedge + 10 * (size_t)cases[i].plane + (size_t)cases[i].side];
+        const unsigned char kept = *child;
+        char edited[sizeof bytes];
+        *child = cases[i].child;
+        lmb_base64_encode(bytes, size, edited);
+        *child = kept;
+        CHECK(vdb_editor_set_text(PATH, "validity_level_1", "lambent_cut_cells", edited), "set");
+        const int failures = test_failures;
+        check_refused(LMB_ERROR_FORMAT, "a cut cell has planes or regions that it cannot have");
+        CHECK(test_failures == failures, "a wedge %s", cases[i].name);
+    }
+    free(text);
 }
 
 /* ---------------------------------------------------------------------------------------------- the rest */
@@ -504,6 +546,7 @@ static const test_case cases[] = {
     {"removed voxels", test_removed_voxels},
     {"metadata and grids that are gone", test_broken_structure},
     {"broken cut cells", test_broken_cells},
+    {"broken wedges", test_broken_wedges},
     {"levels that the format does not hold", test_refused_levels},
     {"many ghosts, far out", test_many_ghosts},
     {"bytes as text", test_base64},

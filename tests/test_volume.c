@@ -512,7 +512,11 @@ static void test_corruption(void)
             p.data[i] ^= changes[c];
             lmb_volume *volume = NULL;
             const lmb_result result = lmb_volume_open_memory(p.data, p.size, &volume);
-            CHECK(result != LMB_OK && !volume, "byte %zu xor %u is accepted", i, changes[c]);
+            /* Without wedges, the same bytes are of version 4 too. */
+            const bool is_version_4 = i == offsetof(lmb_volume_header, version) && p.data[i] == 4;
+            CHECK((result == LMB_OK) == is_version_4 && (volume != NULL) == is_version_4, "byte %zu xor %u: %d", i,
+                  changes[c], result);
+            lmb_volume_close(volume);
             p.data[i] ^= changes[c];
         }
     }
@@ -589,7 +593,8 @@ static void test_forged_fields(void)
         {"version 0", offsetof(lmb_volume_header, version), 0, LMB_ERROR_VERSION},
         {"version 1", offsetof(lmb_volume_header, version), 1, LMB_ERROR_VERSION},
         {"version 2", offsetof(lmb_volume_header, version), 2, LMB_ERROR_VERSION},
-        {"version 5", offsetof(lmb_volume_header, version), 5, LMB_ERROR_VERSION},
+        {"version 4", offsetof(lmb_volume_header, version), 4, LMB_OK},
+        {"version 6", offsetof(lmb_volume_header, version), 6, LMB_ERROR_VERSION},
         {"the last version", offsetof(lmb_volume_header, version), UINT32_MAX, LMB_ERROR_VERSION},
         {"header size", offsetof(lmb_volume_header, header_bytes), 64, LMB_ERROR_FORMAT},
         {"spacing 0", offsetof(lmb_volume_header, spacing), 0, LMB_ERROR_FORMAT},

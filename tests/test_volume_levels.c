@@ -41,27 +41,23 @@ static lmb_vec3d random_place(const lmb_volume_info *info, uint64_t *state)
     return (lmb_vec3d){low.x + x * (high.x - low.x), low.y + y * (high.y - low.y), low.z + z * (high.z - low.z)};
 }
 
-/* The finest level that has a cell at a place, and whether that is cut; -1: none has. A place so near to one of a cut
- * cell's planes that rounding chooses its side is none. */
-static int level_there(const lmb_probes *probes, lmb_vec3d at, bool *is_cut)
+/* The finest level that has a cell at a place, and that cell; -1: none has. A place so near to one of a cut cell's
+ * planes that rounding chooses its side, or much of a wedge's share, is none. */
+static int level_there(const lmb_probes *probes, lmb_vec3d at, lmb_probe_cell *cell)
 {
-    int32_t probe[8], cell[3];
-    double t[3];
-    if (!lmb_probes_around(probes, at, probe, t)) {
+    if (!lmb_probes_cell(probes, at, cell)) {
         return -1;
     }
-    const uint32_t level = (uint32_t)(lmb_probes_level_of(probes, probe[0]) - probes->level);
-    lmb_lattice_cell(&probes->level[level].lattice, at, cell, t);
-    const int32_t cut = lmb_probe_index_find(&probes->level[level].cut, cell);
-    *is_cut = cut >= 0;
-    for (uint32_t i = 0; cut >= 0 && i < probes->cut.cell[cut].plane_count; ++i) {
-        const lmb_cell_plane *const plane = &probes->cut.plane[probes->cut.cell[cut].plane_first + i];
+    const double *const t = cell->fraction;
+    const double near = cell->share > 0.0 ? 16.0 : 1.0;
+    for (uint32_t i = 0; cell->cut >= 0 && i < probes->cut.cell[cell->cut].plane_count; ++i) {
+        const lmb_cell_plane *const plane = &probes->cut.plane[probes->cut.cell[cell->cut].plane_first + i];
         const double along = plane->normal[0] * t[0] + plane->normal[1] * t[1] + plane->normal[2] * t[2];
-        if (fabs(along - plane->offset) < 1.0) {
+        if (fabs(along - plane->offset) < near) {
             return -1;
         }
     }
-    return (int)level;
+    return (int)cell->level;
 }
 
 static void volumes_give_the_light_of_their_probes(void)
@@ -73,11 +69,11 @@ static void volumes_give_the_light_of_their_probes(void)
         const lmb_volume_info info = lmb_volume_get_info(p.volume);
         CHECK(info.level_count == levels_recipes[k].levels && info.key_light_count == levels_recipes[k].keys, "%d", k);
         uint64_t state = 7;
-        int plain[LEVELS_MOST] = {0}, cut[LEVELS_MOST] = {0};
+        int plain[LEVELS_MOST] = {0}, cut[LEVELS_MOST] = {0}, wedges = 0;
         for (int i = 0; i < PLACES; ++i) {
             const lmb_vec3d at = random_place(&info, &state);
-            bool is_cut = false;
-            const int level = level_there(probes, at, &is_cut);
+            lmb_probe_cell cell;
+            const int level = level_there(probes, at, &cell);
             lmb_sh3_rgb light;
             const bool inside = lmb_volume_sample_at(p.volume, at, &light);
             if (level < 0) {
@@ -87,13 +83,15 @@ static void volumes_give_the_light_of_their_probes(void)
             CHECK(inside, "recipe %d: (%g, %g, %g)", k, at.x, at.y, at.z);
             for (int c = 0; c < 27; ++c) {
                 CHECK_NEAR(light.channel[c / 9].c[c % 9], expected.channel[c / 9].c[c % 9], 0x1p-11 + 1e-5,
-                           "recipe %d, level %d, %s: (%g, %g, %g), coefficient %d", k, level, is_cut ? "cut" : "plain",
-                           at.x, at.y, at.z, c);
+                           "recipe %d, level %d, %s: (%g, %g, %g), coefficient %d", k, level,
+                           cell.cut >= 0 ? "cut" : "plain", at.x, at.y, at.z, c);
             }
             CHECK(lmb_volume_spacing_at(p.volume, at) == ldexpf(levels_recipes[k].spacing, level), "spacing of %d",
                   level);
-            ++(is_cut ? cut : plain)[level];
+            ++(cell.cut >= 0 ? cut : plain)[level];
+            wedges += cell.share > 0.0;
         }
+        CHECK((wedges > 100) == (levels_recipes[k].wedges > 0.0), "recipe %d: %d places in wedges", k, wedges);
         for (uint32_t level = 0; level < levels_recipes[k].levels; ++level) {
             CHECK(plain[level] > 0 && (cut[level] > 0) == (levels_recipes[k].cut > 0.0),
                   "recipe %d, level %u: %d places in plain cells, %d in cut ones", k, level, plain[level], cut[level]);
@@ -113,22 +111,23 @@ static void visibility_is_that_of_the_probes(void)
         uint64_t state = 8;
         for (int i = 0; i < 3000; ++i) {
             const lmb_vec3d at = random_place(&info, &state);
-            bool is_cut;
-            int32_t probe[8];
-            double t[3];
+            lmb_probe_cell cell;
             lmb_sh3_rgb light, alone;
             float seen[LMB_KEY_LIGHTS_MOST];
             const bool inside = lmb_volume_sample_with_keys(p.volume, at, &light, seen);
             CHECK(lmb_volume_sample_at(p.volume, at, &alone) == inside && memcmp(&alone, &light, sizeof light) == 0,
                   "the same light, with keys and without");
-            if (level_there(probes, at, &is_cut) < 0 || !lmb_probes_around(probes, at, probe, t)) {
+            if (level_there(probes, at, &cell) < 0) {
                 continue;
             }
+            const double *const t = cell.fraction;
             for (uint32_t key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
                 double expected = 0.0;
                 for (int c = 0; c < 8; ++c) {
                     expected += (c & 1 ? t[0] : 1.0 - t[0]) * (c & 2 ? t[1] : 1.0 - t[1]) *
-                                (c & 4 ? t[2] : 1.0 - t[2]) * (double)probes->key_visibility[probe[c]][key];
+                                (c & 4 ? t[2] : 1.0 - t[2]) *
+                                ((1.0 - cell.share) * (double)probes->key_visibility[cell.probe[c]][key] +
+                                 cell.share * (double)probes->key_visibility[cell.other[c]][key]);
                 }
                 CHECK_NEAR(seen[key], expected, 0.5 / 255.0 + 1e-5, "recipe %d, light %u", k, key);
             }
@@ -337,8 +336,15 @@ static void forge_bits(const unsigned char *data, size_t bytes)
 
 static void forged_bits_do_no_harm(void)
 {
-    static const levels_recipe recipe = {
-        .spacing = 1.0f, .levels = 2, .low = -1, .cubes = 2, .split = 0.3, .cut = 0.2, .keys = 1, .seed = 3};
+    static const levels_recipe recipe = {.spacing = 1.0f,
+                                         .levels = 2,
+                                         .low = -1,
+                                         .cubes = 2,
+                                         .split = 0.3,
+                                         .cut = 0.2,
+                                         .wedges = 0.5,
+                                         .keys = 1,
+                                         .seed = 3};
     lmb_probes *const probes = levels_make(&recipe);
     packed p = pack_and_open(probes);
     forge_bits(p.data, p.size);
@@ -359,8 +365,15 @@ static void truncate_all(const unsigned char *data, size_t bytes)
 
 static void truncations_are_refused(void)
 {
-    static const levels_recipe recipe = {
-        .spacing = 1.0f, .levels = 2, .low = -1, .cubes = 1, .split = 0.5, .cut = 0.3, .keys = 1, .seed = 3};
+    static const levels_recipe recipe = {.spacing = 1.0f,
+                                         .levels = 2,
+                                         .low = -1,
+                                         .cubes = 1,
+                                         .split = 0.5,
+                                         .cut = 0.3,
+                                         .wedges = 0.8,
+                                         .keys = 1,
+                                         .seed = 3};
     lmb_probes *const probes = levels_make(&recipe);
     packed p = pack_and_open(probes);
     truncate_all(p.data, p.size);
@@ -370,33 +383,54 @@ static void truncations_are_refused(void)
 
 /* ------------------------------------------------------------------------------------------------ versions */
 
-/* tests/golden/levels_N.lmb are these probes, as versions 3 and 4 have them. */
-static lmb_probes *golden_probes(void)
+/* tests/golden/levels_N.lmb are these probes, as versions 3, 4 and 5 have them: the last one with wedges. */
+static lmb_probes *golden_probes(double wedges)
 {
-    static const levels_recipe recipe = {.spacing = 0.5f,
-                                         .levels = 2,
-                                         .low = -1,
-                                         .cubes = 2,
-                                         .split = 0.2,
-                                         .holes = 0.1,
-                                         .cut = 0.2,
-                                         .keys = 1,
-                                         .seed = 5};
+    const levels_recipe recipe = {.spacing = 0.5f,
+                                  .levels = 2,
+                                  .low = -1,
+                                  .cubes = 2,
+                                  .split = 0.2,
+                                  .holes = 0.1,
+                                  .cut = 0.2,
+                                  .wedges = wedges,
+                                  .keys = 1,
+                                  .seed = 5};
     return levels_make(&recipe);
 }
 
 /* Only a new version of the format changes them: what is packed now then lies in the tests' output folder. */
 static void volumes_pack_to_the_golden_file(void)
 {
-    lmb_probes *const probes = golden_probes();
+    lmb_probes *const probes = golden_probes(0.7);
+    packed p = pack_and_open(probes);
+    unsigned char *golden = NULL;
+    size_t size = 0;
+    CHECK(lmb_file_read(LMB_GOLDEN_DIR "/levels_5.lmb", &golden, &size, NULL) == LMB_OK, "levels_5.lmb");
+    const bool is_same = size == p.size && memcmp(golden, p.data, size) == 0;
+    CHECK(is_same, "packed %zu bytes, levels_5.lmb has %zu", p.size, size);
+    if (!is_same) {
+        lmb_file_write(LMB_TEST_OUTPUT_DIR "/levels_5.lmb", p.data, p.size, NULL);
+    }
+    free(golden);
+    close_packed(&p);
+    lmb_probes_destroy(probes);
+}
+
+/* Of files without wedges nothing but the version has changed since version 4. */
+static void version_4_has_the_same_bytes(void)
+{
+    lmb_probes *const probes = golden_probes(0.0);
     packed p = pack_and_open(probes);
     unsigned char *golden = NULL;
     size_t size = 0;
     CHECK(lmb_file_read(LMB_GOLDEN_DIR "/levels_4.lmb", &golden, &size, NULL) == LMB_OK, "levels_4.lmb");
-    const bool is_same = size == p.size && memcmp(golden, p.data, size) == 0;
-    CHECK(is_same, "packed %zu bytes, levels_4.lmb has %zu", p.size, size);
-    if (!is_same) {
-        lmb_file_write(LMB_TEST_OUTPUT_DIR "/levels_4.lmb", p.data, p.size, NULL);
+    if (golden) {
+        const size_t rest = LMB_VOLUME_CHECKSUM_START;
+        uint32_t version;
+        memcpy(&version, golden + offsetof(lmb_volume_header, version), sizeof version);
+        CHECK(version == 4 && size == p.size && memcmp(golden + rest, p.data + rest, size - rest) == 0,
+              "version %u, %zu bytes, of version 5 %zu", version, size, p.size);
     }
     free(golden);
     close_packed(&p);
@@ -407,7 +441,7 @@ static void volumes_pack_to_the_golden_file(void)
  * read, lies in the tests' output folder. */
 static void exchange_files_pack_to_the_golden_file(void)
 {
-    lmb_probes *const probes = golden_probes();
+    lmb_probes *const probes = golden_probes(0.0);
     lmb_probes *read = NULL;
     lmb_error error = {{0}};
     const lmb_result result = lmb_vdb_read(LMB_GOLDEN_DIR "/levels_3.vdb", &read, NULL, NULL, &error);
@@ -426,16 +460,16 @@ static void exchange_files_pack_to_the_golden_file(void)
     lmb_probes_destroy(probes);
 }
 
-/* Files of version 3 are read for ever: the bits of samples are those of today's. */
-static void version_3_gives_the_same_light(void)
+/* The bits of samples are those of today's. */
+static void gives_the_same_light(const char *path, uint32_t version)
 {
-    lmb_probes *const probes = golden_probes();
+    lmb_probes *const probes = golden_probes(0.0);
     packed p = pack_and_open(probes);
     lmb_volume *old = NULL;
-    CHECK(lmb_volume_open_file(LMB_GOLDEN_DIR "/levels_3.lmb", &old) == LMB_OK, "levels_3.lmb");
+    CHECK(lmb_volume_open_file(path, &old) == LMB_OK, "%s", path);
     if (old) {
         const lmb_volume_info info = lmb_volume_get_info(old);
-        CHECK(info.version == 3 && info.cut_count > 0 && lmb_volume_get_info(p.volume).version == 4, "versions");
+        CHECK(info.version == version && info.cut_count > 0 && lmb_volume_get_info(p.volume).version == 5, "versions");
         uint64_t state = 7;
         int inside = 0;
         for (int i = 0; i < 4000; ++i) {
@@ -455,6 +489,17 @@ static void version_3_gives_the_same_light(void)
     lmb_volume_close(old);
     close_packed(&p);
     lmb_probes_destroy(probes);
+}
+
+/* Files of versions 3 and 4 are read for ever. */
+static void version_3_gives_the_same_light(void)
+{
+    gives_the_same_light(LMB_GOLDEN_DIR "/levels_3.lmb", 3);
+}
+
+static void version_4_gives_the_same_light(void)
+{
+    gives_the_same_light(LMB_GOLDEN_DIR "/levels_4.lmb", 4);
 }
 
 static void version_3_is_checked_as_well(void)
@@ -511,6 +556,8 @@ static const test_case cases[] = {
     {"volumes pack to the golden file", volumes_pack_to_the_golden_file},
     {"exchange files pack to the golden file", exchange_files_pack_to_the_golden_file},
     {"version 3 gives the same light", version_3_gives_the_same_light},
+    {"version 4 has the same bytes", version_4_has_the_same_bytes},
+    {"version 4 gives the same light", version_4_gives_the_same_light},
     {"version 3 is checked as well", version_3_is_checked_as_well},
     {"far ghosts are stored again", far_ghosts_are_stored_again},
 };

@@ -64,7 +64,7 @@ static void known_light_is_found(void)
         CHECK(probe->kind != LMB_VOLUME_PROBE_GHOST || jump > 19.0, "ghost %u: a jump of %g", i, jump);
     }
     CHECK(kinds[LMB_VOLUME_PROBE_NONE] == 0, "%u probes are nowhere", kinds[LMB_VOLUME_PROBE_NONE]);
-    CHECK(kinds[LMB_VOLUME_PROBE_GHOST] == 4 + 4 + 1 + 4 + 6 + 6 + 1 + 2 + 2, "%u ghosts",
+    CHECK(kinds[LMB_VOLUME_PROBE_GHOST] == 4 + 4 + 1 + 4 + 6 + 6 + 1 + 2 + 2 + 4 + 4, "%u ghosts",
           kinds[LMB_VOLUME_PROBE_GHOST]);
     CHECK(kinds[LMB_VOLUME_PROBE_POINT] >= CUT_FIXTURE_FINE, "%u points", kinds[LMB_VOLUME_PROBE_POINT]);
     listed_destroy(&made);

@@ -15,7 +15,7 @@ typedef struct textured {
     lmb_volume_texture_constants constants;
     unsigned char *texels;
     uint32_t *words;
-    double inverse_spacing;
+    double inverse_spacing, wedges; /* share of cut cells with one */
 } textured;
 
 static const uint16_t *texels_of(const textured *from)
@@ -53,7 +53,7 @@ static void textures_make(textured *made, const lmb_volume_texture_def *def)
 
 static textured textured_make(const levels_recipe *recipe, lmb_volume_form form, const lmb_volume_texture_def *def)
 {
-    textured made = {.data = NULL};
+    textured made = {.data = NULL, .wedges = recipe->wedges};
     lmb_probes *const probes = levels_make(recipe);
     size_t size;
     if (lmb_pack_as(form, probes, &made.data, &size, NULL) != LMB_OK ||
@@ -85,23 +85,43 @@ static float signed_short(uint32_t bits)
     return (float)(int32_t)(bits & 0x8000u ? (int32_t)(bits & 0xffffu) - 65536 : (int32_t)(bits & 0xffffu));
 }
 
-/* Where a position is among texels. */
+/* Where a position is among texels; in a wedge of a cut cell, the other region's, too, and its share. */
 typedef struct texel_place {
-    uint32_t texel[3];
+    uint32_t texel[3], other[3];
+    float share;
     float t[3];
     bool there, inside;
 } texel_place;
 
-static uint32_t region_word(const uint32_t *record, const float t[3])
+static float above(const uint32_t *plane, const float t[3])
 {
-    uint32_t at = record[0] > 0 ? 0 : 128;
+    return signed_short(plane[0]) * t[0] + signed_short(plane[0] >> 16) * t[1] + signed_short(plane[1]) * t[2] -
+           signed_short(plane[1] >> 16);
+}
+
+/* Words of the regions. @return the share of the second one */
+static float region_words(const uint32_t *record, const float t[3], uint32_t word[2])
+{
+    const uint32_t *const planes = record + 1, *const words = planes + 3 * record[0];
+    uint32_t at = record[0] > 0 ? 0 : 128, beside = 0;
+    float own = 0.0f;
     while (at < 128) {
-        const uint32_t *const plane = record + 1 + 3 * at;
-        const float along =
-            signed_short(plane[0]) * t[0] + signed_short(plane[0] >> 16) * t[1] + signed_short(plane[1]) * t[2];
-        at = along > signed_short(plane[1] >> 16) ? plane[2] >> 8 : plane[2] & 255;
+        const uint32_t *const plane = planes + 3 * at;
+        const int side = above(plane, t) > 0.0f;
+        own = fabsf(above(plane, t));
+        at = plane[2] >> 8 * side & 255;
+        beside = plane[2] >> 8 * (1 - side) & 255;
     }
-    return record[1 + 3 * record[0] + at - 128];
+    if (at < 160) {
+        word[0] = word[1] = words[at - 128];
+        return 0.0f;
+    }
+    const uint32_t *const other = planes + 3 * (at - 160);
+    const uint32_t low = other[2] & 255, high = other[2] >> 8;
+    const float sum = own + fabsf(above(other, t));
+    word[0] = words[beside - 128];
+    word[1] = words[(low >= 128 && low < 160 ? low : high) - 128];
+    return sum > 0.0f ? own / sum : 0.0f;
 }
 
 /* As the shader has it, but in double as far as the cell's fractions. */
@@ -131,35 +151,46 @@ static texel_place place_find(const textured *from, lmb_vec3d position)
     if (place.there && word >> 31) {
         const uint32_t brick = tile[0] + c->tiles[0] * tile[1] + c->tiles[1] * tile[2];
         const uint32_t own = words_of(from)[c->cells + 64 * brick + cell[0] + 4 * cell[1] + 16 * cell[2]];
-        const uint32_t region = own > 1 ? region_word(words_of(from) + own, place.t) : UINT32_MAX;
+        uint32_t region[2] = {UINT32_MAX, UINT32_MAX};
+        place.share = own > 1 ? region_words(words_of(from) + own, place.t, region) : 0.0f;
         place.there = own > 0;
-        for (int axis = 0; axis < 3 && region != UINT32_MAX; ++axis) {
-            place.texel[axis] = 2 * (region >> 10 * axis & 1023) + (axis == 2 ? c->region_z : 0);
+        for (int axis = 0; axis < 3; ++axis) {
+            const uint32_t first = axis == 2 ? c->region_z : 0, brick_own = place.texel[axis];
+            place.texel[axis] = region[0] == UINT32_MAX ? brick_own : 2 * (region[0] >> 10 * axis & 1023) + first;
+            place.other[axis] = region[1] == UINT32_MAX ? brick_own : 2 * (region[1] >> 10 * axis & 1023) + first;
         }
     }
     place.inside = place.inside && place.there;
     return place;
 }
 
-/* A number of the eight texels, blended in the order of the library's kernels. */
-static float number_blend(const textured *from, const texel_place *place, uint32_t number)
+/* A number of the eight texels from one on, blended in the order of the library's kernels. */
+static float number_between(const textured *from, const uint32_t texel[3], const float t[3], uint32_t number)
 {
     const lmb_volume_texture_layout *const layout = &from->layout;
     const uint16_t *const part = texels_of(from) + number / 4 * layout->part_bytes / 2;
     float weighed[8], sum = 0.0f;
     for (uint32_t i = 0; i < 8; ++i) {
-        const uint32_t x = place->texel[0] + i % 2, y = place->texel[1] + i / 2 % 2, z = place->texel[2] + i / 4;
-        const float weight = (i & 1 ? place->t[0] : 1.0f - place->t[0]) * (i & 2 ? place->t[1] : 1.0f - place->t[1]) *
-                             (i & 4 ? place->t[2] : 1.0f - place->t[2]);
-        if (!place->there) {
-            return 0.0f;
-        }
+        const uint32_t x = texel[0] + i % 2, y = texel[1] + i / 2 % 2, z = texel[2] + i / 4;
+        const float weight = (i & 1 ? t[0] : 1.0f - t[0]) * (i & 2 ? t[1] : 1.0f - t[1]) * (i & 4 ? t[2] : 1.0f - t[2]);
         weighed[i] = weight * half_value(part[4 * (x + layout->width * (y + (size_t)layout->height * z)) + number % 4]);
     }
     for (int i = 0; i < 8; i += 2) {
         sum = i == 0 ? weighed[0] + weighed[1] : sum + (weighed[i] + weighed[i + 1]);
     }
     return sum;
+}
+
+static float number_blend(const textured *from, const texel_place *place, uint32_t number)
+{
+    if (!place->there) {
+        return 0.0f;
+    }
+    const float first = number_between(from, place->texel, place->t, number);
+    if (place->share == 0.0f) {
+        return first;
+    }
+    return first + place->share * (number_between(from, place->other, place->t, number) - first);
 }
 
 /* The number of a coefficient. */
@@ -183,10 +214,11 @@ static void texture_is_the_volume(const textured *made, double tolerance, const 
 {
     const uint32_t bands = made->layout.bands, keys = made->constants.key_lights, count = 3 * bands * bands;
     uint64_t state = 9;
-    int inside = 0;
+    int inside = 0, wedges = 0;
     for (int i = 0; i < POSITIONS && test_failures < 20; ++i) {
         const lmb_vec3d at = random_position(made->volume, &state);
         const texel_place place = place_find(made, at);
+        wedges += place.share > 0.0f;
         lmb_sh3_rgb light;
         float seen[LMB_KEY_LIGHTS_MOST];
         const bool is_inside = lmb_volume_sample_with_keys(made->volume, at, &light, seen);
@@ -204,6 +236,7 @@ static void texture_is_the_volume(const textured *made, double tolerance, const 
         }
     }
     CHECK(test_failures > 0 || inside > POSITIONS / 4, "%s: %d inside", name, inside);
+    CHECK(test_failures > 0 || (wedges > 20) == (made->wedges > 0.0), "%s: %d in wedges", name, wedges);
 }
 
 static void halfs_are_the_files_own(void)

@@ -140,17 +140,19 @@ lmb_result places_make(level_places *places, double spacing, lmb_error *error)
 static bool place_sample(const lmb_probes *probes, const lmb_scene *scene, const place *at, place_light *light)
 {
     const lmb_vec3d world = lmb_scene_to_world(scene, at->position);
-    int32_t around[8];
-    double t[3];
-    if (!lmb_probes_around(probes, world, around, t)) {
+    lmb_probe_cell cell;
+    if (!lmb_probes_cell(probes, world, &cell)) {
         return false;
     }
+    const double *const t = cell.fraction;
     *light =
         (place_light){.mean = lmb_probes_light(probes, 0, world), .difference = lmb_probes_light(probes, 1, world)};
     for (int i = 0; i < 8; ++i) {
         const double weight = (i & 1 ? t[0] : 1.0 - t[0]) * (i & 2 ? t[1] : 1.0 - t[1]) * (i & 4 ? t[2] : 1.0 - t[2]);
         for (int key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
-            light->key_visibility[key] += weight * (double)probes->key_visibility[around[i]][key];
+            const double own = (double)probes->key_visibility[cell.probe[i]][key];
+            const double other = (double)probes->key_visibility[cell.other[i]][key];
+            light->key_visibility[key] += weight * (own + cell.share * (other - own));
         }
     }
     return true;

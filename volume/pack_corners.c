@@ -35,9 +35,10 @@ static void corner_set(lmb_pack_corner *corner, const light_sum *sum)
     }
 }
 
-/* The eight probes of a level's cell at a place in it. @return false: it is not there, or `stored` and not so */
+/* The eight probes of a level's cell at a place in it, or those of a wedge's two regions, and the share of the second
+ * ones. @return false: it is not there, or `stored` and not so */
 static bool cell_probes(const lmb_packing *packing, uint32_t level, const int32_t cell[3], const double t[3],
-                        bool stored, int32_t probe[8])
+                        bool stored, int32_t probe[2][8], double *share)
 {
     uint32_t number;
     const lmb_pack_brick *const brick = lmb_pack_brick_of(packing, level, cell, &number);
@@ -48,15 +49,18 @@ static bool cell_probes(const lmb_packing *packing, uint32_t level, const int32_
         const lmb_cut_cells *const cuts = &packing->probes->cut;
         const lmb_cut_cell *const cut = &cuts->cell[lmb_probe_index_find(&packing->probes->level[level].cut, cell)];
         const float at[3] = {(float)t[0], (float)t[1], (float)t[2]};
-        const uint32_t region = lmb_cell_region(&cuts->plane[cut->plane_first], cut->plane_count, at);
-        memcpy(probe, cuts->corner[cut->region_first + region], 8 * sizeof *probe);
+        const lmb_cell_regions in = lmb_cell_regions_at(&cuts->plane[cut->plane_first], cut->plane_count, at);
+        memcpy(probe[0], cuts->corner[cut->region_first + in.region[0]], sizeof probe[0]);
+        memcpy(probe[1], cuts->corner[cut->region_first + in.region[1]], sizeof probe[1]);
+        *share = (double)in.share;
         return true;
     }
     const uint64_t cells = stored ? brick->plain & brick->whole : brick->whole;
     for (int32_t i = 0; i < 8 && (cells >> number & 1u); ++i) {
         const int32_t point[3] = {cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)};
-        probe[i] = lmb_pack_probe(packing, level, point);
+        probe[0][i] = lmb_pack_probe(packing, level, point);
     }
+    *share = 0.0;
     return cells >> number & 1u;
 }
 
@@ -65,8 +69,8 @@ static bool corner_from_level(const lmb_packing *packing, uint32_t level, lmb_pa
 {
     const int32_t along = INT32_C(1) << (level - corner->level);
     for (int32_t side = 0; side < 8; ++side) {
-        int32_t cell[3], probe[8];
-        double t[3];
+        int32_t cell[3], probe[2][8];
+        double t[3], share;
         bool is_on_side = true;
         for (int axis = 0; axis < 3; ++axis) {
             cell[axis] = lmb_volume_floor_divide(corner->point[axis], along);
@@ -77,12 +81,12 @@ static bool corner_from_level(const lmb_packing *packing, uint32_t level, lmb_pa
                 t[axis] = 1.0;
             }
         }
-        if (is_on_side && cell_probes(packing, level, cell, t, !corner->of_coarser, probe)) {
+        if (is_on_side && cell_probes(packing, level, cell, t, !corner->of_coarser, probe, &share)) {
             light_sum sum = {.weight = 0.0};
-            for (int i = 0; i < 8; ++i) {
+            for (int i = 0; i < (share > 0.0 ? 16 : 8); ++i) {
                 const double weight =
                     (i & 1 ? t[0] : 1.0 - t[0]) * (i & 2 ? t[1] : 1.0 - t[1]) * (i & 4 ? t[2] : 1.0 - t[2]);
-                sum_add(packing, probe[i], weight, &sum);
+                sum_add(packing, probe[i / 8][i % 8], weight * (i < 8 ? 1.0 - share : share), &sum);
             }
             corner_set(corner, &sum);
             return true;

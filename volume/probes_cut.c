@@ -139,17 +139,28 @@ lmb_result lmb_probes_cut(lmb_probes *probes, uint32_t level, const int32_t poin
     return LMB_OK;
 }
 
+/* The regions of a cut cell that a place is in: level, point, fraction and cut are set. */
+static void regions_find(const lmb_probes *probes, lmb_probe_cell *cell)
+{
+    const lmb_cut_cell *const cut = &probes->cut.cell[cell->cut];
+    const float t[3] = {(float)cell->fraction[0], (float)cell->fraction[1], (float)cell->fraction[2]};
+    const lmb_cell_regions at = lmb_cell_regions_at(&probes->cut.plane[cut->plane_first], cut->plane_count, t);
+    const int heavier = at.share > 0.5f;
+    cell->region = at.region[heavier];
+    cell->share = heavier ? 1.0 - (double)at.share : (double)at.share;
+    memcpy(cell->probe, probes->cut.corner[cut->region_first + cell->region], sizeof cell->probe);
+    memcpy(cell->other, probes->cut.corner[cut->region_first + at.region[1 - heavier]], sizeof cell->other);
+}
+
 /* Completes a cell whose level, point and fraction are set. @return whether it is there */
 static bool cell_complete(const lmb_probes *probes, lmb_probe_cell *cell)
 {
     const lmb_probe_level *const own = &probes->level[cell->level];
     cell->cut = lmb_probe_index_find(&own->cut, cell->point);
     cell->region = 0;
+    cell->share = 0.0;
     if (cell->cut >= 0) {
-        const lmb_cut_cell *const found = &probes->cut.cell[cell->cut];
-        const float t[3] = {(float)cell->fraction[0], (float)cell->fraction[1], (float)cell->fraction[2]};
-        cell->region = lmb_cell_region(&probes->cut.plane[found->plane_first], found->plane_count, t);
-        memcpy(cell->probe, probes->cut.corner[found->region_first + cell->region], sizeof cell->probe);
+        regions_find(probes, cell);
         return true;
     }
     bool whole = true;
@@ -159,24 +170,23 @@ static bool cell_complete(const lmb_probes *probes, lmb_probe_cell *cell)
         cell->probe[i] = lmb_probe_index_find(&own->index, at);
         whole = cell->probe[i] >= 0;
     }
+    memcpy(cell->other, cell->probe, sizeof cell->other);
     return whole;
 }
 
-bool lmb_probes_cell_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
-                             int32_t probe[8])
+bool lmb_probes_cell_at(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
+                        lmb_probe_cell *found)
 {
-    lmb_probe_cell found = {.level = level};
-    memcpy(found.point, cell, sizeof found.point);
-    memcpy(found.fraction, fraction, sizeof found.fraction);
-    const bool is_there = cell_complete(probes, &found);
-    memcpy(probe, found.probe, sizeof found.probe);
-    return is_there;
+    *found = (lmb_probe_cell){.level = level};
+    memcpy(found->point, cell, sizeof found->point);
+    memcpy(found->fraction, fraction, sizeof found->fraction);
+    return cell_complete(probes, found);
 }
 
 bool lmb_probes_cell(const lmb_probes *probes, lmb_vec3d position, lmb_probe_cell *cell)
 {
     assert(probes && cell);
-    lmb_probe_cell found;
+    lmb_probe_cell found = {0};
     for (found.level = 0; found.level < probes->level_count; ++found.level) {
         if (lmb_lattice_cell(&probes->level[found.level].lattice, position, found.point, found.fraction) &&
             cell_complete(probes, &found) && lmb_probes_cell_is_leaf(probes, found.level, found.point)) {
@@ -203,20 +213,22 @@ lmb_sh3_rgb lmb_probes_light(const lmb_probes *probes, uint32_t set, lmb_vec3d p
 {
     assert(probes && set < probes->set_count);
     lmb_sh3_rgb light = {{{{0.0f}}}};
-    double t[3];
-    int32_t probe[8];
-    if (!lmb_probes_around(probes, position, probe, t)) {
+    lmb_probe_cell cell;
+    if (!lmb_probes_cell(probes, position, &cell)) {
         return light;
     }
+    const lmb_sh3_rgb *const radiance = probes->radiance[set];
+    const double *const t = cell.fraction;
     for (int channel = 0; channel < 3; ++channel) {
         for (int k = 0; k < LMB_SH3_COUNT; ++k) {
-            double sum = 0.0;
+            double sum = 0.0, other = 0.0;
             for (int i = 0; i < 8; ++i) {
                 const double weight =
                     (i & 1 ? t[0] : 1.0 - t[0]) * (i & 2 ? t[1] : 1.0 - t[1]) * (i & 4 ? t[2] : 1.0 - t[2]);
-                sum += weight * (double)probes->radiance[set][probe[i]].channel[channel].c[k];
+                sum += weight * (double)radiance[cell.probe[i]].channel[channel].c[k];
+                other += weight * (double)radiance[cell.other[i]].channel[channel].c[k];
             }
-            light.channel[channel].c[k] = (float)sum;
+            light.channel[channel].c[k] = (float)(sum + cell.share * (other - sum));
         }
     }
     return light;

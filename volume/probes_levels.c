@@ -18,9 +18,9 @@ static bool block_has_cell(const lmb_probes *probes, uint32_t level, const int32
                                  at[1] * LMB_PROBE_BLOCK + within / LMB_PROBE_BLOCK % LMB_PROBE_BLOCK,
                                  at[2] * LMB_PROBE_BLOCK + within / LMB_PROBE_BLOCK / LMB_PROBE_BLOCK};
         const double first[3] = {0.0};
-        int32_t corner[8];
+        lmb_probe_cell found;
         if ((cuts && cuts->probe[within] >= 0) ||
-            (points && points->probe[within] >= 0 && lmb_probes_cell_corners(probes, level, cell, first, corner))) {
+            (points && points->probe[within] >= 0 && lmb_probes_cell_at(probes, level, cell, first, &found))) {
             return true;
         }
     }
@@ -45,10 +45,10 @@ static int32_t divided(int32_t point, uint32_t power_of_two)
     return (int32_t)(((int64_t)point - rest) / power_of_two);
 }
 
-bool lmb_probes_leaf_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
-                             int32_t probe[8])
+bool lmb_probes_leaf_at(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
+                        lmb_probe_cell *found)
 {
-    if (!lmb_probes_cell_corners(probes, level, cell, fraction, probe)) {
+    if (!lmb_probes_cell_at(probes, level, cell, fraction, found)) {
         return false;
     }
     const int32_t cube[3] = {divided(cell[0], 2), divided(cell[1], 2), divided(cell[2], 2)};
@@ -73,8 +73,8 @@ bool lmb_probes_cell_is_leaf(const lmb_probes *probes, uint32_t level, const int
 {
     assert(probes && level < probes->level_count && cell);
     const double first[3] = {0.0};
-    int32_t corner[8];
-    return lmb_probes_leaf_corners(probes, level, cell, first, corner);
+    lmb_probe_cell found;
+    return lmb_probes_leaf_at(probes, level, cell, first, &found);
 }
 
 /* How far within a leaf a probe on its side is looked at, in spacings of the probe's level. */
@@ -104,13 +104,13 @@ static void move_within(uint32_t step, const double fraction[3], double within[3
     }
 }
 
-/* The corners for a probe that lies at the side of a cell. */
-static bool side_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], uint32_t step,
-                         const double fraction[3], int32_t corner[8])
+/* The cell for a probe that lies at its side. */
+static bool side_cell(const lmb_probes *probes, uint32_t level, const int32_t cell[3], uint32_t step,
+                      const double fraction[3], lmb_probe_cell *found)
 {
     double within[3];
     move_within(step, fraction, within);
-    return lmb_probes_leaf_corners(probes, level, cell, within, corner);
+    return lmb_probes_leaf_at(probes, level, cell, within, found);
 }
 
 static bool side_is_seen(const lmb_probes *probes, int32_t probe, uint32_t level, int side, lmb_probe_sees sees,
@@ -118,10 +118,11 @@ static bool side_is_seen(const lmb_probes *probes, int32_t probe, uint32_t level
 {
     const uint32_t own = (uint32_t)(lmb_probes_level_of(probes, probe) - probes->level);
     const uint32_t step = UINT32_C(1) << (level - own);
-    int32_t cell[3], corner[8];
+    int32_t cell[3];
+    lmb_probe_cell found;
     double fraction[3], within[3];
     if (!cell_touching(probes->point[probe], step, side, cell, fraction) ||
-        !side_corners(probes, level, cell, step, fraction, corner)) {
+        !side_cell(probes, level, cell, step, fraction, &found)) {
         return false;
     }
     const lmb_lattice *const lattice = &probes->level[level].lattice;
@@ -175,15 +176,18 @@ bool lmb_probes_hangs(const lmb_probes *probes, int32_t probe, lmb_probe_parents
     const uint32_t level = hanging_level(probes, probe);
     const uint32_t step = UINT32_C(1) << (level - (uint32_t)(lmb_probes_level_of(probes, probe) - probes->level));
     int32_t cell[3];
+    lmb_probe_cell found;
     double fraction[3];
     if (!cell_touching(probes->point[probe], step, side, cell, fraction) ||
-        !side_corners(probes, level, cell, step, fraction, parents->probe)) {
+        !side_cell(probes, level, cell, step, fraction, &found)) {
         return false;
     }
-    for (int corner = 0; corner < 8; ++corner) {
-        parents->weight[corner] = (corner & 1 ? fraction[0] : 1.0 - fraction[0]) *
-                                  (corner & 2 ? fraction[1] : 1.0 - fraction[1]) *
-                                  (corner & 4 ? fraction[2] : 1.0 - fraction[2]);
+    parents->count = found.share > 0.0 ? 16 : 8;
+    for (uint32_t i = 0; i < parents->count; ++i) {
+        const double weight = (i & 1 ? fraction[0] : 1.0 - fraction[0]) * (i & 2 ? fraction[1] : 1.0 - fraction[1]) *
+                              (i & 4 ? fraction[2] : 1.0 - fraction[2]);
+        parents->probe[i] = i < 8 ? found.probe[i] : found.other[i - 8];
+        parents->weight[i] = weight * (i < 8 ? 1.0 - found.share : found.share);
     }
     return true;
 }
@@ -192,19 +196,19 @@ static void probe_hang(lmb_probes *probes, int32_t probe, const lmb_probe_parent
 {
     for (uint32_t set = 0; set < probes->set_count; ++set) {
         lmb_sh3_rgb *const light = probes->radiance[set];
-        for (int i = 0; i < 3 * LMB_SH3_COUNT; ++i) {
-            const int channel = i / LMB_SH3_COUNT, k = i % LMB_SH3_COUNT;
+        for (int number = 0; number < 3 * LMB_SH3_COUNT; ++number) {
+            const int channel = number / LMB_SH3_COUNT, k = number % LMB_SH3_COUNT;
             double sum = 0.0;
-            for (int corner = 0; corner < 8; ++corner) {
-                sum += parents->weight[corner] * (double)light[parents->probe[corner]].channel[channel].c[k];
+            for (uint32_t i = 0; i < parents->count; ++i) {
+                sum += parents->weight[i] * (double)light[parents->probe[i]].channel[channel].c[k];
             }
             light[probe].channel[channel].c[k] = (float)sum;
         }
     }
     for (int key = 0; key < LMB_KEY_LIGHTS_MOST; ++key) {
         double sum = 0.0;
-        for (int corner = 0; corner < 8; ++corner) {
-            sum += parents->weight[corner] * (double)probes->key_visibility[parents->probe[corner]][key];
+        for (uint32_t i = 0; i < parents->count; ++i) {
+            sum += parents->weight[i] * (double)probes->key_visibility[parents->probe[i]][key];
         }
         probes->key_visibility[probe][key] = sum < 1.0 ? (float)sum : 1.0f;
     }

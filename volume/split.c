@@ -106,7 +106,7 @@ static lmb_result tiles_write(lmb_splitting *splitting, const lmb_split_sink *si
 static lmb_result splitting_begin(lmb_splitting *splitting, const unsigned char *volume, const int32_t tile_cells[3])
 {
     const lmb_volume_header *const header = (const lmb_volume_header *)(const void *)volume;
-    if (header->version != LMB_VOLUME_VERSION) {
+    if (header->version < 4) {
         return LMB_ERROR_VERSION;
     }
     splitting->source = volume;

@@ -28,13 +28,13 @@ float lmb_probes_locals_largest(const lmb_probes *probes);
 /* The block of points 4 at .. 4 at + 3, or NULL. */
 const lmb_probe_block *lmb_probe_index_block(const lmb_probe_index *index, const int32_t at[3]);
 
-/* The probes of a level's cell for a place in it, `fraction` 0 to 1. @return false: the cell is not there */
-bool lmb_probes_cell_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
-                             int32_t probe[8]);
+/* A level's cell for a place in it, `fraction` 0 to 1. @return false: the cell is not there */
+bool lmb_probes_cell_at(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
+                        lmb_probe_cell *found);
 
 /* The same, false also where finer cells stand in for it. */
-bool lmb_probes_leaf_corners(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
-                             int32_t probe[8]);
+bool lmb_probes_leaf_at(const lmb_probes *probes, uint32_t level, const int32_t cell[3], const double fraction[3],
+                        lmb_probe_cell *found);
 
 /* Whether a probe hangs, if it does, on a level that there is. */
 bool lmb_probes_hanging_is_sane(const lmb_probes *probes, int32_t probe);

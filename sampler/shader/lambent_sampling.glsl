@@ -39,10 +39,13 @@ struct LmbVolume {
     uint padding1;
 };
 
-// The eight probes around a position, and their weights.
+// The eight probes around a position, and their weights; in a wedge of a cut cell those of the other region, too, and its
+// share of the light: else 0.
 struct LmbVolumePlace {
     uint probe[8];
     float weight[8];
+    float share;
+    uint other[8];
 };
 
 struct LmbVolumeSample {
@@ -61,20 +64,50 @@ float lmbVolumeSigned(uint bits)
     return float(bits) - (bits >= 0x8000u ? 65536.0 : 0.0);
 }
 
-// The region of a cut cell, whose planes begin at some short behind a word (lmb_cell_region).
-uint lmbVolumeRegion(uint word, uint planes, uint planeCount, vec3 t)
+// The regions of a cut cell that a position is in: twice the same, but in a wedge.
+struct LmbVolumeRegions {
+    uint first;
+    uint second;
+    float share; // of the second one
+};
+
+bool lmbVolumeIsRegion(uint child)
 {
-    uint at = planeCount > 0u ? 0u : 128u;
+    return child >= 128u && child < 160u;
+}
+
+// How far t is above a plane, which begins at some short behind a word.
+float lmbVolumeAbove(uint word, uint plane, vec3 t)
+{
+    return lmbVolumeSigned(lmbVolumeShort(word, plane)) * t.x + lmbVolumeSigned(lmbVolumeShort(word, plane + 1u)) * t.y +
+           lmbVolumeSigned(lmbVolumeShort(word, plane + 2u)) * t.z - lmbVolumeSigned(lmbVolumeShort(word, plane + 3u));
+}
+
+// The regions of a cut cell, whose planes begin at some short behind a word (lmb_cell_regions_at).
+LmbVolumeRegions lmbVolumeRegionsAt(uint word, uint planes, uint planeCount, vec3 t)
+{
+    uint at = planeCount > 0u ? 0u : 128u, beside = 0u;
+    float above = 0.0;
     for (uint i = 0u; i < 31u && at < 128u; ++i) {
         uint plane = planes + 5u * at;
-        float along = lmbVolumeSigned(lmbVolumeShort(word, plane)) * t.x +
-                      lmbVolumeSigned(lmbVolumeShort(word, plane + 1u)) * t.y +
-                      lmbVolumeSigned(lmbVolumeShort(word, plane + 2u)) * t.z;
         uint children = lmbVolumeShort(word, plane + 4u);
-        bool above = along > lmbVolumeSigned(lmbVolumeShort(word, plane + 3u));
-        at = above ? children >> 8u : children & 255u;
+        above = lmbVolumeAbove(word, plane, t);
+        at = above > 0.0 ? children >> 8u : children & 255u;
+        beside = above > 0.0 ? children & 255u : children >> 8u;
     }
-    return at >= 128u ? at - 128u : 0u;
+    LmbVolumeRegions regions;
+    regions.first = at >= 128u ? at - 128u : 0u;
+    regions.second = regions.first;
+    regions.share = 0.0;
+    if (at >= 160u) {
+        uint other = planes + 5u * (at - 160u);
+        uint children = lmbVolumeShort(word, other + 4u);
+        float own = abs(above), sum = own + abs(lmbVolumeAbove(word, other, t));
+        regions.first = beside - 128u;
+        regions.second = (lmbVolumeIsRegion(children & 255u) ? children & 255u : children >> 8u) - 128u;
+        regions.share = sum > 0.0 ? own / sum : 0.0;
+    }
+    return regions;
 }
 
 // Where a plain cell has its corner k, by its place in its brick.
@@ -84,8 +117,24 @@ uint lmbVolumeOwn(LmbVolume volume, uint brick, uvec3 cell, uint k)
     return lmbVolumeWord(row) + (cell.x + (k & 1u)) * volume.probeUnits;
 }
 
+// The probes of a region, whose ghosts begin at some short behind a word.
+void lmbVolumeProbesRegion(LmbVolume volume, uint brick, uint word, uint ghosts, uint number, uvec3 cell,
+                           inout uint probe[8])
+{
+    uint region = lmbVolumeShort(word, 1u + number);
+    uint ghost = ghosts + (region >> 8u), first = lmbVolumeWord(brick + 30u);
+    for (uint k = 0u; k < 8u; ++k) {
+        bool isGhost = (region >> k & 1u) != 0u;
+        uint offset = lmbVolumeShort(word, ghost);
+        offset = first + offset - (offset >= 0x8000u ? 65536u : 0u);
+        probe[k] = isGhost ? offset * volume.probeUnits : lmbVolumeOwn(volume, brick, cell, k);
+        ghost += isGhost ? 1u : 0u;
+    }
+}
+
 // The probes of a brick's cut cell, by its number among them.
-void lmbVolumeProbesCut(LmbVolume volume, uint brick, uint rank, uvec3 cell, vec3 t, inout uint probe[8])
+void lmbVolumeProbesCut(LmbVolume volume, uint brick, uint rank, uvec3 cell, vec3 t, inout uint probe[8],
+                        inout uint other[8], inout float share)
 {
     uint record = volume.cuts + 4u * (lmbVolumeWord(brick + 29u) + (rank << lmbVolumeWord(brick + 31u)));
     uint counts = lmbVolumeShort(record, 0u);
@@ -93,15 +142,12 @@ void lmbVolumeProbesCut(LmbVolume volume, uint brick, uint rank, uvec3 cell, vec
         record = volume.cuts + 4u * lmbVolumeWord(record + 1u);
         counts = lmbVolumeShort(record, 0u);
     }
-    uint planes = 1u + (counts & 255u), planeCount = counts >> 8u;
-    uint region = lmbVolumeShort(record, 1u + lmbVolumeRegion(record, planes, planeCount, t));
-    uint ghost = planes + 5u * planeCount + (region >> 8u), first = lmbVolumeWord(brick + 30u);
-    for (uint k = 0u; k < 8u; ++k) {
-        bool isGhost = (region >> k & 1u) != 0u;
-        uint number = lmbVolumeShort(record, ghost);
-        number = first + number - (number >= 0x8000u ? 65536u : 0u);
-        probe[k] = isGhost ? number * volume.probeUnits : lmbVolumeOwn(volume, brick, cell, k);
-        ghost += isGhost ? 1u : 0u;
+    uint planes = 1u + (counts & 255u), ghosts = planes + 5u * (counts >> 8u);
+    LmbVolumeRegions regions = lmbVolumeRegionsAt(record, planes, counts >> 8u, t);
+    lmbVolumeProbesRegion(volume, brick, record, ghosts, regions.first, cell, probe);
+    share = regions.share;
+    if (regions.share > 0.0) {
+        lmbVolumeProbesRegion(volume, brick, record, ghosts, regions.second, cell, other);
     }
 }
 
@@ -110,20 +156,23 @@ void lmbVolumeProbes3(LmbVolume volume, uint number, vec3 t, inout uint probe[8]
 {
     uint record = volume.cuts + lmbVolumeWord(volume.cutOffsets + number);
     uint head = lmbVolumeWord(record), regions = head & 255u;
-    uint region = lmbVolumeRegion(record + 1u + 8u * regions, 0u, head >> 8u & 255u, t);
+    uint region = lmbVolumeRegionsAt(record + 1u + 8u * regions, 0u, head >> 8u & 255u, t).first;
     for (uint k = 0u; k < 8u; ++k) {
         probe[k] = lmbVolumeWord(record + 1u + 8u * region + k);
     }
 }
 
-// The probes of a cell, by its place in its brick. False: it is not there.
-bool lmbVolumeProbes(LmbVolume volume, uint brick, uvec3 cell, vec3 t, out uint probe[8])
+// The probes of a cell, by its place in its brick, and what LmbVolumePlace has of wedges. False: it is not there.
+bool lmbVolumeProbes(LmbVolume volume, uint brick, uvec3 cell, vec3 t, out uint probe[8], out uint other[8],
+                     out float share)
 {
     uint bit = cell.x + 4u * cell.y + 16u * cell.z;
     uint half_ = bit >> 5u, below = (1u << (bit & 31u)) - 1u, mask = 1u << (bit & 31u);
     uint cut = lmbVolumeWord(brick + 2u + half_);
+    share = 0.0;
     for (uint k = 0u; k < 8u; ++k) {
         probe[k] = 0u;
+        other[k] = 0u;
     }
     if ((lmbVolumeWord(brick + half_) & mask) != 0u) {
         for (uint i = 0u; i < 8u; ++i) {
@@ -138,7 +187,7 @@ bool lmbVolumeProbes(LmbVolume volume, uint brick, uvec3 cell, vec3 t, out uint 
     if (volume.cutOffsets != 0u) {
         lmbVolumeProbes3(volume, lmbVolumeWord(brick + 29u) + rank, t, probe);
     } else {
-        lmbVolumeProbesCut(volume, brick, rank, cell, t, probe);
+        lmbVolumeProbesCut(volume, brick, rank, cell, t, probe, other, share);
     }
     return true;
 }
@@ -156,7 +205,8 @@ bool lmbVolumeFind(LmbVolume volume, vec3 position, out LmbVolumePlace place)
     uvec3 cell = uvec3(finest.x >> level, finest.y >> level, finest.z >> level);
     vec3 t = at / float(1u << level) - vec3(cell);
     uvec3 inBrick = uvec3(cell.x & 3u, cell.y & 3u, cell.z & 3u);
-    bool there = lmbVolumeProbes(volume, volume.bricks + 32u * (word & 0xfffffffu), inBrick, t, place.probe);
+    bool there = lmbVolumeProbes(volume, volume.bricks + 32u * (word & 0xfffffffu), inBrick, t, place.probe, place.other,
+                                 place.share);
     for (uint i = 0u; i < 8u; ++i) {
         float weight = ((i & 1u) != 0u ? t.x : 1.0 - t.x) * ((i & 2u) != 0u ? t.y : 1.0 - t.y) *
                        ((i & 4u) != 0u ? t.z : 1.0 - t.z);
@@ -190,22 +240,38 @@ float lmbVolumeSeen(LmbVolume volume, uint probe, uint key)
 }
 
 // Radiance and visibility of key lights, of probes with weights.
-LmbVolumeSample lmbVolumeBlend(LmbVolume volume, LmbVolumePlace place)
+LmbVolumeSample lmbVolumeBlendProbes(LmbVolume volume, uint probe[8], float weight[8])
 {
     LmbVolumeSample blended;
     for (uint k = 0u; k < 9u; ++k) {
         vec3 sum = vec3(0.0, 0.0, 0.0);
         for (uint i = 0u; i < 8u; ++i) {
-            sum += place.weight[i] * vec3(lmbVolumeCoefficient(volume, place.probe[i], 0u, k),
-                                          lmbVolumeCoefficient(volume, place.probe[i], 1u, k),
-                                          lmbVolumeCoefficient(volume, place.probe[i], 2u, k));
+            sum += weight[i] * vec3(lmbVolumeCoefficient(volume, probe[i], 0u, k),
+                                    lmbVolumeCoefficient(volume, probe[i], 1u, k),
+                                    lmbVolumeCoefficient(volume, probe[i], 2u, k));
         }
         blended.radiance.c[k] = sum * volume.scale;
     }
     for (uint key = 0u; key < 4u; ++key) {
         blended.visibility[key] = 0.0;
         for (uint c = 0u; c < 8u && key < volume.keyLights; ++c) {
-            blended.visibility[key] += place.weight[c] * lmbVolumeSeen(volume, place.probe[c], key);
+            blended.visibility[key] += weight[c] * lmbVolumeSeen(volume, probe[c], key);
+        }
+    }
+    return blended;
+}
+
+// The same at a place; in a wedge, one region's passes over into the other's.
+LmbVolumeSample lmbVolumeBlend(LmbVolume volume, LmbVolumePlace place)
+{
+    LmbVolumeSample blended = lmbVolumeBlendProbes(volume, place.probe, place.weight);
+    if (place.share > 0.0) {
+        LmbVolumeSample other = lmbVolumeBlendProbes(volume, place.other, place.weight);
+        for (uint k = 0u; k < 9u; ++k) {
+            blended.radiance.c[k] += place.share * (other.radiance.c[k] - blended.radiance.c[k]);
+        }
+        for (uint key = 0u; key < 4u; ++key) {
+            blended.visibility[key] += place.share * (other.visibility[key] - blended.visibility[key]);
         }
     }
     return blended;

@@ -41,11 +41,14 @@ struct LmbVolumeTexture {
     uint regionZ;
 };
 
-// The first of eight texels, and where between them a position is.
+// The first of eight texels, and where between them a position is; in a wedge of a cut cell the first one of the other
+// region's, too, and its share of the light: else 0.
 struct LmbVolumeTexturePlace {
     uvec3 texel;
     float there; // 1, or 0: there are none
     vec3 t;      // 0 to 1
+    float share;
+    uvec3 other;
 };
 
 struct LmbVolumeTextureSample {
@@ -63,19 +66,54 @@ float lmbHighShort(uint word)
     return float(int(word) >> 16);
 }
 
-// The word of the region of a cut cell that t is in, of the cell's record (lmb_cell_region).
-uint lmbVolumeTextureRegion(uint record, vec3 t)
+// Words of the regions of a cut cell that a position is in: twice the same, but in a wedge.
+struct LmbVolumeTextureRegions {
+    uint first;
+    uint second;
+    float share; // of the second one
+};
+
+// How far t is above a plane.
+float lmbVolumeTextureAbove(uint plane, vec3 t)
 {
-    uint planes = lmbVolumeTextureWord(record);
-    uint at = planes > 0u ? 0u : 128u;
+    uint xy = lmbVolumeTextureWord(plane), zOffset = lmbVolumeTextureWord(plane + 1u);
+    return lmbLowShort(xy) * t.x + lmbHighShort(xy) * t.y + lmbLowShort(zOffset) * t.z - lmbHighShort(zOffset);
+}
+
+// The regions that t is in, of a cut cell's record (lmb_cell_regions_at).
+LmbVolumeTextureRegions lmbVolumeTextureRegionsAt(uint record, vec3 t)
+{
+    uint planes = lmbVolumeTextureWord(record), words = record + 1u + 3u * planes;
+    uint at = planes > 0u ? 0u : 128u, beside = 0u;
+    float above = 0.0;
     for (uint i = 0u; i < 31u && at < 128u; ++i) {
         uint plane = record + 1u + 3u * at;
-        uint xy = lmbVolumeTextureWord(plane), zOffset = lmbVolumeTextureWord(plane + 1u);
-        float along = lmbLowShort(xy) * t.x + lmbHighShort(xy) * t.y + lmbLowShort(zOffset) * t.z;
         uint children = lmbVolumeTextureWord(plane + 2u);
-        at = along > lmbHighShort(zOffset) ? children >> 8u : children & 255u;
+        above = lmbVolumeTextureAbove(plane, t);
+        at = above > 0.0 ? children >> 8u : children & 255u;
+        beside = above > 0.0 ? children & 255u : children >> 8u;
     }
-    return lmbVolumeTextureWord(record + 1u + 3u * planes + (at >= 128u ? at - 128u : 0u));
+    LmbVolumeTextureRegions regions;
+    regions.share = 0.0;
+    if (at >= 160u) {
+        uint other = record + 1u + 3u * (at - 160u);
+        uint children = lmbVolumeTextureWord(other + 2u), low = children & 255u;
+        float own = abs(above), sum = own + abs(lmbVolumeTextureAbove(other, t));
+        regions.first = lmbVolumeTextureWord(words + beside - 128u);
+        regions.second = lmbVolumeTextureWord(words + (low >= 128u && low < 160u ? low : children >> 8u) - 128u);
+        regions.share = sum > 0.0 ? own / sum : 0.0;
+    } else {
+        regions.first = lmbVolumeTextureWord(words + (at >= 128u ? at - 128u : 0u));
+        regions.second = regions.first;
+    }
+    return regions;
+}
+
+// The first texel of a region, by its word, where the brick's own texel is given.
+uvec3 lmbVolumeTextureTexel(LmbVolumeTexture volume, uint region, uvec3 own)
+{
+    uvec3 block = uvec3(region & 1023u, region >> 10u & 1023u, region >> 20u);
+    return region == 0xffffffffu ? own : 2u * block + uvec3(0u, 0u, volume.regionZ);
 }
 
 // Where a position is. False: outside; the place is then that of the nearest position in the bounds, and not there
@@ -94,14 +132,17 @@ bool lmbVolumeTextureFind(LmbVolumeTexture volume, vec3 position, out LmbVolumeT
     uvec3 tile = uvec3(word & 511u, word >> 9u & 511u, word >> 18u & 511u);
     place.t = at / float(1u << level) - vec3(cell);
     place.texel = 5u * tile + inBrick;
+    place.share = 0.0;
+    place.other = place.texel;
     if (word >= 0x80000000u && level < 15u) {
         uint brick = tile.x + volume.tileY * tile.y + volume.tileZ * tile.z;
         uint own = lmbVolumeTextureWord(volume.cells + 64u * brick + inBrick.x + 4u * inBrick.y + 16u * inBrick.z);
-        uint region = own > 1u ? lmbVolumeTextureRegion(own, place.t) : 0xffffffffu;
         place.there = own > 0u ? 1.0 : 0.0;
-        if (region != 0xffffffffu) {
-            uvec3 block = uvec3(region & 1023u, region >> 10u & 1023u, region >> 20u);
-            place.texel = 2u * block + uvec3(0u, 0u, volume.regionZ);
+        if (own > 1u) {
+            LmbVolumeTextureRegions regions = lmbVolumeTextureRegionsAt(own, place.t);
+            place.share = regions.share;
+            place.other = lmbVolumeTextureTexel(volume, regions.second, place.texel);
+            place.texel = lmbVolumeTextureTexel(volume, regions.first, place.texel);
         }
     }
     if (place.there == 0.0) {
@@ -111,25 +152,35 @@ bool lmbVolumeTextureFind(LmbVolumeTexture volume, vec3 position, out LmbVolumeT
     return place.there > 0.0 && max(off.x, max(off.y, off.z)) <= volume.slack;
 }
 
-// The four numbers of a part there.
-vec4 lmbVolumeTextureNumbers(uint part, LmbVolumeTexturePlace place)
+// The four numbers of a part, of the eight texels from one on.
+vec4 lmbVolumeTextureBetween(uint part, uvec3 texel, vec3 at)
 {
 #ifdef LMB_VOLUME_TEXTURE_FETCH
     vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
     for (uint i = 0u; i < 8u; ++i) {
         uvec3 side = uvec3(i & 1u, i >> 1u & 1u, i >> 2u);
-        float weight = (side.x > 0u ? place.t.x : 1.0 - place.t.x) * (side.y > 0u ? place.t.y : 1.0 - place.t.y) *
-                       (side.z > 0u ? place.t.z : 1.0 - place.t.z);
-        sum += weight * lmbVolumeTexelFetch(part, place.texel + side);
+        float weight = (side.x > 0u ? at.x : 1.0 - at.x) * (side.y > 0u ? at.y : 1.0 - at.y) *
+                       (side.z > 0u ? at.z : 1.0 - at.z);
+        sum += weight * lmbVolumeTexelFetch(part, texel + side);
     }
-    return place.there * sum;
+    return sum;
 #else
     // At a block's border rounding would read a little of the texel behind it, which is of another place: a share of
     // 2^-12 of the way to it is more than floats round texels of up to 2048, and less than filters see.
-    vec3 t = min(max(place.t, vec3(2.44140625e-4, 2.44140625e-4, 2.44140625e-4)),
+    vec3 t = min(max(at, vec3(2.44140625e-4, 2.44140625e-4, 2.44140625e-4)),
                  vec3(0.999755859375, 0.999755859375, 0.999755859375));
-    return place.there * lmbVolumeTexel(part, vec3(place.texel) + t + vec3(0.5, 0.5, 0.5));
+    return lmbVolumeTexel(part, vec3(texel) + t + vec3(0.5, 0.5, 0.5));
 #endif
+}
+
+// Those at a place; in a wedge, one region's pass over into the other's.
+vec4 lmbVolumeTextureNumbers(uint part, LmbVolumeTexturePlace place)
+{
+    vec4 numbers = lmbVolumeTextureBetween(part, place.texel, place.t);
+    if (place.share > 0.0) {
+        numbers += place.share * (lmbVolumeTextureBetween(part, place.other, place.t) - numbers);
+    }
+    return place.there * numbers;
 }
 
 // Coefficients first to first + 3 of red, green and blue.

@@ -154,6 +154,7 @@ void fuzz_seeds(void)
     fuzz_seed_file(LMB_GOLDEN_DIR "/small_keys.lmb");
     fuzz_seed_file(LMB_GOLDEN_DIR "/levels_3.lmb");
     fuzz_seed_file(LMB_GOLDEN_DIR "/levels_4.lmb");
+    fuzz_seed_file(LMB_GOLDEN_DIR "/levels_5.lmb");
     static const lmb_volume_form forms[] = {LMB_VOLUME_HALFS, LMB_VOLUME_COMPACT};
     for (size_t i = 0; i < 2; ++i) {
         seed_pack(cut_fixture_probes(), forms[i]);

@@ -1,4 +1,4 @@
-/* The layout of a .lmb file, version 4, as C structs: for those who write one. docs/formats.md is normative and says
+/* The layout of a .lmb file, version 5, as C structs: for those who write one. docs/formats.md is normative and says
  * what every field means and what must hold; everything is little-endian, and the structs have no padding of their own.
  *
  *     header | directory | heads of bricks | probes, with what is seen of key lights | cut cells
@@ -28,7 +28,7 @@ extern "C" {
 
 enum {
     LMB_VOLUME_MAGIC_SIZE = 8,
-    LMB_VOLUME_VERSION = 4,
+    LMB_VOLUME_VERSION = 5,
     LMB_VOLUME_VERSION_OLDEST = 3, /* that is read: its cut cells are lmb_volume_cut_3 */
     LMB_VOLUME_HEADER_BYTES = 256,
     LMB_VOLUME_CHECKSUM_START = 32, /* the checksum covers everything from here to the end */

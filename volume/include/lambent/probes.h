@@ -134,25 +134,28 @@ void lmb_probes_destroy(lmb_probes *probes);
 /* The probe at a point of a level's lattice, or -1. */
 int32_t lmb_probes_find(const lmb_probes *probes, uint32_t level, int32_t x, int32_t y, int32_t z);
 
-/* The cell that light at a place is interpolated in. */
+/* The cell that light at a place is interpolated in. In a wedge (lambent/cell.h) the place is in two regions. */
 typedef struct lmb_probe_cell {
     uint32_t level;
     int32_t point[3];   /* its first, on the level's lattice */
     int32_t cut;        /* its number among cut cells, or -1: a plain one */
-    uint32_t region;    /* of a cut cell, that the place is in; else 0 */
+    uint32_t region;    /* of a cut cell, that the place is in, the one that weighs most; else 0 */
     int32_t probe[8];   /* [corner, bit 0 is x, 1 is y, 2 is z] of that region */
+    int32_t other[8];   /* of the other region of a wedge; else the same */
+    double share;       /* of the other one's light, 0 to 0.5; 0 but in wedges */
     double fraction[3]; /* where in the cell, 0 to 1 along each axis */
 } lmb_probe_cell;
 
 /* @return false, and nothing is set, where no level has a cell */
 bool lmb_probes_cell(const lmb_probes *probes, lmb_vec3d position, lmb_probe_cell *cell);
 
-/* The eight probes around a place in its cell, and where in it that is, 0 to 1 along each axis.
+/* The eight probes around a place in its cell, of the region that weighs most, and where in it that is, 0 to 1 along
+ * each axis.
  * @return false, and nothing is set, where no level has a cell */
 bool lmb_probes_around(const lmb_probes *probes, lmb_vec3d position, int32_t probe[8], double fraction[3]);
 
-/* Their light there, by trilinear weights: what a file packed of these probes gives, up to rounding. All zero where
- * there is no cell. */
+/* The light at a place, by trilinear weights, in a wedge of both regions by their shares: what a file packed of these
+ * probes gives, up to rounding. All zero where there is no cell. */
 lmb_sh3_rgb lmb_probes_light(const lmb_probes *probes, uint32_t set, lmb_vec3d position);
 
 /* The level that a probe, or a ghost, belongs to. */
@@ -177,8 +180,9 @@ bool lmb_probes_cell_is_leaf(const lmb_probes *probes, uint32_t level, const int
 
 /* What a hanging probe's light is made of. */
 typedef struct lmb_probe_parents {
-    int32_t probe[8];
-    double weight[8]; /* sum 1 */
+    uint32_t count; /* 8; 16 in a wedge */
+    int32_t probe[16];
+    double weight[16]; /* sum 1 */
 } lmb_probe_parents;
 
 /* Whether a probe sees a world place a little within a leaf that it lies on. */

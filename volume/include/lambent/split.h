@@ -19,8 +19,8 @@ typedef struct lmb_split_sink {
  * come; one of these at least. */
 int32_t lmb_split_cells(const lmb_volume_info *info, double metres);
 
-/* Splits an open volume of version 4 into tiles of so many cells of the finest level along each axis: multiples of a
- * brick of the coarsest one. Gives each tile that has cells to `sink`, x fastest, then y and z; then `*index` is the
+/* Splits an open volume of version 4 or 5 into tiles of so many cells of the finest level along each axis: multiples of
+ * a brick of the coarsest one. Gives each tile that has cells to `sink`, x fastest, then y and z; then `*index` is the
  * index of all in malloc'ed memory, 16-byte aligned, which the caller frees. Local sets are in the tile that
  * lmb_volume_tiles_find gives of their middle or, where that has no cells, one of the nearest that have.
  * @return LMB_ERROR_MEMORY, _ARGUMENT (tile_cells), _VERSION (version 3 of the format is not split), _FORMAT (a volume
