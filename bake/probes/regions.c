@@ -39,9 +39,11 @@ static void work_free(lmb_region_work *work)
     free(work->cell);
     for (uint32_t i = 0; work->look && i < work->look_count; ++i) {
         free(work->look[i].end);
+        free(work->look[i].extension);
     }
     free(work->look);
     free(work->looked);
+    free(work->looking);
     free(work->place);
     free(work->placed);
     free(work->root);

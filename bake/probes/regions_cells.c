@@ -245,6 +245,7 @@ lmb_result lmb_region_cells_find(lmb_region_work *work)
     for (uint32_t i = 0; i < work->cell_count; ++i) {
         work->look_count += work->cell[i].look != UINT32_MAX;
     }
+    work->look_room = work->look_count + 1;
     work->look = calloc((size_t)work->look_count + 1, sizeof *work->look);
     work->looked = malloc(((size_t)work->look_count + 1) * sizeof *work->looked);
     if (result != LMB_OK || !work->look || !work->looked) {

@@ -43,15 +43,38 @@ typedef struct lmb_region_end {
     uint16_t at; /* along the axis, in 65535ths of the cell */
 } lmb_region_end;
 
-/* What was seen in a cell that a triangle touches. */
+/* normal . t is the offset, in a cell's coordinates; the normal is of unit length. */
+typedef struct lmb_region_plane {
+    lmb_vec3 normal;
+    float offset;
+} lmb_region_plane;
+
+/* Where something ends within a cell, or turns around an edge: a plane that divides a part of the cell in two from
+ * there on. */
+typedef struct lmb_region_extension {
+    lmb_region_plane plane;
+    lmb_region_plane rim; /* across the plane: below it things stand, above it there is nothing */
+    float reach;          /* how far beyond the rim there is nothing; INFINITY: as far as the cell goes */
+    float slope[2];       /* of the wedge, below the plane and above: how far it opens over a way from the rim */
+    uint8_t label[2];     /* the region below the plane, and the one above */
+    uint8_t faces;        /* bit 2 axis + side: the next cell is to be divided too, */
+    uint8_t anchor[6];    /* [face] where this node sees */
+    bool passed;          /* on by a cell beside: */
+    lmb_vec3 from;        /* that node */
+} lmb_region_extension;
+enum { LMB_REGION_EXTENSIONS_MOST = 8 };
+
+/* What was seen in a cell that a triangle touches, or that lies beside one. */
 typedef struct lmb_region_look {
     uint8_t label[LMB_REGION_NODES]; /* the region of each node, or LMB_REGION_NONE */
     uint8_t count;                   /* of regions */
     uint64_t open[6]; /* [2 axis, 2 axis + 1: the low face, the high one] bit of a line: it goes on beyond the face */
     uint8_t real[LMB_CELL_REGIONS_MOST]; /* bit of a corner: the region sees its baked probe */
     bool lamp;                           /* something in it shines: light changes fast */
-    uint32_t end_count;
+    bool failed;                         /* out of memory */
+    uint32_t end_count, extension_count;
     lmb_region_end *end;
+    lmb_region_extension *extension;
 } lmb_region_look;
 
 typedef struct lmb_region_cell {
@@ -89,9 +112,10 @@ typedef struct lmb_region_work {
     lmb_probe_index *index; /* [level] cells, by their first points */
     lmb_region_look *look;
     uint32_t *looked; /* [look] its cell */
-    uint32_t look_count;
-    lmb_vec3 *place; /* [probe] where light is gathered, of baked ones that looked-at cells have at their corners */
-    int32_t *placed; /* these */
+    uint32_t look_count, look_room;
+    uint32_t *looking; /* [task] look */
+    lmb_vec3 *place;   /* [probe] where light is gathered, of baked ones that looked-at cells have at their corners */
+    int32_t *placed;   /* these */
     uint32_t region_count;
     uint32_t *root;       /* [8 region + corner] a parent in the forest of corners that are one value */
     uint8_t *reached;     /* [region] somebody can be in it */
@@ -154,6 +178,84 @@ void lmb_region_line_trace(const lmb_tracer *tracer, const lmb_region_frame *fra
 /* The last node of a line that is not beyond a coordinate; -1: all are. */
 int lmb_region_node_before(float at);
 
+/* What a node's line meets before the next node. */
+typedef struct lmb_region_met {
+    uint8_t node, axis, wall;
+    float at; /* along the axis */
+    uint32_t instance, triangle;
+} lmb_region_met;
+
+/* What stands between nodes of a cell: walls, each by its plane with the normal towards those who see it. */
+enum { LMB_REGION_WALLS_MOST = 64, LMB_REGION_MET_MOST = 2 * 3 * LMB_REGION_LINES * (LMB_REGION_SIDE - 1) };
+typedef struct lmb_region_walls {
+    int count, met_count;
+    lmb_region_plane wall[LMB_REGION_WALLS_MOST];
+    lmb_region_met met[LMB_REGION_MET_MOST];
+} lmb_region_walls;
+
+/* Adds what a line meets. */
+void lmb_region_walls_add(lmb_region_walls *walls, const lmb_tracer *tracer, const lmb_region_frame *frame, int axis,
+                          int line, const lmb_region_line *found);
+
+/* How far a place is above a plane. */
+static inline float lmb_region_above(const lmb_region_plane *plane, const float t[3])
+{
+    return plane->normal.x * t[0] + plane->normal.y * t[1] + plane->normal.z * t[2] - plane->offset;
+}
+
+/* Nodes that are linked, each to the next one along an axis (bit of it), and the parts that they make. */
+typedef struct lmb_region_parts {
+    uint8_t link[LMB_REGION_NODES], part[LMB_REGION_NODES];
+    int count, size[LMB_REGION_NODES];
+} lmb_region_parts;
+
+/* Finds the parts of what is linked. */
+void lmb_region_parts_find(lmb_region_parts *parts);
+
+/* Whether two walls meet at an edge of a triangle of the first one that lines meet. */
+bool lmb_region_walls_meet(const lmb_region_walls *walls, int one, int other, const lmb_tracer *tracer,
+                           const lmb_region_frame *frame);
+
+/* The line beyond which a wall has ended, as a plane across it: that of an edge of its triangles which has all places
+ * where the wall is met on one side, and all that are `open` on the other. Normal 0: there is none. */
+lmb_region_plane lmb_region_rim_find(const lmb_region_walls *walls, int wall, const lmb_tracer *tracer,
+                                     const lmb_region_frame *frame, const float (*open)[3], int open_count);
+
+/* Finds what most needs to be divided of the parts that are not divided yet, and divides it in two.
+ * @return the part that was; -1: nothing ends in the cell */
+int lmb_region_extend(const lmb_region_walls *walls, const lmb_tracer *tracer, const lmb_region_frame *frame,
+                      const uint64_t open[6], const lmb_region_parts *parts, const bool divided[LMB_REGION_NODES],
+                      uint8_t link[LMB_REGION_NODES], lmb_region_extension *extension);
+
+/* Divides a part in two by an extension's plane, and limits its reach to what the cell leaves it.
+ * @return false: it is none, or more, and nothing is divided */
+bool lmb_region_divide(const lmb_region_parts *parts, int part, lmb_region_extension *extension,
+                       uint8_t link[LMB_REGION_NODES]);
+
+/* Gives up extensions that would leave a step at a face. */
+void lmb_region_extensions_settle(lmb_region_work *work);
+
+/* The cells beyond a face: one, not finer, or up to four of the next finer level. @return how many */
+int lmb_region_cells_beside(const lmb_region_work *work, const lmb_region_cell *cell, int face, uint32_t beside[4]);
+
+/* Whether a cell's plane goes through another one. */
+bool lmb_region_plane_crosses(const lmb_region_plane *plane, const lmb_region_cell *from, const lmb_region_cell *to);
+
+/* Whether two places of a cell are on the same side of all planes that divide it beyond what ends. */
+static inline bool lmb_region_is_undivided(const lmb_region_look *look, const float a[3], const float b[3])
+{
+    bool same = true;
+    for (uint32_t i = 0; i < look->extension_count; ++i) {
+        const lmb_region_plane *const plane = &look->extension[i].plane;
+        same = same && (lmb_region_above(plane, a) > 0.0f) == (lmb_region_above(plane, b) > 0.0f);
+    }
+    return same;
+}
+
+/* Gives extensions to the cells beside that they are to divide too, and lists the looks of these, `*count`, in
+ * work->looking: what was found in them is to be found anew. @return LMB_ERROR_MEMORY */
+lmb_result lmb_region_extensions_pass(lmb_region_work *work, size_t *count);
+
 /* Finds which corners of regions are one value, which regions can be reached, and gives each value a probe of the
  * lattice, or a ghost that is added to the probes. @return LMB_ERROR_MEMORY */
 lmb_result lmb_region_corners_name(lmb_region_work *work);
@@ -178,6 +280,18 @@ typedef struct lmb_region_tree {
     lmb_cell_plane plane[LMB_CELL_PLANES_MOST];
     uint32_t strays;
 } lmb_region_tree;
+
+/* A number of 16383ths, as planes of cells have it. */
+int16_t lmb_region_quantised(float value);
+
+enum { LMB_REGION_WEDGE_PLANES = 5 };
+
+/* Adds what parts two regions, `region` below an extension's plane and above it, in a cell that has no other planes
+ * there: that plane, and a wedge beyond the rim. @return the number of the first plane */
+uint8_t lmb_region_wedge_add(const lmb_region_extension *extension, const uint8_t region[2], lmb_region_tree *tree);
+
+/* How wide the wedge of an extension opens, whose regions have their labels. */
+void lmb_region_wedge_open(const lmb_region_look *look, lmb_region_extension *extension);
 
 /* Labels are named by `name`; LMB_REGION_NONE: there is nobody in it. */
 void lmb_region_tree_grow(const lmb_region_work *work, const lmb_region_cell *cell,

@@ -28,6 +28,9 @@ static uint8_t region_at(lmb_region_work *work, const lmb_region_cell *cell, lmb
         return 0;
     }
     const lmb_region_frame frame = lmb_region_frame_of(work->probes, cell);
+    const lmb_vec3 from = lmb_vec3_scale(lmb_vec3_sub(place, frame.first), 1.0f / (frame.spacing * frame.spacing));
+    const float own[3] = {lmb_vec3_dot(from, frame.step[0]), lmb_vec3_dot(from, frame.step[1]),
+                          lmb_vec3_dot(from, frame.step[2])};
     bool tried[LMB_REGION_NODES] = {false};
     for (int i = 0; i < TRIED; ++i) {
         int best = -1;
@@ -38,7 +41,8 @@ static uint8_t region_at(lmb_region_work *work, const lmb_region_cell *cell, lmb
             lmb_region_node_at(node, t);
             const lmb_vec3 point = lmb_region_position(&frame, t), way = lmb_vec3_sub(point, place);
             const float distance = lmb_vec3_dot(way, way);
-            if (!tried[node] && look->label[node] != LMB_REGION_NONE && (best < 0 || distance < best_distance)) {
+            if (!tried[node] && look->label[node] != LMB_REGION_NONE && lmb_region_is_undivided(look, own, t) &&
+                (best < 0 || distance < best_distance)) {
                 best = node;
                 best_distance = distance;
                 best_point = point;

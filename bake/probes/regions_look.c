@@ -1,6 +1,7 @@
 /* Looking into a cell: rays along lines of nodes, and the regions that they leave. */
 #include "probes/regions_internal.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -132,9 +133,10 @@ static bool hits_shine(const lmb_tracer *tracer, const lmb_region_line *found)
 
 /* Which nodes see the next one, bit of an axis, and where they do not. */
 static void nodes_link(const lmb_region_work *work, const lmb_region_frame *frame, uint8_t link[LMB_REGION_NODES],
-                       lmb_region_look *look, lmb_region_end end[MOST_ENDS], uint64_t *rays)
+                       lmb_region_look *look, lmb_region_end end[MOST_ENDS], lmb_region_walls *walls, uint64_t *rays)
 {
     lmb_region_line found;
+    walls->count = walls->met_count = 0;
     look->end_count = 0;
     memset(link, 0, LMB_REGION_NODES);
     memset(look->open, 0, sizeof look->open);
@@ -142,6 +144,7 @@ static void nodes_link(const lmb_region_work *work, const lmb_region_frame *fram
         for (int line = 0; line < LMB_REGION_LINES; ++line) {
             lmb_region_line_trace(work->tracer, frame, axis, line, &found, rays);
             ends_find(work->tracer, axis, line, &found, end, &look->end_count);
+            lmb_region_walls_add(walls, work->tracer, frame, axis, line, &found);
             look->lamp = look->lamp || hits_shine(work->tracer, &found);
             unsigned blocked = 0; /* bit i: before node i */
             for (int i = 0; i < found.count; ++i) {
@@ -181,34 +184,123 @@ static int flood(const uint8_t link[LMB_REGION_NODES], int first, uint8_t name, 
     return nodes;
 }
 
-/* Names the regions, the largest first where there are more than cells can have. */
-static void regions_label(const uint8_t link[LMB_REGION_NODES], lmb_region_look *look)
+void lmb_region_parts_find(lmb_region_parts *parts)
 {
-    uint8_t part[LMB_REGION_NODES], name[LMB_REGION_NODES];
-    int size[LMB_REGION_NODES], parts = 0;
-    memset(part, LMB_REGION_NONE, sizeof part);
+    parts->count = 0;
+    memset(parts->part, LMB_REGION_NONE, sizeof parts->part);
     for (int node = 0; node < LMB_REGION_NODES; ++node) {
-        if (part[node] == LMB_REGION_NONE) {
-            size[parts] = flood(link, node, (uint8_t)parts, part);
-            ++parts;
+        if (parts->part[node] == LMB_REGION_NONE) {
+            parts->size[parts->count] = flood(parts->link, node, (uint8_t)parts->count, parts->part);
+            ++parts->count;
         }
     }
+}
+
+/* Names the regions, the largest first where there are more than cells can have. */
+static void regions_label(const lmb_region_parts *parts, lmb_region_look *look)
+{
+    uint8_t name[LMB_REGION_NODES];
     look->count = 0;
-    for (int i = 0; i < parts; ++i) {
+    for (int i = 0; i < parts->count; ++i) {
         int larger = 0;
-        for (int k = 0; k < parts; ++k) {
-            larger += size[k] > size[i] || (k < i && size[k] == size[i]);
+        for (int k = 0; k < parts->count; ++k) {
+            larger += parts->size[k] > parts->size[i] || (k < i && parts->size[k] == parts->size[i]);
         }
         name[i] = larger < LMB_CELL_REGIONS_MOST ? look->count++ : LMB_REGION_NONE;
     }
     for (int node = 0; node < LMB_REGION_NODES; ++node) {
-        look->label[node] = name[part[node]];
+        look->label[node] = name[parts->part[node]];
     }
 }
 
 static bool sees(const lmb_tracer *tracer, lmb_vec3 from, lmb_vec3 to, uint64_t *rays)
 {
     return lmb_rgb_max(lmb_trace_transmittance(tracer, from, to, rays)) > 0.0f;
+}
+
+/* The part that a place beside the cell sees, by the nodes that are nearest to it; -1: none. */
+static int part_seen(const lmb_region_work *work, const lmb_region_frame *frame, const lmb_region_parts *parts,
+                     lmb_vec3 from, uint64_t *rays)
+{
+    enum { TRIED = 4 };
+    bool tried[LMB_REGION_NODES] = {false};
+    for (int i = 0; i < TRIED; ++i) {
+        int best = 0;
+        float nearest = INFINITY;
+        lmb_vec3 place = from;
+        for (int node = 0; node < LMB_REGION_NODES; ++node) {
+            float t[3];
+            lmb_region_node_at(node, t);
+            const lmb_vec3 point = lmb_region_position(frame, t), way = lmb_vec3_sub(point, from);
+            if (!tried[node] && lmb_vec3_dot(way, way) < nearest) {
+                nearest = lmb_vec3_dot(way, way);
+                best = node;
+                place = point;
+            }
+        }
+        tried[best] = true;
+        if (sees(work->tracer, from, place, rays)) {
+            return parts->part[best];
+        }
+    }
+    return -1;
+}
+
+/* The regions on the sides of an extension, of the part that it divides. */
+static void extension_label(const lmb_region_look *look, const lmb_region_parts *parts, int part,
+                            lmb_region_extension *extension)
+{
+    for (int node = 0; node < LMB_REGION_NODES; ++node) {
+        if (parts->part[node] == part) {
+            float t[3];
+            lmb_region_node_at(node, t);
+            extension->label[lmb_region_above(&extension->plane, t) > 0.0f] = look->label[node];
+        }
+    }
+}
+
+/* Divides what things end in, in the cell and beside it, each part once, and names the regions.
+ * @return false: out of memory */
+static bool parts_divide(const lmb_region_work *work, const lmb_region_frame *frame, const lmb_region_walls *walls,
+                         const lmb_region_parts *parts, lmb_region_look *look, uint64_t *rays)
+{
+    lmb_region_extension made[LMB_REGION_EXTENSIONS_MOST];
+    int part[LMB_REGION_EXTENSIONS_MOST], next = 0;
+    uint32_t count = 0;
+    bool divided[LMB_REGION_NODES] = {false};
+    lmb_region_parts cut;
+    memcpy(cut.link, parts->link, sizeof cut.link);
+    while (count < LMB_REGION_EXTENSIONS_MOST && next >= 0) {
+        next = lmb_region_extend(walls, work->tracer, frame, look->open, parts, divided, cut.link, &made[count]);
+        if (next >= 0) {
+            divided[next] = true;
+            part[count++] = next;
+        }
+    }
+    for (uint32_t i = 0; i < look->extension_count && count < LMB_REGION_EXTENSIONS_MOST; ++i) {
+        next = part_seen(work, frame, parts, look->extension[i].from, rays);
+        if (next >= 0 && !divided[next] && lmb_region_divide(parts, next, &look->extension[i], cut.link)) {
+            divided[next] = true;
+            part[count] = next;
+            made[count++] = look->extension[i];
+        }
+    }
+    lmb_region_parts_find(&cut);
+    regions_label(&cut, look);
+    for (uint32_t i = 0; i < count; ++i) {
+        extension_label(look, parts, part[i], &made[i]);
+        if (!made[i].passed) {
+            lmb_region_wedge_open(look, &made[i]);
+        }
+    }
+    lmb_region_extension *const all = realloc(look->extension, (count + 1) * sizeof *made);
+    if (!all) {
+        return false;
+    }
+    memcpy(all, made, count * sizeof *made);
+    look->extension = all;
+    look->extension_count = count;
+    return true;
 }
 
 /* Whether a corner's probe is seen from one of the region's nodes that are nearest to it. */
@@ -334,18 +426,22 @@ static void solids_leave(const lmb_region_work *work, const lmb_region_frame *fr
 static void cell_look(void *context, size_t task, int worker)
 {
     const lmb_region_work *const work = context;
-    const lmb_region_cell *const cell = &work->cell[work->looked[task]];
-    lmb_region_look *const look = &work->look[task];
+    const uint32_t number = work->looking[task];
+    const lmb_region_cell *const cell = &work->cell[work->looked[number]];
+    lmb_region_look *const look = &work->look[number];
     const lmb_region_frame frame = lmb_region_frame_of(work->probes, cell);
-    uint8_t link[LMB_REGION_NODES];
+    lmb_region_parts parts;
     lmb_region_end end[MOST_ENDS];
+    lmb_region_walls walls;
     uint64_t rays = 0;
-    nodes_link(work, &frame, link, look, end, &rays);
+    nodes_link(work, &frame, parts.link, look, end, &walls, &rays);
+    lmb_region_parts_find(&parts);
+    free(look->end);
     look->end = malloc((look->end_count + 1) * sizeof *look->end);
+    look->failed = !look->end || !parts_divide(work, &frame, &walls, &parts, look, &rays);
     if (look->end) {
         memcpy(look->end, end, look->end_count * sizeof *end);
     }
-    regions_label(link, look);
     corners_look(work, cell, &frame, look, &rays);
     solids_leave(work, &frame, look, &rays);
     work->rays[worker] += rays;
@@ -360,13 +456,13 @@ static void probe_place(void *context, size_t task, int worker)
                                                 lmb_probes_footprint(work->probes, probe), &work->rays[worker]);
 }
 
-/* @return how many there are */
-static size_t places_list(const lmb_region_work *work, uint8_t *listed)
+/* @return how many there are to find */
+static size_t places_list(const lmb_region_work *work, size_t looks, uint8_t *listed)
 {
     size_t count = 0;
-    for (uint32_t i = 0; i < work->look_count; ++i) {
+    for (size_t i = 0; i < looks; ++i) {
         for (int corner = 0; corner < 8; ++corner) {
-            const int32_t probe = corner_probe(work->probes, &work->cell[work->looked[i]], corner);
+            const int32_t probe = corner_probe(work->probes, &work->cell[work->looked[work->looking[i]]], corner);
             if (probe >= 0 && !listed[probe]) {
                 listed[probe] = 1;
                 work->placed[count++] = probe;
@@ -376,22 +472,43 @@ static size_t places_list(const lmb_region_work *work, uint8_t *listed)
     return count;
 }
 
+/* Looks into the first `looks` cells that are listed. */
+static lmb_result cells_look(lmb_region_work *work, size_t looks, uint8_t *listed)
+{
+    lmb_result result = lmb_pool_run(work->pool, places_list(work, looks, listed), probe_place, work, "place", NULL);
+    if (result == LMB_OK) {
+        result = lmb_pool_run(work->pool, looks, cell_look, work, "regions", work->progress);
+    }
+    for (size_t i = 0; i < looks && result == LMB_OK; ++i) {
+        result = work->look[work->looking[i]].failed ? LMB_ERROR_MEMORY : LMB_OK;
+    }
+    return result;
+}
+
 lmb_result lmb_region_cells_look(lmb_region_work *work)
 {
-    const size_t probes = (size_t)work->probes->count + 1;
+    const size_t probes = (size_t)work->probes->count + 1, cells = (size_t)work->cell_count + 1;
     work->place = malloc(probes * sizeof *work->place);
     work->placed = malloc(probes * sizeof *work->placed);
+    work->looking = malloc(cells * sizeof *work->looking);
     uint8_t *const listed = calloc(probes, 1);
     lmb_result result = LMB_ERROR_MEMORY;
-    if (work->place && work->placed && listed) {
-        result = lmb_pool_run(work->pool, places_list(work, listed), probe_place, work, "place", NULL);
+    if (work->place && work->placed && work->looking && listed) {
+        for (uint32_t i = 0; i < work->look_count; ++i) {
+            work->looking[i] = i;
+        }
+        result = cells_look(work, work->look_count, listed);
+    }
+    size_t again = 0;
+    if (result == LMB_OK) {
+        result = lmb_region_extensions_pass(work, &again);
+    }
+    if (result == LMB_OK) {
+        result = cells_look(work, again, listed);
+    }
+    if (result == LMB_OK) {
+        lmb_region_extensions_settle(work);
     }
     free(listed);
-    if (result == LMB_OK) {
-        result = lmb_pool_run(work->pool, work->look_count, cell_look, work, "regions", work->progress);
-    }
-    for (uint32_t i = 0; i < work->look_count && result == LMB_OK; ++i) {
-        result = work->look[i].end ? LMB_OK : LMB_ERROR_MEMORY;
-    }
     return result;
 }

@@ -41,6 +41,7 @@ typedef struct tree_met {
 
 typedef struct tree_work {
     const lmb_tracer *tracer;
+    const lmb_region_look *look;
     lmb_region_frame frame;
     uint64_t *rays;
     tree_met met[MOST_MET];
@@ -51,7 +52,9 @@ typedef struct tree_work {
     tree_plane plane[MOST_PLANES];
     int plane_count;
     uint32_t regions;
-    int order[MOST_SAMPLES]; /* samples, those of a branch together */
+    const lmb_region_extension *divided[LMB_CELL_REGIONS_MOST]; /* [name] by what; NULL: it is one region */
+    uint8_t region[LMB_CELL_REGIONS_MOST][2];                   /* [name] below what divides it, and above */
+    int order[MOST_SAMPLES];                                    /* samples, those of a branch together */
     int spare[MOST_SAMPLES];
 } tree_work;
 
@@ -65,7 +68,7 @@ static bool is_above(const tree_plane *plane, const float t[3])
     return along(plane->normal, t) > (float)plane->offset;
 }
 
-static int16_t quantised(float value)
+int16_t lmb_region_quantised(float value)
 {
     const float scaled = value * (float)LMB_CELL_UNIT;
     return (int16_t)(scaled < 0.0f ? fmaxf(scaled - 0.5f, -32767.0f) : fminf(scaled + 0.5f, 32767.0f));
@@ -85,7 +88,10 @@ static void sample_add(tree_work *work, const float t[3], uint8_t name)
 static void plane_add(tree_work *work, lmb_vec3 normal, float offset, int facing)
 {
     const tree_plane added = {
-        {quantised(normal.x), quantised(normal.y), quantised(normal.z)}, quantised(offset), 1, facing};
+        {lmb_region_quantised(normal.x), lmb_region_quantised(normal.y), lmb_region_quantised(normal.z)},
+        lmb_region_quantised(offset),
+        1,
+        facing};
     for (int i = 0; i < work->plane_count; ++i) {
         const float one = 1.0f / (float)LMB_CELL_UNIT;
         const int16_t *const n = work->plane[i].normal;
@@ -279,7 +285,11 @@ static tree_plane plane_between(const tree_work *work, const branch *at)
     const float length = sqrtf(nearest);
     const lmb_vec3 normal = lmb_vec3_of((q[0] - p[0]) / length, (q[1] - p[1]) / length, (q[2] - p[2]) / length);
     const float offset = 0.5f * (normal.x * (p[0] + q[0]) + normal.y * (p[1] + q[1]) + normal.z * (p[2] + q[2]));
-    return (tree_plane){{quantised(normal.x), quantised(normal.y), quantised(normal.z)}, quantised(offset), 0, 0};
+    return (tree_plane){
+        {lmb_region_quantised(normal.x), lmb_region_quantised(normal.y), lmb_region_quantised(normal.z)},
+        lmb_region_quantised(offset),
+        0,
+        0};
 }
 
 /* Moves a plane into the middle between what it parts: off the surface that it was found at, where points that are lit
@@ -354,8 +364,8 @@ static int branch_part(tree_work *work, const branch *at, const tree_plane *plan
     return below;
 }
 
-/* The region that most samples of a branch are in; adds the others to `*strays`. */
-static uint8_t branch_region(const tree_work *work, const branch *at, uint32_t *strays)
+/* The name that most samples of a branch have; adds the others to `*strays`. */
+static uint8_t branch_name(const tree_work *work, const branch *at, uint32_t *strays)
 {
     int count[LMB_CELL_REGIONS_MOST] = {0};
     uint8_t best = 0;
@@ -367,6 +377,43 @@ static uint8_t branch_region(const tree_work *work, const branch *at, uint32_t *
     }
     *strays += (uint32_t)(at->count - count[best]);
     return best;
+}
+
+/* Whether a plane goes through the box around a branch's samples. */
+static bool box_is_crossed(const tree_work *work, const branch *at, const lmb_region_plane *plane)
+{
+    float box[2][3] = {{1.0f, 1.0f, 1.0f}, {0.0f, 0.0f, 0.0f}};
+    bool side[2] = {false, false};
+    for (int i = at->first; i < at->first + at->count; ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            box[0][axis] = fminf(box[0][axis], work->t[work->order[i]][axis]);
+            box[1][axis] = fmaxf(box[1][axis], work->t[work->order[i]][axis]);
+        }
+    }
+    for (int i = 0; i < 8; ++i) {
+        const float t[3] = {box[i & 1][0], box[i >> 1 & 1][1], box[i >> 2][2]};
+        side[lmb_region_above(plane, t) > 0.0f] = true;
+    }
+    return side[0] && side[1];
+}
+
+/* What is at a branch that is not split: a region, or two and what parts them. */
+static uint8_t branch_end(const tree_work *work, const branch *at, lmb_region_tree *tree)
+{
+    const uint8_t name = branch_name(work, at, &tree->strays);
+    const lmb_region_extension *const extension = work->divided[name];
+    if (!extension) {
+        return (uint8_t)(LMB_CELL_REGION + work->region[name][0]);
+    }
+    if (box_is_crossed(work, at, &extension->plane) &&
+        tree->plane_count + LMB_REGION_WEDGE_PLANES <= LMB_CELL_PLANES_MOST) {
+        return lmb_region_wedge_add(extension, work->region[name], tree);
+    }
+    int above = 0;
+    for (int i = at->first; i < at->first + at->count; ++i) {
+        above += lmb_region_above(&extension->plane, work->t[work->order[i]]) > 0.0f;
+    }
+    return (uint8_t)(LMB_CELL_REGION + work->region[name][2 * above > at->count]);
 }
 
 static void branches_grow(tree_work *work, lmb_region_tree *tree)
@@ -385,7 +432,7 @@ static void branches_grow(tree_work *work, lmb_region_tree *tree)
             open[depth++] = (branch){at.first + below, at.count - below, own, 1};
             open[depth++] = (branch){at.first, below, own, 0};
         } else {
-            child = (uint8_t)(LMB_CELL_REGION + branch_region(work, &at, &tree->strays));
+            child = branch_end(work, &at, tree);
         }
         if (at.parent >= 0) {
             tree->plane[at.parent].child[at.side] = child;
@@ -393,21 +440,51 @@ static void branches_grow(tree_work *work, lmb_region_tree *tree)
     }
 }
 
+/* Names for what the tree is to tell apart: regions, but one for both of an extension. `to`: [label]. */
+static void names_join(tree_work *work, const lmb_region_cell *cell, const uint8_t name[LMB_CELL_REGIONS_MOST],
+                       uint8_t to[LMB_CELL_REGIONS_MOST])
+{
+    const lmb_region_look *const look = work->look;
+    memset(to, LMB_REGION_NONE, LMB_CELL_REGIONS_MOST);
+    work->regions = 0;
+    for (uint32_t i = 0; i < look->extension_count; ++i) {
+        const uint8_t *const label = look->extension[i].label;
+        if (label[0] != LMB_REGION_NONE && label[1] != LMB_REGION_NONE && name[label[0]] != LMB_REGION_NONE &&
+            name[label[1]] != LMB_REGION_NONE && name[label[0]] != name[label[1]]) {
+            to[label[0]] = to[label[1]] = (uint8_t)work->regions;
+            work->divided[work->regions] = &look->extension[i];
+            work->region[work->regions][0] = name[label[0]];
+            work->region[work->regions++][1] = name[label[1]];
+        }
+    }
+    for (uint32_t i = 0; i < cell->count; ++i) {
+        if (to[i] != LMB_REGION_NONE || name[i] == LMB_REGION_NONE) {
+            continue;
+        }
+        uint32_t found = 0;
+        while (found < work->regions && (work->divided[found] || work->region[found][0] != name[i])) {
+            ++found;
+        }
+        if (found == work->regions) {
+            work->divided[found] = NULL;
+            work->region[work->regions++][0] = name[i];
+        }
+        to[i] = (uint8_t)found;
+    }
+}
+
 void lmb_region_tree_grow(const lmb_region_work *all, const lmb_region_cell *cell,
                           const uint8_t name[LMB_CELL_REGIONS_MOST], lmb_region_tree *tree, uint64_t *rays)
 {
     tree_work work;
+    uint8_t joined[LMB_CELL_REGIONS_MOST];
     work.tracer = all->tracer;
+    work.look = &all->look[cell->look];
     work.frame = lmb_region_frame_of(all->probes, cell);
     work.rays = rays;
     work.count = work.plane_count = work.met_count = 0;
-    work.regions = 1;
-    for (uint32_t i = 0; i < cell->count; ++i) {
-        if (name[i] != LMB_REGION_NONE && name[i] >= work.regions) {
-            work.regions = name[i] + 1u;
-        }
-    }
-    samples_find(&work, all, cell, name);
+    names_join(&work, cell, name, joined);
+    samples_find(&work, all, cell, joined);
     for (int i = 0; i < work.count; ++i) {
         work.order[i] = i;
     }
