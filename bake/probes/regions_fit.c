@@ -91,11 +91,10 @@ static void products_add(const lmb_regions *regions, const matrix_sink *sink)
     for (size_t i = 0; i < regions->point_count; ++i) {
         const int32_t *const corner = regions->corner[regions->point[i].region];
         float weight[8];
-        const double own = (double)regions->point[i].weight;
         lmb_region_weights(regions->point[i].t, weight);
         for (int k = 0; k < 64; ++k) {
             sink_add(sink, unknown[corner[k / 8]], unknown[corner[k % 8]],
-                     own * (double)weight[k / 8] * (double)weight[k % 8]);
+                     (double)weight[k / 8] * (double)weight[k % 8]);
         }
     }
     for (uint32_t region = 0; region < regions->region_count; ++region) {
@@ -235,7 +234,7 @@ static void right_make(const fit_job *job, size_t task, double (*right)[LANES])
         }
         for (int c = 0; c < 8; ++c) {
             for (int k = 0; k < LANES && unknown[corner[c]] >= 0; ++k) {
-                right[unknown[corner[c]]][k] += (double)regions->point[i].weight * (double)weight[c] * value[k];
+                right[unknown[corner[c]]][k] += (double)weight[c] * value[k];
             }
         }
     }

@@ -1,5 +1,5 @@
-/* Where light is gathered inside of regions: where values that are to be fitted weigh most, beside surfaces and away
- * from them. */
+/* Where light is gathered inside of regions: where values that are to be fitted weigh most, and spread over surfaces.
+ */
 #include "probes/regions_internal.h"
 
 #include <stdlib.h>
@@ -13,15 +13,10 @@
 
 enum { AT_NODE, AT_SURFACE, POINTS_EACH };
 
-/* More in each region of a cell that holds a lamp: beside surfaces and away from them. */
-enum { LAMP_ENDS = 12, LAMP_NODES = 4, LAMP_POINTS = LAMP_ENDS + LAMP_NODES };
-#define LAMP_WEIGHT 0.5f
-
 typedef struct point_choice {
     float weight; /* of the value; 0: none */
     uint32_t cell, region;
     float t[3];
-    bool is_extra; /* in a lamp's cell */
 } point_choice;
 
 typedef struct points_work {
@@ -44,7 +39,7 @@ static void choice_offer(point_choice *best, uint32_t cell, uint32_t region, con
 {
     const float weight = corner_weight(t, corner);
     if (weight > best->weight) {
-        *best = (point_choice){weight, cell, region, {t[0], t[1], t[2]}, false};
+        *best = (point_choice){weight, cell, region, {t[0], t[1], t[2]}};
     }
 }
 
@@ -55,6 +50,19 @@ static void end_place(const lmb_region_end *end, float t[3])
     const float at = (float)end->at / 65535.0f, way = at - t[end->axis];
     const float kept = lmb_smaller(BEFORE_SURFACE, way < 0.0f ? -0.5f * way : 0.5f * way);
     t[end->axis] = way < 0.0f ? at + kept : at - kept;
+}
+
+/* Whether an end lies on one of four lines of each axis that are spread over the cell, near the points of Gauss's rule
+ * of 2 x 2: what is fitted to light before a surface there has the surface's mean, wherever in the cell light changes.
+ */
+static bool end_is_spread(const lmb_region_end *end)
+{
+    bool is = true;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int at = end->node / lmb_region_stride(axis) % LMB_REGION_SIDE;
+        is = is && (axis == end->axis || at == 1 || at == LMB_REGION_SIDE - 2);
+    }
+    return is;
 }
 
 /* Offers the places of a region for one of its corners. */
@@ -129,60 +137,26 @@ static void places_choose(const lmb_region_work *all, const uint32_t *kept)
     }
 }
 
-/* Spreads points over a region of a cell that holds a lamp. */
-static void lamp_choose(points_work *work, uint32_t cell, uint32_t label)
-{
-    const lmb_region_cell *const own = &work->all->cell[cell];
-    const lmb_region_look *const look = &work->all->look[own->look];
-    uint32_t ends = 0, nodes = 0, end = 0, node = 0;
-    for (uint32_t i = 0; i < look->end_count; ++i) {
-        ends += look->label[look->end[i].node] == label;
-    }
-    for (int i = 0; i < LMB_REGION_NODES; ++i) {
-        nodes += look->label[i] == label;
-    }
-    point_choice choice = {.weight = 1.0f, .cell = cell, .region = own->first + label, .is_extra = true};
-    for (uint32_t i = 0; i < look->end_count; ++i) {
-        const bool is_own = look->label[look->end[i].node] == label;
-        if (is_own && end * LAMP_ENDS / ends != (end + 1) * LAMP_ENDS / ends) {
-            end_place(&look->end[i], choice.t);
-            work->choice[work->count++] = choice;
-        }
-        end += is_own;
-    }
-    for (int i = 0; i < LMB_REGION_NODES; ++i) {
-        const bool is_own = look->label[i] == label;
-        if (is_own && node * LAMP_NODES / nodes != (node + 1) * LAMP_NODES / nodes) {
-            lmb_region_node_at(i, choice.t);
-            work->choice[work->count++] = choice;
-        }
-        node += is_own;
-    }
-}
-
-static bool holds_lamp(const lmb_region_work *all, uint32_t cell)
-{
-    return all->cell[cell].look != UINT32_MAX && all->look[all->cell[cell].look].lamp;
-}
-
-static void lamps_choose(points_work *work, const uint32_t *kept)
-{
-    const lmb_region_work *const all = work->all;
-    for (uint32_t c = 0; c < all->cell_count; ++c) {
-        for (uint32_t label = 0; label < all->cell[c].count && holds_lamp(all, c); ++label) {
-            if (kept[all->cell[c].first + label] != UINT32_MAX) {
-                lamp_choose(work, c, label);
-            }
-        }
-    }
-}
-
-/* Regions that may get more points. */
-static size_t lamp_regions(const lmb_region_work *all)
+/* Calls for all spread places before surfaces of regions that are kept. @return how many; `choice` NULL: they are only
+ * counted */
+static size_t spread_choose(const lmb_region_work *all, const uint32_t *kept, point_choice *choice)
 {
     size_t count = 0;
-    for (uint32_t c = 0; c < all->cell_count; ++c) {
-        count += holds_lamp(all, c) ? all->cell[c].count : 0;
+    for (uint32_t l = 0; l < all->look_count; ++l) {
+        const lmb_region_look *const look = &all->look[l];
+        const uint32_t cell = all->looked[l];
+        for (uint32_t i = 0; i < look->end_count; ++i) {
+            const uint8_t label = look->label[look->end[i].node];
+            const uint32_t region = all->cell[cell].first + label;
+            if (label == LMB_REGION_NONE || kept[region] == UINT32_MAX || !end_is_spread(&look->end[i])) {
+                continue;
+            }
+            if (choice) {
+                choice[count] = (point_choice){.weight = 1.0f, .cell = cell, .region = region};
+                end_place(&look->end[i], choice[count].t);
+            }
+            ++count;
+        }
     }
     return count;
 }
@@ -195,7 +169,7 @@ static int choice_compare(const void *left, const void *right)
             return a->t[axis] < b->t[axis] ? -1 : 1;
         }
     }
-    return a->region != b->region ? (a->region < b->region ? -1 : 1) : (int)a->is_extra - (int)b->is_extra;
+    return (a->region > b->region) - (a->region < b->region);
 }
 
 /* --- what is to be fitted ----------------------------------------------------------------------------------------- */
@@ -255,7 +229,6 @@ static void points_add(const points_work *work, const uint32_t *kept)
         point->position = lmb_region_position(&frame, point->t);
         point->region = kept[choice[i].region];
         point->spacing = frame.spacing;
-        point->weight = choice[i].is_extra ? LAMP_WEIGHT : 1.0f;
     }
 }
 
@@ -271,17 +244,17 @@ lmb_result lmb_region_points_choose(lmb_region_work *all)
     lmb_result result = LMB_ERROR_MEMORY;
     if (kept && made->unknown && made->unknown_of && made->corner) {
         unknown_find(all, kept);
-        const size_t most = (size_t)made->unknown_count * POINTS_EACH + lamp_regions(all) * LAMP_POINTS + 1;
+        const size_t most = (size_t)made->unknown_count * POINTS_EACH + spread_choose(all, kept, NULL) + 1;
         work.choice = calloc(most, sizeof *work.choice);
         made->point = malloc(most * sizeof *made->point);
         made->place = malloc((8 * (size_t)made->region_count + 1) * sizeof *made->place);
         result = work.choice && made->point && made->place ? LMB_OK : LMB_ERROR_MEMORY;
     }
     if (result == LMB_OK) {
-        work.count = (size_t)made->unknown_count * POINTS_EACH;
+        const size_t best = (size_t)made->unknown_count * POINTS_EACH;
         work.best = (point_choice(*)[POINTS_EACH])work.choice;
         choices_make(&work);
-        lamps_choose(&work, kept);
+        work.count = best + spread_choose(all, kept, work.choice + best);
         points_add(&work, kept);
         places_choose(all, kept);
         all->stats->points = (int64_t)made->point_count;

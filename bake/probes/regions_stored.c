@@ -26,7 +26,7 @@ static void regions_move(lmb_stored *stored, lmb_regions *regions, int32_t probe
 void lmb_regions_write(const lmb_regions *regions, int32_t probes, lmb_stored *stored)
 {
     /* Structures of fours of bytes: without padding. */
-    _Static_assert(sizeof(lmb_region_point) == 9 * sizeof(float), "padded");
+    _Static_assert(sizeof(lmb_region_point) == 8 * sizeof(float), "padded");
     _Static_assert(sizeof(lmb_region_place) == 4 * sizeof(float), "padded");
     _Static_assert(sizeof(lmb_region_hanging) == 18 * sizeof(float), "padded");
     lmb_regions own = *regions;

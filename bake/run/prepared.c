@@ -19,7 +19,7 @@ typedef struct prepared_head {
 } prepared_head;
 
 static const char magic[8] = "LMBPREP";
-enum { PREPARED_VERSION = 2 };
+enum { PREPARED_VERSION = 3 };
 
 static void placement_stats_move(lmb_stored *stored, lmb_placement_stats *stats)
 {

@@ -47,7 +47,6 @@ typedef struct lmb_region_point {
     float t[3];        /* in its cell, 0 to 1 */
     uint32_t region;
     float spacing; /* metres, of its level */
-    float weight;  /* that its squared error has where values are fitted */
 } lmb_region_point;
 
 /* Neighbours follow each other. */
