@@ -183,7 +183,7 @@ static void faces_compare(const level_fixture *level, const lmb_probes *probes, 
  * factor of more than two, but never towards the dark of what is behind. */
 static void errors_check(const hollow_scene *scene, const char *where, const errors *found)
 {
-    CHECK(found->sum < 0.11 * found->count && found->least > 0.5 && found->most < 2.8,
+    CHECK(found->sum < 0.11 * found->count && found->least > 0.5 && found->most < 2.6,
           "%s, %g m: %s: off by %g in the mean of %d points, from %g to %g", kind_name[scene->kind],
           (double)scene->thick_m, where, found->sum / found->count, found->count, found->least, found->most);
 }

@@ -325,6 +325,25 @@ static void many_planes_part_two_regions(void)
     }
 }
 
+/* A door ajar and a column end within cells of half a metre: undivided cells let 7 and 22 % through. */
+static void what_ends_divides(void)
+{
+    static const struct {
+        const char *name;
+        double most;
+    } scenes[] = {{"door", 0.01}, {"column", 0.14}};
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i) {
+        room_fixture rooms;
+        if (!room_fixture_open(&rooms, scenes[i].name, 0.5f, 256)) {
+            continue;
+        }
+        const leaks_figures regions = figures_of(&rooms, "regions");
+        CHECK(worst_leak(&regions) < scenes[i].most, "%s leaks %g", scenes[i].name, worst_leak(&regions));
+        CHECK(regions.step < 1e-3, "%s: a step of %g", scenes[i].name, regions.step);
+        room_fixture_close(&rooms);
+    }
+}
+
 /* Where light bends within cells of 2 m, levels bring each room's own light back, beside walls too. The few samples of
  * probes and truth here make some 3 % of the mean by themselves. */
 static void levels_keep_own_light(void)
@@ -357,6 +376,7 @@ static const test_case cases[] = {
     {"the mean has a standard error", the_mean_has_a_standard_error},
     {"sealed rooms tell methods apart", sealed_rooms_tell_methods_apart},
     {"many planes part two regions", many_planes_part_two_regions},
+    {"what ends divides", what_ends_divides},
     {"levels keep own light", levels_keep_own_light},
 };
 

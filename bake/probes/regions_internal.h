@@ -70,7 +70,6 @@ typedef struct lmb_region_look {
     uint8_t count;                   /* of regions */
     uint64_t open[6]; /* [2 axis, 2 axis + 1: the low face, the high one] bit of a line: it goes on beyond the face */
     uint8_t real[LMB_CELL_REGIONS_MOST]; /* bit of a corner: the region sees its baked probe */
-    bool lamp;                           /* something in it shines: light changes fast */
     bool failed;                         /* out of memory */
     uint32_t end_count, extension_count;
     lmb_region_end *end;

@@ -118,19 +118,6 @@ static void ends_find(const lmb_tracer *tracer, int axis, int line, const lmb_re
     }
 }
 
-static bool hits_shine(const lmb_tracer *tracer, const lmb_region_line *found)
-{
-    const lmb_scene *const scene = lmb_tracer_scene(tracer);
-    bool shine = false;
-    for (int i = 0; i < found->count; ++i) {
-        const lmb_mesh *const mesh = &scene->meshes[scene->instances[found->hit[i].instance].mesh];
-        const uint32_t material = mesh->material[found->hit[i].triangle];
-        const lmb_rgb emission = scene->lit ? scene->lit[material] : scene->materials[material].emissive;
-        shine = shine || lmb_rgb_max(emission) > 0.0f;
-    }
-    return shine;
-}
-
 /* Which nodes see the next one, bit of an axis, and where they do not. */
 static void nodes_link(const lmb_region_work *work, const lmb_region_frame *frame, uint8_t link[LMB_REGION_NODES],
                        lmb_region_look *look, lmb_region_end end[MOST_ENDS], lmb_region_walls *walls, uint64_t *rays)
@@ -145,7 +132,6 @@ static void nodes_link(const lmb_region_work *work, const lmb_region_frame *fram
             lmb_region_line_trace(work->tracer, frame, axis, line, &found, rays);
             ends_find(work->tracer, axis, line, &found, end, &look->end_count);
             lmb_region_walls_add(walls, work->tracer, frame, axis, line, &found);
-            look->lamp = look->lamp || hits_shine(work->tracer, &found);
             unsigned blocked = 0; /* bit i: before node i */
             for (int i = 0; i < found.count; ++i) {
                 blocked |= 1u << (lmb_region_node_before(found.at[i]) + 1);

@@ -52,17 +52,18 @@ static void end_place(const lmb_region_end *end, float t[3])
     t[end->axis] = way < 0.0f ? at + kept : at - kept;
 }
 
-/* Whether an end lies on one of four lines of each axis that are spread over the cell, near the points of Gauss's rule
- * of 2 x 2: what is fitted to light before a surface there has the surface's mean, wherever in the cell light changes.
- */
+/* Whether an end lies on one of five lines of each axis: four near the points of Gauss's rule of 2 x 2, and one near
+ * the middle. What is fitted to light before a surface there has the surface's mean, wherever in the cell light
+ * changes. */
 static bool end_is_spread(const lmb_region_end *end)
 {
-    bool is = true;
+    bool outer = true, middle = true;
     for (int axis = 0; axis < 3; ++axis) {
         const int at = end->node / lmb_region_stride(axis) % LMB_REGION_SIDE;
-        is = is && (axis == end->axis || at == 1 || at == LMB_REGION_SIDE - 2);
+        outer = outer && (axis == end->axis || at == 1 || at == LMB_REGION_SIDE - 2);
+        middle = middle && (axis == end->axis || at == 2);
     }
-    return is;
+    return outer || middle;
 }
 
 /* Offers the places of a region for one of its corners. */
