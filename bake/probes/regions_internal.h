@@ -240,17 +240,6 @@ int lmb_region_cells_beside(const lmb_region_work *work, const lmb_region_cell *
 /* Whether a cell's plane goes through another one. */
 bool lmb_region_plane_crosses(const lmb_region_plane *plane, const lmb_region_cell *from, const lmb_region_cell *to);
 
-/* Whether two places of a cell are on the same side of all planes that divide it beyond what ends. */
-static inline bool lmb_region_is_undivided(const lmb_region_look *look, const float a[3], const float b[3])
-{
-    bool same = true;
-    for (uint32_t i = 0; i < look->extension_count; ++i) {
-        const lmb_region_plane *const plane = &look->extension[i].plane;
-        same = same && (lmb_region_above(plane, a) > 0.0f) == (lmb_region_above(plane, b) > 0.0f);
-    }
-    return same;
-}
-
 /* Gives extensions to the cells beside that they are to divide too, and lists the looks of these, `*count`, in
  * work->looking: what was found in them is to be found anew. @return LMB_ERROR_MEMORY */
 lmb_result lmb_region_extensions_pass(lmb_region_work *work, size_t *count);

@@ -19,6 +19,18 @@ static const lmb_region_look *look_of(const lmb_region_work *work, const lmb_reg
     return cell->look == UINT32_MAX ? NULL : &work->look[cell->look];
 }
 
+/* Whether a place is on a region's side of what divides it from another one. */
+static bool is_on_side(const lmb_region_look *look, uint8_t label, const float t[3])
+{
+    bool is = true;
+    for (uint32_t i = 0; i < look->extension_count; ++i) {
+        const lmb_region_extension *const extension = &look->extension[i];
+        const bool is_above = lmb_region_above(&extension->plane, t) > 0.0f;
+        is = is && label != extension->label[is_above ? 0 : 1];
+    }
+    return is;
+}
+
 /* The region of a cell at a place in it: that of a node nearby that sees it. */
 static uint8_t region_at(lmb_region_work *work, const lmb_region_cell *cell, lmb_vec3 place)
 {
@@ -41,7 +53,7 @@ static uint8_t region_at(lmb_region_work *work, const lmb_region_cell *cell, lmb
             lmb_region_node_at(node, t);
             const lmb_vec3 point = lmb_region_position(&frame, t), way = lmb_vec3_sub(point, place);
             const float distance = lmb_vec3_dot(way, way);
-            if (!tried[node] && look->label[node] != LMB_REGION_NONE && lmb_region_is_undivided(look, own, t) &&
+            if (!tried[node] && look->label[node] != LMB_REGION_NONE && is_on_side(look, look->label[node], own) &&
                 (best < 0 || distance < best_distance)) {
                 best = node;
                 best_distance = distance;
