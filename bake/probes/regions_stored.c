@@ -1,5 +1,6 @@
 #include "probes/regions_stored.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "probes/regions_internal.h"
@@ -42,13 +43,21 @@ static bool are_probes(const int32_t *value, size_t count, int32_t probes)
     return sane;
 }
 
+/* Whether rays can begin there: not where numbers overflow. */
+static bool is_place(lmb_vec3 at)
+{
+    const float farthest = 1e18f;
+    return fabsf(at.x) < farthest && fabsf(at.y) < farthest && fabsf(at.z) < farthest;
+}
+
 static bool regions_are_sane(const lmb_regions *regions, int32_t probes)
 {
     bool sane =
         are_probes(regions->unknown, regions->unknown_count, probes) &&
         (regions->region_count == 0 || are_probes(regions->corner[0], 8 * (size_t)regions->region_count, probes));
     for (size_t i = 0; i < regions->point_count && sane; ++i) {
-        sane = regions->point[i].region < regions->region_count && regions->point[i].spacing > 0.0f;
+        const lmb_region_point *const point = &regions->point[i];
+        sane = point->region < regions->region_count && point->spacing > 0.0f && is_place(point->position);
     }
     for (size_t i = 0; i < regions->place_count && sane; ++i) {
         sane = regions->place[i].region < regions->region_count;
