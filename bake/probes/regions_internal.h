@@ -135,6 +135,14 @@ typedef struct lmb_region_frame {
 lmb_region_frame lmb_region_frame_of(const lmb_probes *probes, const lmb_region_cell *cell);
 lmb_vec3 lmb_region_position(const lmb_region_frame *frame, const float t[3]);
 
+/* The other way around: a position in the coordinates of the cell. */
+lmb_vec3 lmb_region_coordinates(const lmb_region_frame *frame, lmb_vec3 position);
+
+/* The node nearest to a position, of those that are left, and where it is; it is then none of them any more.
+ * @return -1: none is left */
+int lmb_region_node_next(const lmb_region_frame *frame, lmb_vec3 position, bool left[LMB_REGION_NODES],
+                         lmb_vec3 *place);
+
 /* A place of a region that is just before a surface, where one of its corners that are to be fitted weighs most. */
 typedef struct lmb_region_place {
     uint32_t region;
@@ -173,6 +181,9 @@ typedef struct lmb_region_line {
 } lmb_region_line;
 void lmb_region_line_trace(const lmb_tracer *tracer, const lmb_region_frame *frame, int axis, int line,
                            lmb_region_line *found, uint64_t *rays);
+
+/* Whether a ray along the axis, or against it, meets a side that is not there to be seen: it is inside of something. */
+bool lmb_region_is_unseen(const lmb_tracer *tracer, const lmb_hit *hit, bool against);
 
 /* The last node of a line that is not beyond a coordinate; -1: all are. */
 int lmb_region_node_before(float at);

@@ -40,32 +40,20 @@ static uint8_t region_at(lmb_region_work *work, const lmb_region_cell *cell, lmb
         return 0;
     }
     const lmb_region_frame frame = lmb_region_frame_of(work->probes, cell);
-    const lmb_vec3 from = lmb_vec3_scale(lmb_vec3_sub(place, frame.first), 1.0f / (frame.spacing * frame.spacing));
-    const float own[3] = {lmb_vec3_dot(from, frame.step[0]), lmb_vec3_dot(from, frame.step[1]),
-                          lmb_vec3_dot(from, frame.step[2])};
-    bool tried[LMB_REGION_NODES] = {false};
+    const lmb_vec3 own = lmb_region_coordinates(&frame, place);
+    bool left[LMB_REGION_NODES];
+    lmb_vec3 point = place;
+    for (int node = 0; node < LMB_REGION_NODES; ++node) {
+        const uint8_t label = look->label[node];
+        left[node] = label != LMB_REGION_NONE && is_on_side(look, label, (const float[3]){own.x, own.y, own.z});
+    }
     for (int i = 0; i < TRIED; ++i) {
-        int best = -1;
-        float best_distance = 0.0f;
-        lmb_vec3 best_point = place;
-        for (int node = 0; node < LMB_REGION_NODES; ++node) {
-            float t[3];
-            lmb_region_node_at(node, t);
-            const lmb_vec3 point = lmb_region_position(&frame, t), way = lmb_vec3_sub(point, place);
-            const float distance = lmb_vec3_dot(way, way);
-            if (!tried[node] && look->label[node] != LMB_REGION_NONE && is_on_side(look, look->label[node], own) &&
-                (best < 0 || distance < best_distance)) {
-                best = node;
-                best_distance = distance;
-                best_point = point;
-            }
-        }
-        if (best < 0) {
+        const int node = lmb_region_node_next(&frame, place, left, &point);
+        if (node < 0) {
             return LMB_REGION_NONE;
         }
-        tried[best] = true;
-        if (lmb_rgb_max(lmb_trace_transmittance(work->tracer, best_point, place, &work->stats->rays)) > 0.0f) {
-            return look->label[best];
+        if (lmb_rgb_max(lmb_trace_transmittance(work->tracer, point, place, &work->stats->rays)) > 0.0f) {
+            return look->label[node];
         }
     }
     return LMB_REGION_NONE;

@@ -1,7 +1,6 @@
 /* Looking into a cell: rays along lines of nodes, and the regions that they leave. */
 #include "probes/regions_internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -62,6 +61,38 @@ lmb_vec3 lmb_region_position(const lmb_region_frame *frame, const float t[3])
                         frame->step[2], t[2]);
 }
 
+lmb_vec3 lmb_region_coordinates(const lmb_region_frame *frame, lmb_vec3 position)
+{
+    const lmb_vec3 from =
+        lmb_vec3_scale(lmb_vec3_sub(position, frame->first), 1.0f / (frame->spacing * frame->spacing));
+    return lmb_vec3_of(lmb_vec3_dot(from, frame->step[0]), lmb_vec3_dot(from, frame->step[1]),
+                       lmb_vec3_dot(from, frame->step[2]));
+}
+
+int lmb_region_node_next(const lmb_region_frame *frame, lmb_vec3 position, bool left[LMB_REGION_NODES], lmb_vec3 *place)
+{
+    int best = -1;
+    float nearest = 0.0f;
+    for (int node = 0; node < LMB_REGION_NODES; ++node) {
+        if (!left[node]) {
+            continue;
+        }
+        float t[3];
+        lmb_region_node_at(node, t);
+        const lmb_vec3 point = lmb_region_position(frame, t), way = lmb_vec3_sub(point, position);
+        const float distance = lmb_vec3_dot(way, way);
+        if (best < 0 || distance < nearest) {
+            best = node;
+            nearest = distance;
+            *place = point;
+        }
+    }
+    if (best >= 0) {
+        left[best] = false;
+    }
+    return best;
+}
+
 void lmb_region_line_trace(const lmb_tracer *tracer, const lmb_region_frame *frame, int axis, int line,
                            lmb_region_line *found, uint64_t *rays)
 {
@@ -88,8 +119,7 @@ void lmb_region_line_trace(const lmb_tracer *tracer, const lmb_region_frame *fra
 /* In a cell: two for each part of a line that something stands in. */
 enum { MOST_ENDS = 3 * LMB_REGION_LINES * 2 * (LMB_REGION_SIDE - 1) };
 
-/* Whether a ray along the axis, or against it, meets a side that is not there to be seen. */
-static bool is_unseen(const lmb_tracer *tracer, const lmb_hit *hit, bool against)
+bool lmb_region_is_unseen(const lmb_tracer *tracer, const lmb_hit *hit, bool against)
 {
     const lmb_scene *const scene = lmb_tracer_scene(tracer);
     const lmb_mesh *const mesh = &scene->meshes[scene->instances[hit->instance].mesh];
@@ -107,12 +137,12 @@ static void ends_find(const lmb_tracer *tracer, int axis, int line, const lmb_re
         }
         if (i == 0 || lmb_region_node_before(found->at[i - 1]) != node) {
             one.node = (uint8_t)lmb_region_line_node(axis, line, node);
-            one.unseen = is_unseen(tracer, &found->hit[i], false);
+            one.unseen = lmb_region_is_unseen(tracer, &found->hit[i], false);
             end[(*count)++] = one;
         }
         if (i + 1 == found->count || lmb_region_node_before(found->at[i + 1]) != node) {
             one.node = (uint8_t)lmb_region_line_node(axis, line, node + 1);
-            one.unseen = is_unseen(tracer, &found->hit[i], true);
+            one.unseen = lmb_region_is_unseen(tracer, &found->hit[i], true);
             end[(*count)++] = one;
         }
     }
@@ -209,24 +239,15 @@ static int part_seen(const lmb_region_work *work, const lmb_region_frame *frame,
                      lmb_vec3 from, uint64_t *rays)
 {
     enum { TRIED = 4 };
-    bool tried[LMB_REGION_NODES] = {false};
+    bool left[LMB_REGION_NODES];
+    lmb_vec3 place = from;
+    for (int node = 0; node < LMB_REGION_NODES; ++node) {
+        left[node] = true;
+    }
     for (int i = 0; i < TRIED; ++i) {
-        int best = 0;
-        float nearest = INFINITY;
-        lmb_vec3 place = from;
-        for (int node = 0; node < LMB_REGION_NODES; ++node) {
-            float t[3];
-            lmb_region_node_at(node, t);
-            const lmb_vec3 point = lmb_region_position(frame, t), way = lmb_vec3_sub(point, from);
-            if (!tried[node] && lmb_vec3_dot(way, way) < nearest) {
-                nearest = lmb_vec3_dot(way, way);
-                best = node;
-                place = point;
-            }
-        }
-        tried[best] = true;
+        const int node = lmb_region_node_next(frame, from, left, &place);
         if (sees(work->tracer, from, place, rays)) {
-            return parts->part[best];
+            return parts->part[node];
         }
     }
     return -1;
@@ -294,30 +315,13 @@ static bool region_sees(const lmb_region_work *work, const lmb_region_frame *fra
                         uint8_t region, lmb_vec3 place, uint64_t *rays)
 {
     enum { TRIED = 3 };
-    bool tried[LMB_REGION_NODES] = {false};
-    for (int i = 0; i < TRIED; ++i) {
-        int best = -1;
-        float best_distance = 0.0f;
-        lmb_vec3 best_point = place;
-        for (int node = 0; node < LMB_REGION_NODES; ++node) {
-            if (look->label[node] != region || tried[node]) {
-                continue;
-            }
-            float t[3];
-            lmb_region_node_at(node, t);
-            const lmb_vec3 point = lmb_region_position(frame, t), way = lmb_vec3_sub(point, place);
-            const float distance = lmb_vec3_dot(way, way);
-            if (best < 0 || distance < best_distance) {
-                best = node;
-                best_distance = distance;
-                best_point = point;
-            }
-        }
-        if (best < 0) {
-            return false;
-        }
-        tried[best] = true;
-        if (sees(work->tracer, best_point, place, rays)) {
+    bool left[LMB_REGION_NODES];
+    lmb_vec3 point = place;
+    for (int node = 0; node < LMB_REGION_NODES; ++node) {
+        left[node] = look->label[node] == region;
+    }
+    for (int i = 0; i < TRIED && lmb_region_node_next(frame, place, left, &point) >= 0; ++i) {
+        if (sees(work->tracer, point, place, rays)) {
             return true;
         }
     }

@@ -104,6 +104,9 @@ static bool extension_pass(lmb_region_work *work, uint32_t look, uint32_t index,
 {
     const lmb_region_cell *const from = &work->cell[work->looked[look]], *const to = &work->cell[cell];
     lmb_region_extension passed = work->look[look].extension[index];
+    if (!lmb_region_plane_crosses(&passed.plane, from, to)) {
+        return true;
+    }
     const lmb_region_frame frame = lmb_region_frame_of(work->probes, from);
     float t[3];
     lmb_region_node_at(passed.anchor[face], t);
@@ -113,9 +116,6 @@ static bool extension_pass(lmb_region_work *work, uint32_t look, uint32_t index,
     passed.from = lmb_region_position(&frame, t);
     passed.faces = 0;
     passed.passed = true;
-    if (!lmb_region_plane_crosses(&work->look[look].extension[index].plane, from, to)) {
-        return true;
-    }
     const uint32_t number = look_add(work, cell);
     if (number == UINT32_MAX) {
         return false;

@@ -138,7 +138,7 @@ static void places_choose(const lmb_region_work *all, const uint32_t *kept)
     }
 }
 
-/* Calls for all spread places before surfaces of regions that are kept. @return how many; `choice` NULL: they are only
+/* Chooses all spread places before surfaces of regions that are kept. @return how many; `choice` NULL: they are only
  * counted */
 static size_t spread_choose(const lmb_region_work *all, const uint32_t *kept, point_choice *choice)
 {

@@ -15,13 +15,6 @@
 /* Walls meet at an edge of a triangle that is that near to both. */
 #define BESIDE_EDGE 0.01f
 
-static lmb_vec3 to_cell(const lmb_region_frame *frame, lmb_vec3 place)
-{
-    const lmb_vec3 from = lmb_vec3_scale(lmb_vec3_sub(place, frame->first), 1.0f / (frame->spacing * frame->spacing));
-    return lmb_vec3_of(lmb_vec3_dot(from, frame->step[0]), lmb_vec3_dot(from, frame->step[1]),
-                       lmb_vec3_dot(from, frame->step[2]));
-}
-
 /* @return its number, or -1: there are too many */
 static int wall_find(lmb_region_walls *walls, lmb_region_plane plane)
 {
@@ -38,19 +31,11 @@ static int wall_find(lmb_region_walls *walls, lmb_region_plane plane)
     return walls->count++;
 }
 
-/* A side that is not there to be seen: what sees it is inside of something. */
-static bool is_unseen(const lmb_tracer *tracer, const lmb_hit *hit, float way)
-{
-    const lmb_scene *const scene = lmb_tracer_scene(tracer);
-    const lmb_mesh *const mesh = &scene->meshes[scene->instances[hit->instance].mesh];
-    return hit->front == (way < 0.0f) && !scene->materials[mesh->material[hit->triangle]].double_sided;
-}
-
 /* What is met from a node, along the axis or (-1) against it. */
 static void met_add(lmb_region_walls *walls, const lmb_tracer *tracer, const lmb_region_frame *frame, int node,
                     int axis, float way, float at, const lmb_hit *hit)
 {
-    if (is_unseen(tracer, hit, way)) {
+    if (lmb_region_is_unseen(tracer, hit, way < 0.0f)) {
         return;
     }
     const lmb_place place = lmb_trace_place(tracer, hit);
@@ -58,7 +43,8 @@ static void met_add(lmb_region_walls *walls, const lmb_tracer *tracer, const lmb
     const lmb_vec3 n = lmb_vec3_scale(place.geometric_normal, side / frame->spacing);
     const lmb_vec3 normal =
         lmb_vec3_of(lmb_vec3_dot(n, frame->step[0]), lmb_vec3_dot(n, frame->step[1]), lmb_vec3_dot(n, frame->step[2]));
-    const int wall = wall_find(walls, (lmb_region_plane){normal, lmb_vec3_dot(normal, to_cell(frame, place.position))});
+    const int wall = wall_find(
+        walls, (lmb_region_plane){normal, lmb_vec3_dot(normal, lmb_region_coordinates(frame, place.position))});
     if (wall >= 0 && walls->met_count < LMB_REGION_MET_MOST) {
         walls->met[walls->met_count++] = (lmb_region_met){.node = (uint8_t)node,
                                                           .axis = (uint8_t)axis,
@@ -143,7 +129,7 @@ static int triangles_list(const lmb_region_walls *walls, int wall, const lmb_tra
             known[count][1] = met->triangle;
             lmb_trace_corners(tracer, met->instance, met->triangle, corner[count]);
             for (int k = 0; k < 3; ++k) {
-                corner[count][k] = to_cell(frame, corner[count][k]);
+                corner[count][k] = lmb_region_coordinates(frame, corner[count][k]);
             }
             ++count;
         }
